@@ -12,5 +12,5 @@ if [ ! -d "$bench" ] || [ ! -d "$data/brava" ]; then
 fi
 # What is only tried is not recorded.
 tried=${WILLIS:-}
-[ -n "$tried" ] || cargo build --release --locked --quiet --bin willis
+[ -n "$tried" ] || cargo build --release --locked --quiet --features train --bin willis
 export WILLIS=${WILLIS:-$PWD/target/release/willis}

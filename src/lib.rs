@@ -23,14 +23,14 @@
 //!
 //! | the paper | here |
 //! |---|---|
-//! | the whole method, one sample after another, slow and obvious | `sampling/reference.rs` |
+//! | the whole method, one sample after another, slow and obvious | `crates/core/src/sampling/reference.rs` |
 //! | the steps of a run | [`internals::pipeline`] |
-//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `network/vessels_from_centerlines.rs`: [`RadiusRule::Mean`] |
+//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/vessels_from_centerlines.rs`: [`RadiusRule::Mean`] |
 //! | R = 8µl/(πr⁴) | [`internals::flow::poiseuille`] |
-//! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `flow/batch/` |
+//! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `crates/core/src/flow/batch/` |
 //! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`], [`internals::flow::state`] |
 //! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`internals::perturbation::Occlusion`] |
-//! | MST(1/ρ) | `sampling/forest.rs` |
+//! | MST(1/ρ) | `crates/core/src/sampling/forest.rs` |
 //! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`Likelihood`] |
 //! | median threshold | [`Keep::Median`] |
 //! | forward simulation under stenosis and occlusion | [`simulate`], [`internals::simulation`] |
@@ -40,55 +40,34 @@
 //! |---|---|
 //! | w = exp(β·x), v = exp(γ·z) | [`internals::candidates::features`], [`internals::candidates::model`] |
 //! | P(c → p by e) = w_e (G_cc - G_pc), P(root c) = v_c G_cc | [`internals::forest_posterior::marginals()`] |
-//! | maximum conditional likelihood | `training/fit.rs` |
-//! | the most probable forest | `decision/most_probable_forest.rs` |
-//! | whole topologies with their weights | `decision/whole_topologies.rs` |
+//! | maximum conditional likelihood | `crates/training/src/fit.rs` |
+//! | the most probable forest | `crates/core/src/decision/most_probable_forest.rs` |
+//! | whole topologies with their weights | `crates/core/src/decision/whole_topologies.rs` |
 //! | the variant of a circle, and its probability | [`internals::circle_of_willis`] |
 
 #[cfg(feature = "cli")]
 pub mod cli;
-pub mod error;
 pub mod internals;
 
-mod candidates;
-mod circle_of_willis;
-mod contacts;
-mod decision;
-mod flow;
-mod forest_posterior;
-mod io;
-mod masks;
-mod modulation;
-mod naming;
-mod network;
-mod output;
-mod perturbation;
-mod phantom;
 mod pipeline;
-mod report;
-mod sampling;
-mod simulation;
-mod support;
-#[cfg(feature = "training")]
-mod training;
 
-pub use candidates::{Attach, CandidateOptions, CandidateRadius};
-pub use circle_of_willis::LabelScheme;
-pub use decision::{Decision, Keep};
-pub use error::{Error, Result};
-pub use flow::{FoundOutlets, Thickness, WallLaw};
-pub use io::ReadOptions;
-pub use masks::{Appearance, RadiusFrom};
-pub use modulation::ModulationOptions;
-pub use network::units::{LengthUnit, Scale};
-pub use network::{Network, RadiusRule};
-pub use perturbation::stenosis::{Stenosis, StretchPlace};
 pub use pipeline::{
     ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions,
     Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, PulseMean, PulseOptions,
     SaveOptions, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, modulate,
     modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
-pub use sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
-pub use simulation::Change;
-pub use simulation::pulse::Friction;
+pub use willis_core::decision::{Decision, Keep};
+pub use willis_core::error::{self, Error, Result};
+pub use willis_core::flow::{FoundOutlets, Thickness, WallLaw};
+pub use willis_core::modulation::ModulationOptions;
+pub use willis_core::network::units::{LengthUnit, Scale};
+pub use willis_core::network::{Network, RadiusRule};
+pub use willis_core::perturbation::stenosis::{Stenosis, StretchPlace};
+pub use willis_core::sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
+pub use willis_core::simulation::Change;
+pub use willis_core::simulation::pulse::Friction;
+pub use willis_io::formats::ReadOptions;
+pub use willis_io::masks::{Appearance, RadiusFrom};
+pub use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
+pub use willis_models::circle_of_willis::LabelScheme;

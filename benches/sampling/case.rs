@@ -6,7 +6,7 @@ use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::peeling::{Peeled, peel};
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
-use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{Coins, SamplingOptions, Solver, Uncertain};

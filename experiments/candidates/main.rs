@@ -43,7 +43,7 @@ fn rule(name: &str) -> Option<SearchOptions> {
 fn observed(path: &str) -> Result<Network> {
     let wrong = |fault: Fault| Error::other(fault.in_file(path.as_ref()));
     let file = BufReader::new(fs::File::open(path)?);
-    let (mut lines, _) = willis::internals::io::read_swc(file, &Scale::default()).map_err(wrong)?;
+    let (mut lines, _) = willis::internals::formats::read_swc(file, &Scale::default()).map_err(wrong)?;
     lines.weld(WELD_TOLERANCE);
     Ok(contract(&lines, RadiusRule::Mean, None).map_err(wrong)?.network)
 }

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
-use willis::internals::io::{Column, Values, checksum, write_nifti, write_nifti_image};
+use willis::internals::formats::{Column, Values, checksum, write_nifti, write_nifti_image};
 use willis::internals::modulation::Reading;
 use willis::internals::naming::{NamingModel, name_arteries};
 use willis::internals::network::Origin;
@@ -337,7 +337,7 @@ fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     posterior.variants.iter().for_each(|(variant, p)| digest.word(&format!("{variant:?} {p:.4}")));
     // The model of patients finds no circle in a drawn one: that it does not is no answer, but what it says of each node is.
     let text = made.names.as_ref().map(std::fs::read_to_string).transpose()?;
-    let model = NamingModel::read(text.as_deref().unwrap_or(include_str!("../../src/naming/arteries.toml")))
+    let model = NamingModel::read(text.as_deref().unwrap_or(include_str!("../../crates/models/src/naming/arteries.toml")))
         .map_err(|fault| fault.in_file("arteries.toml".as_ref()))?;
     let names = name_arteries(run.graph(), &model).ok_or("no names")?;
     digest.numbers(names.labels.into_iter().flatten().chain(names.presence).map(|p| (1e6 * p).round()));

@@ -22,7 +22,7 @@ if lost:
 import common
 import make_cases
 
-SHIPPED = bench.ROOT / "src/candidates/model/tubes.toml"
+SHIPPED = bench.ROOT / "crates/models/src/candidates/model/tubes.toml"
 SOURCES = {"brains": "brava/vtp", "circles": "insist-cow"}
 # Trees are drawn vessel by vessel, each beginning inside or near the lumen of the one it leaves. A case has shares of its own: how often a
 # vessel goes on through a junction, how densely it has points, how many of its vessels are broken or missing. Distances over radius are those

@@ -1,4 +1,4 @@
-"""The weights that ship: fitted on the training draws, into src/candidates/model/weights.toml. weights.py [--work FOLDER]."""
+"""The weights that ship: fitted on the training draws, into crates/models/src/candidates/model/weights.toml. weights.py [--work FOLDER]."""
 import argparse
 import shutil
 import sys
@@ -15,7 +15,7 @@ if bench.missing():
 import command
 import common
 
-SHIPPED = bench.ROOT / "src/candidates/model/weights.toml"
+SHIPPED = bench.ROOT / "crates/models/src/candidates/model/weights.toml"
 
 
 def main():

@@ -10,5 +10,5 @@
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
-[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --bin willis
+[ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet --features train --bin willis
 nice -n 5 "${WILLIS_PYTHON:-python3}" experiments/labels/run.py "$@"

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use willis::internals::io::{ReadOptions, read_nifti, read_npy_mask};
+use willis::internals::formats::{ReadOptions, read_nifti, read_npy_mask};
 use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis::internals::support::random::stream;

@@ -9,7 +9,7 @@
 # Arguments: a folder for the cases, which is kept and gone on from (some five minutes), and MODEL. ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
-model=$(realpath -m "${2:-$(dirname "$0")/../../src/contacts/contacts.toml}")
+model=$(realpath -m "${2:-$(dirname "$0")/../../crates/models/src/contacts/contacts.toml}")
 . "$(dirname "$0")/../skelbench.sh"
 here=$PWD/experiments/skeletons
 cd "$work"

@@ -14,7 +14,7 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use willis::error::Result;
-use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::network::Network;
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::support::statistics::{median, quantile};

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use libfuzzer_sys::fuzz_target;
 use willis::cli::words;
-use willis::internals::io::graph_columns;
+use willis::internals::formats::graph_columns;
 use willis::read_bytes;
 
 fuzz_target!(|bytes: &[u8]| {

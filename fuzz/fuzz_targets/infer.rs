@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use willis::internals::io::{ReadOptions, read_graphml, read_swc};
+use willis::internals::formats::{ReadOptions, read_graphml, read_swc};
 use willis::internals::network::contract;
 use willis::internals::network::units::Scale;
 use willis::{FoundOutlets, InferOptions, Input, Keep, Network, Prior, RadiusRule, infer};

@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use willis::internals::io::{read_nifti, write_nifti};
+use willis::internals::formats::{read_nifti, write_nifti};
 use willis::internals::masks::{Foreground, Mask, RadiusFrom, distances, thin, trace};
 use willis::internals::network::{RadiusRule, contract};
 

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
 use willis::cli::words;
-use willis::internals::io::{NamedArray, graph_columns, write_arrays};
+use willis::internals::formats::{NamedArray, graph_columns, write_arrays};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::{ConnectionDecision, InferOptions, Inference, Input, Keep, ReadOptions, Silent, infer, read_bytes};
 
@@ -25,7 +25,7 @@ static RUN: LazyLock<Inference> = LazyLock::new(|| {
 fn look(input: &Input) {
     let (nodes, vessels) = graph_columns(&input.network);
     let is_even =
-        |columns: &[willis::internals::io::Column]| columns.windows(2).all(|pair| pair[0].values.len() == pair[1].values.len());
+        |columns: &[willis::internals::formats::Column]| columns.windows(2).all(|pair| pair[0].values.len() == pair[1].values.len());
     assert!(is_even(&nodes) && is_even(&vessels));
     let _ = words::said_of_input(input);
 }

@@ -4,7 +4,7 @@
 use std::io::Cursor;
 
 use libfuzzer_sys::fuzz_target;
-use willis::internals::io::{NamedArray, write_arrays};
+use willis::internals::formats::{NamedArray, write_arrays};
 use willis::internals::output::{read_part, write_part};
 
 /// Which vessels of three are uncertain.

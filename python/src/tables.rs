@@ -4,7 +4,7 @@ use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use willis::Network;
-use willis::internals::io::{Column, NamedArray, Values, graph_columns};
+use willis::internals::formats::{Column, NamedArray, Values, graph_columns};
 use willis::internals::network::units::millimetres;
 
 /// Arrays by name, in the order of the columns; numbers are handed over, not copied.

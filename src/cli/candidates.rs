@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::error::{Error, Result};
-use crate::internals::io::{graph_columns, write_graphml};
+use crate::internals::formats::{graph_columns, write_graphml};
 use crate::internals::network::Origin;
 use crate::internals::output::atomic::{StagedFile, write_file};
 use crate::{InferOptions, prepare, read};

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::error::Error;
-use crate::internals::io::bytes_of;
+use crate::internals::formats::bytes_of;
 use crate::internals::output::atomic::{StagedFolder, replace_file};
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;

@@ -9,7 +9,7 @@ use std::thread;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
-use crate::internals::io::{checksum_of_file, companion_files};
+use crate::internals::formats::{checksum_of_file, companion_files};
 use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};

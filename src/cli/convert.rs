@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 
 use crate::error::{Fault, Result};
-use crate::internals::io::convert::Target;
-use crate::internals::io::{Format, unread_columns};
+use crate::internals::formats::convert::Target;
+use crate::internals::formats::{Format, unread_columns};
 use crate::internals::output::StagedFile;
 use crate::internals::pipeline::write_target;
 use crate::{Network, read};

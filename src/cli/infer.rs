@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::io::write_csv;
+use crate::internals::formats::write_csv;
 use crate::internals::output::atomic::{StagedFolder, write_file};
 use crate::internals::output::names::AGREEMENT;
 use crate::internals::output::write_error;

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use crate::error::Result;
 use crate::internals::circle_of_willis::{Artery, RING};
-use crate::internals::io::LandmarkFormat;
-use crate::internals::io::convert::Target;
+use crate::internals::formats::LandmarkFormat;
+use crate::internals::formats::convert::Target;
 use crate::internals::output::StagedFile;
 use crate::{InferOptions, LabelOptions, label, read};
 use clap::Args;

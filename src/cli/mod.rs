@@ -22,6 +22,7 @@ mod shell;
 mod signals;
 mod simulate;
 mod subjects;
+#[cfg(feature = "train")]
 mod train;
 pub mod words;
 
@@ -71,6 +72,7 @@ enum Command {
     Label(Box<label::LabelArgs>),
     Convert(Box<convert::ConvertArgs>),
     Skeleton(Box<convert::SkeletonArgs>),
+    #[cfg(feature = "train")]
     Train(train::TrainArgs),
     Phantom(phantom::PhantomArgs),
     Completions(shell::CompletionsArgs),
@@ -235,6 +237,7 @@ impl Cli {
             Command::Label(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
             Command::Skeleton(args) => args.run(terminal, force),
+            #[cfg(feature = "train")]
             Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
             Command::Completions(args) => args.run(),

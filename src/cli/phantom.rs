@@ -7,8 +7,8 @@ use crate::error::{Error, Result};
 use crate::internals::candidates::NEAREST;
 use crate::internals::flow::boundary_conditions::stated;
 use crate::internals::flow::{Boundary, FoundOutlets};
-use crate::internals::io::convert::{ENDINGS, Target};
-use crate::internals::io::{
+use crate::internals::formats::convert::{ENDINGS, Target};
+use crate::internals::formats::{
     Format, LandmarkFormat, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image,
 };
 use crate::internals::network::centerlines::Centerlines;

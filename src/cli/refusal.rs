@@ -21,6 +21,9 @@ pub fn one_line(error: &Error, given: &[String]) -> String {
     if let (ErrorKind::InvalidSubcommand, false) = (error.kind(), said.contains("did you mean"))
         && let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
     {
+        if word == "train" {
+            return format!("{said}; this willis was built without it: add `--features train` to the command that builds it");
+        }
         said = format!("{said}; {}expected {}", did_you_mean(word, names.iter().copied()), names.join(", "));
     }
     let of = given.iter().find(|word| names.contains(&word.as_str()) && *word != "help");

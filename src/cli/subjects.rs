@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::io::{Manifest, ManifestRow, bytes_of, read_manifest};
+use crate::internals::formats::{Manifest, ManifestRow, bytes_of, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;

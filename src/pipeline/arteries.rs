@@ -7,21 +7,21 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::{PhenotypeOptions, SourceFile};
-use crate::circle_of_willis::{
+use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
+use willis_core::error::{Fault, Result};
+use willis_core::flow::boundary_conditions::stated;
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::network::units::Scale;
+use willis_core::network::{Condition, Network, Role};
+use willis_core::sampling::SamplingOptions;
+use willis_io::formats::{LandmarkFormat, bytes_of, checksum, read_landmarks};
+use willis_io::output::atomic::write_file;
+use willis_io::output::names::LANDMARKS;
+use willis_models::circle_of_willis::{
     Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Variant, artery_of_label, collaterals,
     hypoplastic, identify_landmarks, in_axes_of, segment_diameters,
 };
-use crate::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
-use crate::error::{Fault, Result};
-use crate::flow::boundary_conditions::stated;
-use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{LandmarkFormat, bytes_of, checksum, read_landmarks};
-use crate::naming::{NamedCircle, Names, NamingModels};
-use crate::network::units::Scale;
-use crate::network::{Condition, Network, Role};
-use crate::output::atomic::write_file;
-use crate::output::names::LANDMARKS;
-use crate::sampling::SamplingOptions;
+use willis_models::naming::{NamedCircle, Names, NamingModels};
 
 /// How the arteries of a Circle of Willis are known.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -6,14 +6,14 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use super::progress::{Progress, Step};
-use crate::error::{Error, Place, Result};
-use crate::flow::boundary_conditions::{Total, stated};
-use crate::flow::{Boundary, FoundOutlets, Given};
-use crate::io::bytes_of;
-use crate::io::tables::conditions::{read_csv, read_toml};
-use crate::network::quantity::Dimension;
-use crate::network::{Condition, FoundBy, Network, Role, Windkessel, locate};
-use crate::support::suggestions::did_you_mean;
+use willis_core::error::{Error, Place, Result};
+use willis_core::flow::boundary_conditions::{Total, stated};
+use willis_core::flow::{Boundary, FoundOutlets, Given};
+use willis_core::network::quantity::Dimension;
+use willis_core::network::{Condition, FoundBy, Network, Role, Windkessel, locate};
+use willis_core::support::suggestions::did_you_mean;
+use willis_io::formats::bytes_of;
+use willis_io::formats::tables::conditions::{read_csv, read_toml};
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
                        murray=8mmHg.s/mL, of all outlets together and positive";

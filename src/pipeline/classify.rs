@@ -8,21 +8,21 @@ use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
 use super::stored_run::StoredRun;
 use super::{ArterySource, InferOptions, Input, Silent, prepare};
-use crate::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels, supplies};
-use crate::decision::{Keep, decide, has_evidence};
-use crate::error::{Fault, Result};
-use crate::flow::boundary_conditions::stated;
-use crate::flow::poiseuille::BLOOD_VISCOSITY;
-use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{Column, write_csv};
-use crate::network::Network;
-use crate::output::atomic::write_file;
-use crate::output::names::SUPPLY;
-use crate::report::{
+use willis_core::decision::{Keep, decide, has_evidence};
+use willis_core::error::{Fault, Result};
+use willis_core::flow::boundary_conditions::stated;
+use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::network::Network;
+use willis_core::sampling::{SamplingOptions, infer};
+use willis_io::formats::{Column, write_csv};
+use willis_io::output::atomic::write_file;
+use willis_io::output::names::SUPPLY;
+use willis_models::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels, supplies};
+use willis_report::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
     write_classified, write_phenotype,
 };
-use crate::sampling::{SamplingOptions, infer};
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
 #[derive(Debug)]

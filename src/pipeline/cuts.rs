@@ -10,16 +10,16 @@ use serde_json::{Value, json};
 
 use super::Input;
 use super::options::SourceFile;
-use crate::candidates::kind::Kind;
-use crate::contacts::model::ContactModel;
-use crate::contacts::pairings::Pairings;
-use crate::contacts::with_contacts;
-use crate::decision::{SuggestedCut, suggested_cuts};
-use crate::error::{Error, Fault, Result};
-use crate::io::{ReadOptions, bytes_of, checksum, read_mask};
-use crate::masks::{Field, Foreground, Scene};
-use crate::network::Network;
-use crate::support::suggestions::did_you_mean;
+use willis_core::error::{Error, Fault, Result};
+use willis_core::network::Network;
+use willis_core::support::suggestions::did_you_mean;
+use willis_io::formats::{ReadOptions, bytes_of, checksum, read_mask};
+use willis_io::masks::{Field, Foreground, Scene};
+use willis_models::candidates::kind::Kind;
+use willis_models::contacts::model::ContactModel;
+use willis_models::contacts::pairings::Pairings;
+use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
+use willis_models::contacts::with_contacts;
 
 /// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]

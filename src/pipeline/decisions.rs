@@ -6,9 +6,9 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::error::{Error, Fault, Result};
-use crate::io::{ListedDecision, bytes_of, checksum, read_decisions};
-use crate::network::{Evidence, Network, Origin};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::network::{Evidence, Network, Origin};
+use willis_io::formats::{ListedDecision, bytes_of, checksum, read_decisions};
 
 /// A decision on one connection.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

@@ -7,22 +7,22 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
-use crate::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
-use crate::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
-use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::io::{Column, write_csv};
-use crate::network::Network;
-use crate::output::atomic::{StagedFolder, write_file};
-use crate::output::names::SUPPLY;
-use crate::output::write_record;
-use crate::report::run_record::Built;
-use crate::report::{
+use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
+use willis_core::error::{Error, Result};
+use willis_core::flow::Boundary;
+use willis_core::network::Network;
+use willis_core::sampling::{Likelihood, Method, SamplingOptions};
+use willis_core::support::endings::stem;
+use willis_io::formats::{Column, write_csv};
+use willis_io::output::atomic::{StagedFolder, write_file};
+use willis_io::output::names::SUPPLY;
+use willis_io::output::write_record;
+use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
+use willis_report::run_record::Built;
+use willis_report::{
     Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns, write_outcome,
     write_phenotype,
 };
-use crate::sampling::{Likelihood, Method, SamplingOptions};
-use crate::support::endings::stem;
 
 /// What a run found.
 #[derive(Debug)]

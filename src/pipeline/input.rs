@@ -4,17 +4,17 @@ use std::path::Path;
 use std::time::Instant;
 
 use super::stored_run::StoredRun;
-use crate::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
-use crate::error::{Error, Result};
-use crate::flow::FoundOutlets;
-use crate::io::tables::reader::plural;
-use crate::io::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
-use crate::masks::{Foreground, RadiusFrom};
-use crate::network::centerlines::Centerlines;
-use crate::network::units::LengthUnit;
-use crate::network::{Network, Origin};
-use crate::report::Provenance;
-use crate::support::geometry::Point;
+use willis_core::error::{Error, Result};
+use willis_core::flow::FoundOutlets;
+use willis_core::network::centerlines::Centerlines;
+use willis_core::network::units::LengthUnit;
+use willis_core::network::{Network, Origin};
+use willis_core::support::geometry::Point;
+use willis_io::formats::tables::reader::plural;
+use willis_io::formats::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
+use willis_io::masks::{Foreground, RadiusFrom};
+use willis_models::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
+use willis_report::Provenance;
 
 /// A network and where it comes from: what every other function of this crate starts from.
 #[derive(Debug, Clone)]

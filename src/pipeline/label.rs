@@ -6,17 +6,19 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::{InferOptions, Input, Prepared, Progress, prepare, write_target};
-use crate::circle_of_willis::RING;
-use crate::error::{Fault, Result};
-use crate::io::bytes_of;
-use crate::io::convert::Target;
-use crate::io::{Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks};
-use crate::naming::states::OTHER;
-use crate::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
-use crate::network::Network;
-use crate::network::units::metres;
-use crate::output::StagedFile;
-use crate::output::atomic::write_file;
+use willis_core::error::{Fault, Result};
+use willis_core::network::Network;
+use willis_core::network::units::metres;
+use willis_io::formats::bytes_of;
+use willis_io::formats::convert::Target;
+use willis_io::formats::{
+    Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
+};
+use willis_io::output::StagedFile;
+use willis_io::output::atomic::write_file;
+use willis_models::circle_of_willis::RING;
+use willis_models::naming::states::OTHER;
+use willis_models::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
 
 /// How arteries are named.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -166,7 +168,7 @@ impl Labelled {
 
     /// From RAS to the frame of the file, for x and y.
     fn sign(&self) -> f64 {
-        if self.names.frame == crate::network::Frame::Lps { -1.0 } else { 1.0 }
+        if self.names.frame == willis_core::network::Frame::Lps { -1.0 } else { 1.0 }
     }
 }
 

@@ -40,19 +40,19 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use crate::candidates::CandidateOptions;
-use crate::candidates::kind::Kind;
-use crate::decision::{Keep, all_decided};
-use crate::error::{Error, Fault, Result};
-use crate::flow::{Boundary, FoundOutlets, Given};
-use crate::io::{Format, checksum, checksum_of};
-use crate::masks::Scene;
-use crate::naming::{Names, NamingModels};
-use crate::network::{Condition, Network, Origin};
-use crate::report::{ImageCut, Provenance, Segmentation};
-use crate::sampling::{FIRST_STABLE, FoundConditions, PartialRun, Sampling, SamplingOptions, Solver};
 use arteries::FoundArteries;
 use cuts::{Contacts, Cuts};
+use willis_core::decision::{Keep, all_decided};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::flow::{Boundary, FoundOutlets, Given};
+use willis_core::network::{Condition, Network, Origin};
+use willis_core::sampling::{FIRST_STABLE, FoundConditions, PartialRun, Sampling, SamplingOptions, Solver};
+use willis_io::formats::{Format, checksum, checksum_of};
+use willis_io::masks::Scene;
+use willis_models::candidates::CandidateOptions;
+use willis_models::candidates::kind::Kind;
+use willis_models::naming::{Names, NamingModels};
+use willis_report::{ImageCut, Provenance, Segmentation};
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -419,7 +419,7 @@ impl Prepared {
 /// The sampling loop reports to whoever follows the run.
 struct Heard<'a>(&'a mut dyn Progress);
 
-impl crate::sampling::Progress for Heard<'_> {
+impl willis_core::sampling::Progress for Heard<'_> {
     fn report(&mut self, done: u64, total: u64) -> bool {
         self.0.report(done, total)
     }

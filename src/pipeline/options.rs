@@ -10,16 +10,16 @@ use super::boundary_options::BoundaryOptions;
 use super::cuts::Cut;
 use super::prior::Prior;
 use super::pulse::PulseOptions;
-use crate::candidates::{Attach, CandidateOptions, CandidateRadius};
-use crate::circle_of_willis::VariantFrequencies;
-use crate::decision::Keep;
-use crate::error::{Error, Result};
-use crate::flow::FoundOutlets;
-use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
-use crate::io::ReadOptions;
-use crate::masks::Appearance;
-use crate::report::figures::{DEFAULT_DPI, check_dpi};
-use crate::sampling::{SamplingOptions, Uncertain};
+use willis_core::decision::Keep;
+use willis_core::error::{Error, Result};
+use willis_core::flow::FoundOutlets;
+use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use willis_core::sampling::{SamplingOptions, Uncertain};
+use willis_io::formats::ReadOptions;
+use willis_io::masks::Appearance;
+use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
+use willis_models::circle_of_willis::VariantFrequencies;
+use willis_report::figures::{DEFAULT_DPI, check_dpi};
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -147,17 +147,17 @@ impl PhenotypeOptions {
     /// # Errors
     ///
     /// A file that cannot be read or is no model.
-    pub(crate) fn models(&self) -> Result<crate::naming::NamingModels> {
+    pub(crate) fn models(&self) -> Result<willis_models::naming::NamingModels> {
         super::label::load_models(self.arteries.as_deref())
     }
 
     /// The prior that they mean.
-    pub(crate) fn prior(&self) -> Result<crate::naming::Prior> {
+    pub(crate) fn prior(&self) -> Result<willis_models::naming::Prior> {
         let frequencies = match &self.frequencies {
             Some(path) => VariantFrequencies::of_file(path)?,
             None => VariantFrequencies::published()?,
         };
-        Ok(crate::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
+        Ok(willis_models::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
     }
 }
 

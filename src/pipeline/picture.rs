@@ -6,13 +6,13 @@ use serde_json::{Value, json};
 
 use super::options::{InferOptions, SourceFile};
 use super::prior::LoadedPrior;
-use crate::error::{Error, Fault, Result};
-use crate::io::{ReadOptions, read_image};
-use crate::masks::strips::Strip;
-use crate::masks::{Appearance, Scene, Unseen, View};
-use crate::network::{Network, Origin};
-use crate::report::ImageCut;
-use crate::support::geometry::Point;
+use willis_core::error::{Error, Fault, Result};
+use willis_core::network::{Network, Origin};
+use willis_core::support::geometry::Point;
+use willis_io::formats::{ReadOptions, read_image};
+use willis_io::masks::strips::Strip;
+use willis_io::masks::{Appearance, Scene, Unseen, View};
+use willis_report::ImageCut;
 
 /// Vessels whose probability is at least so far from 0 and 1 get pictures, ...
 const LEAST_DOUBT: f64 = 0.02;

@@ -9,18 +9,18 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::SourceFile;
-use crate::candidates::joins::model::JoinModel;
-use crate::candidates::kind::Kind;
-use crate::candidates::model::Weights;
-use crate::candidates::search::SearchOptions;
-use crate::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
-use crate::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
-use crate::error::{Error, Fault, Result};
-use crate::flow::Given;
-use crate::io::{bytes_of, checksum, read_prior_csv, read_prior_npy};
-use crate::masks::View;
-use crate::network::{Network, Origin, Role};
-use crate::support::suggestions::did_you_mean;
+use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::flow::Given;
+use willis_core::network::{Network, Origin, Role};
+use willis_core::support::suggestions::did_you_mean;
+use willis_io::formats::{bytes_of, checksum, read_prior_csv, read_prior_npy};
+use willis_io::masks::View;
+use willis_models::candidates::joins::model::JoinModel;
+use willis_models::candidates::kind::Kind;
+use willis_models::candidates::model::Weights;
+use willis_models::candidates::search::SearchOptions;
+use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
 /// or the path of a file.

@@ -1,10 +1,10 @@
 //! What a caller may hear of a run while it is at work, and how it may stop it or resume an earlier one.
 
-use crate::candidates::CandidateOptions;
-use crate::flow::Boundary;
-use crate::network::Network;
-use crate::network::find_by_name::Located;
-use crate::sampling::{PartialRun, SamplingOptions};
+use willis_core::flow::Boundary;
+use willis_core::network::Network;
+use willis_core::network::find_by_name::Located;
+use willis_core::sampling::{PartialRun, SamplingOptions};
+use willis_models::candidates::CandidateOptions;
 
 /// Follows a run. Every method does nothing by default.
 pub trait Progress: Send {

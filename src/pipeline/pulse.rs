@@ -8,19 +8,19 @@ use serde_json::{Value, json};
 
 use super::options::{FlowOptions, SourceFile};
 use super::progress::{Progress, Step};
-use crate::error::{Error, Result};
-use crate::flow::state::{BLOOD_DENSITY, State};
-use crate::flow::{Boundary, Tube, WallLaw};
-use crate::io::{bytes_of, checksum, read_waveform};
-use crate::network::units::{ml_per_min, mmhg};
-use crate::network::waveform::{Quantity, Waveform};
-use crate::network::{Condition, Network, Role, Windkessel, locate};
-use crate::report::end_name;
-use crate::simulation::pulse::fourier::{beyond, coefficients};
-use crate::simulation::pulse::typical::{self, Typical};
-use crate::simulation::pulse::womersley::Fluid;
-use crate::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, terminals, walled};
-use crate::simulation::{Perturbation, Simulation, perturbed};
+use willis_core::error::{Error, Result};
+use willis_core::flow::state::{BLOOD_DENSITY, State};
+use willis_core::flow::{Boundary, Tube, WallLaw};
+use willis_core::network::units::{ml_per_min, mmhg};
+use willis_core::network::waveform::{Quantity, Waveform};
+use willis_core::network::{Condition, Network, Role, Windkessel, locate};
+use willis_core::simulation::pulse::fourier::{beyond, coefficients};
+use willis_core::simulation::pulse::typical::{self, Typical};
+use willis_core::simulation::pulse::womersley::Fluid;
+use willis_core::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, terminals, walled};
+use willis_core::simulation::{Perturbation, Simulation, perturbed};
+use willis_io::formats::{bytes_of, checksum, read_waveform};
+use willis_report::end_name;
 
 /// How the flow pulsates. The default is what `willis simulate --pulse` does.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -266,7 +266,7 @@ fn period(sources: &[(usize, Source)], options: &PulseOptions) -> Result<f64> {
             let found = format!("has a period of {own} s, {} one of {period} s", other.path.display());
             return Err(Error::parameter("pulse", file.path.display(), format!("{found}; expected one period, or `period`")));
         }
-        let wrong = |(found, accepted)| crate::error::Fault::file(found, accepted).in_file(&file.path);
+        let wrong = |(found, accepted)| willis_core::error::Fault::file(found, accepted).in_file(&file.path);
         waveform.check(period).map_err(wrong)?;
     }
     Ok(period)

@@ -7,20 +7,20 @@ use serde_json::{Value, json};
 
 use super::pulse::Waves;
 use super::{BoundaryOptions, FlowOptions, Input, Progress, SaveOptions, Silent, Step};
-use crate::error::{Error, Result};
-use crate::flow::{Boundary, FoundOutlets};
-use crate::io::{Column, NamedArray};
-use crate::modulation::{HypertensionByClass, Modulation, ModulationOptions};
-use crate::network::vessels_called;
-use crate::output::atomic::StagedFolder;
-use crate::report::{
+use willis_core::error::{Error, Result};
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::modulation::{HypertensionByClass, Modulation, ModulationOptions};
+use willis_core::network::vessels_called;
+use willis_core::sampling;
+use willis_core::simulation::pulse::Pulses;
+use willis_core::simulation::transport::Transports;
+use willis_core::simulation::{Change, Perturbation, Simulation};
+use willis_io::formats::{Column, NamedArray};
+use willis_io::output::atomic::StagedFolder;
+use willis_report::{
     FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
     waveform_arrays, write_modulation, write_simulated,
 };
-use crate::sampling;
-use crate::simulation::pulse::Pulses;
-use crate::simulation::transport::Transports;
-use crate::simulation::{Change, Perturbation, Simulation};
 
 /// The flow in a network as it is, and beside it with vessels changed.
 #[derive(Debug)]
@@ -67,7 +67,7 @@ pub fn simulate_with<'a>(
     let waves = options.pulse.as_ref().map(|pulse| Waves::load(network, &boundary, pulse, progress)).transpose()?;
     let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
-    let simulation = crate::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
+    let simulation = willis_core::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
     let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
     let transports = options.transport.then(follow).transpose()?;
     let driven = waves.as_ref().zip(options.pulse.as_ref());
@@ -182,7 +182,7 @@ pub fn modulate_with<'a>(
     options.validate()?;
     let (boundary, outlets) = conditions(input, boundary, progress)?;
     let begun = Instant::now();
-    let modulation = crate::modulation::modulate(&input.network, &boundary, options, &mut Heard(progress))?;
+    let modulation = willis_core::modulation::modulate(&input.network, &boundary, options, &mut Heard(progress))?;
     let hypertension = HypertensionByClass::of(&modulation, threshold);
     let (options, seconds) = (options.clone(), begun.elapsed().as_secs_f64());
     Ok(ModulationRun { input, boundary, outlets, options, modulation, hypertension, seconds })

@@ -7,9 +7,9 @@ use serde_json::Value;
 
 use super::arteries::{ArterySource, FoundArteries};
 use super::options::RunOptions;
-use crate::error::{Fault, Result};
-use crate::output::names::{GRAPH, LANDMARKS, RECORD};
-use crate::output::read_json;
+use willis_core::error::{Fault, Result};
+use willis_io::output::names::{GRAPH, LANDMARKS, RECORD};
+use willis_io::output::read_json;
 
 /// A run of infer in a folder.
 #[derive(Debug, Clone)]

@@ -4,12 +4,12 @@ use std::fs::File;
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::io::convert::{Target, Written, losses, refusal, write_into};
-use crate::io::write_loops;
-use crate::network::Network;
-use crate::output::StagedFile;
-use crate::output::atomic::write_file;
+use willis_core::error::{Error, Result};
+use willis_core::network::Network;
+use willis_io::formats::convert::{Target, Written, losses, refusal, write_into};
+use willis_io::formats::write_loops;
+use willis_io::output::StagedFile;
+use willis_io::output::atomic::write_file;
 
 /// What came of writing a network.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

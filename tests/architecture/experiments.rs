@@ -65,10 +65,10 @@ fn one_weight_moves_what_rests_on_it_and_nothing_else() {
     let answers = |made: &Made| fingerprints(made, |name| name != "variants").expect("answers");
     let before = answers(&shipped);
     let weights = |source, number| one_weight_more(source, number, here.path());
-    let joins = weights("src/candidates/model/weights.toml", "calibration = [");
-    let tubes = weights("src/candidates/model/tubes.toml", "calibration = [");
-    let skeletons = weights("src/candidates/joins/skeleton.toml", "kind = \"skeleton\"\ncalibration = [\n    ");
-    let contacts = weights("src/contacts/contacts.toml", "\nweights = [\n    [\n    ");
+    let joins = weights("crates/models/src/candidates/model/weights.toml", "calibration = [");
+    let tubes = weights("crates/models/src/candidates/model/tubes.toml", "calibration = [");
+    let skeletons = weights("crates/models/src/candidates/joins/skeleton.toml", "kind = \"skeleton\"\ncalibration = [\n    ");
+    let contacts = weights("crates/models/src/contacts/contacts.toml", "\nweights = [\n    [\n    ");
     // What must move, and what may, for a decision need not flip.
     let cases: [(&str, Made, &[&str], &[&str]); 5] = [
         ("joins", Made { joins: Prior::File(joins), ..shipped.clone() }, &["joins"], &["kept"]),
@@ -93,7 +93,7 @@ fn one_weight_moves_what_rests_on_it_and_nothing_else() {
 #[test]
 fn one_weight_of_names_moves_the_variants() {
     let here = tempfile::tempdir().expect("a folder");
-    let source = "src/naming/arteries.toml";
+    let source = "crates/models/src/naming/arteries.toml";
     let answer =
         |path: PathBuf| fingerprints(&Made { names: Some(path), ..Made::default() }, |name| name == "variants").expect("answers");
     let changed = one_weight_more(source, "other_radius = [", here.path());

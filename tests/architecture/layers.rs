@@ -1,28 +1,26 @@
-//! The layers in which lib.rs declares the modules: no `crate::` path points sideways or up, and each outside library stays where it
-//! belongs.
+//! The layers of the modules inside of a crate: no `crate::` path points sideways or up. Between crates the compiler sees to that. Each
+//! outside library stays where it belongs.
 
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// From the bottom: a module may use those of earlier rows, and itself.
-const LAYERS: &[&[&str]] = &[
-    &["error"],
-    &["support"],
-    &["network"],
-    &["masks"],
-    &["forest_posterior", "flow"],
-    &["io"],
-    &["candidates", "perturbation", "contacts"],
-    &["sampling", "simulation"],
-    &["decision", "modulation"],
-    &["circle_of_willis", "phantom"],
-    &["naming"],
-    &["training"],
-    &["output"],
-    &["report"],
-    &["pipeline"],
-    &["internals"],
-    &["cli"],
+/// Crates of several modules, from the bottom: a module may use those of earlier rows, and itself.
+const LAYERS: &[(&str, &[&[&str]])] = &[
+    (
+        "core",
+        &[
+            &["error"],
+            &["support"],
+            &["network"],
+            &["forest_posterior", "flow"],
+            &["perturbation"],
+            &["sampling", "simulation"],
+            &["decision", "modulation"],
+        ],
+    ),
+    ("io", &[&["masks"], &["formats"], &["output"]]),
+    ("models", &[&["candidates", "contacts"], &["circle_of_willis"], &["naming"]]),
+    ("willis", &[&["pipeline"], &["internals"], &["cli"]]),
 ];
 
 /// What the command line may name behind the front door: words, units, formats, files and pictures, and what it prints of; no step of
@@ -31,7 +29,7 @@ const FOR_THE_COMMAND_LINE: &[&str] = &[
     "candidates",
     "circle_of_willis",
     "flow",
-    "io",
+    "formats",
     "modulation",
     "network",
     "output",
@@ -44,39 +42,34 @@ const FOR_THE_COMMAND_LINE: &[&str] = &[
     "training",
 ];
 
-/// Outside libraries with the files or folders that may name them.
+/// Outside libraries that only some files of a crate may name: files or folders, after the name of the crate.
 const CONFINED: &[(&str, &[&str])] = &[
-    ("clap", &["main.rs", "cli/"]),
-    ("clap_complete", &["cli/"]),
-    ("clap_mangen", &["cli/"]),
-    ("ctrlc", &["cli/signals.rs"]),
-    ("signal_hook", &["cli/signals.rs"]),
-    ("libc", &["cli/signals.rs", "output/lock.rs"]),
-    ("indicatif", &["main.rs", "cli/"]),
+    ("clap", &["willis/main.rs", "willis/cli/"]),
+    ("libc", &["willis/cli/signals.rs", "io/output/lock.rs"]),
+    ("signal_hook", &["willis/cli/signals.rs"]),
+    ("indicatif", &["willis/main.rs", "willis/cli/"]),
     (
         "rayon",
         &[
-            "sampling/run.rs",
-            "modulation/run.rs",
-            "support/mod.rs",
-            "support/parallel.rs",
-            "pipeline/mod.rs",
-            "cli/mod.rs",
-            "cli/cohort.rs",
-            "cli/print/mod.rs",
+            "core/sampling/run.rs",
+            "core/modulation/run.rs",
+            "core/support/mod.rs",
+            "core/support/parallel.rs",
+            "willis/pipeline/mod.rs",
+            "willis/cli/mod.rs",
+            "willis/cli/cohort.rs",
+            "willis/cli/print/mod.rs",
         ],
     ),
-    ("kiddo", &["candidates/search/point_index.rs"]),
+    ("kiddo", &["models/candidates/search/point_index.rs"]),
     ("plotters", &["report/figures/"]),
-    ("ab_glyph", &["report/figures/font.rs"]),
-    ("strsim", &["support/suggestions.rs"]),
-    ("faer", &["sampling/reference.rs", "contacts/sections.rs", "naming/pose.rs"]),
-    ("pulp", &["support/simd.rs"]),
-    ("rand_chacha", &["support/random.rs"]),
-    ("hdf5_reader", &["io/vendors/vtrails.rs"]),
-    ("quick_xml", &["io/xml.rs"]),
+    ("faer", &["core/sampling/reference.rs", "models/contacts/sections.rs", "models/naming/pose.rs"]),
+    ("pulp", &["core/support/simd.rs"]),
+    ("rand_chacha", &["core/support/random.rs"]),
+    ("hdf5_reader", &["io/formats/vendors/vtrails.rs"]),
+    ("quick_xml", &["io/formats/xml.rs"]),
     ("argmin", &["training/minimise.rs"]),
-    ("statrs", &["support/gamma.rs"]),
+    ("statrs", &["core/support/gamma.rs"]),
 ];
 
 const MOST_LINES: usize = 600;
@@ -173,7 +166,7 @@ fn heads(tokens: &[String], at: usize) -> Vec<String> {
     }
 }
 
-/// The top-level modules that a file of the library names, by `crate::` or by enough `super::`.
+/// The top-level modules that a file of a crate names, given its path below `src`: by `crate::` or by enough `super::`.
 fn used(file: &str, code: &str) -> BTreeSet<String> {
     let depth = file.split('/').count() - usize::from(file.ends_with("mod.rs"));
     let tokens = tokens(code);
@@ -196,56 +189,63 @@ fn used(file: &str, code: &str) -> BTreeSet<String> {
     found
 }
 
-fn layer(module: &str) -> Option<usize> {
-    LAYERS.iter().position(|layer| layer.contains(&module))
+fn layer(crate_name: &str, module: &str) -> Option<usize> {
+    let (_, layers) = LAYERS.iter().find(|(name, _)| *name == crate_name)?;
+    layers.iter().position(|layer| layer.contains(&module))
 }
 
-/// What is wrong with a source file, given its path below src.
-fn violations(file: &str, source: &str) -> Vec<String> {
+/// What is wrong with a source file, given the name of its crate and its path below `src`.
+fn violations(of: &str, source: &str) -> Vec<String> {
+    let (crate_name, file) = of.split_once('/').expect("a crate and a file");
     let mut wrong = Vec::new();
     if !source.starts_with("//! ") {
-        wrong.push(format!("{file}: the first line does not say what the file is for"));
+        wrong.push(format!("{of}: the first line does not say what the file is for"));
     }
     let lines = source.lines().count();
     if lines > MOST_LINES {
-        wrong.push(format!("{file}: {lines} lines, more than {MOST_LINES}"));
+        wrong.push(format!("{of}: {lines} lines, more than {MOST_LINES}"));
     }
     let code = code(source);
-    let words: BTreeSet<String> = tokens(&code).into_iter().collect();
+    let tokens = tokens(&code);
+    let words: BTreeSet<&str> = tokens.iter().map(String::as_str).collect();
     if words.contains("test") {
-        wrong.push(format!("{file}: tests belong to tests/"));
+        wrong.push(format!("{of}: tests belong to tests/"));
     }
     for (library, homes) in CONFINED {
-        let home = homes.iter().any(|home| file == *home || (home.ends_with('/') && file.starts_with(home)));
-        if words.contains(*library) && !home {
-            wrong.push(format!("{file}: names {library}, which belongs to {}", homes.join(", ")));
+        let home = homes.iter().any(|home| of == *home || (home.ends_with('/') && of.starts_with(home)));
+        if words.contains(library) && !home {
+            wrong.push(format!("{of}: names {library}, which belongs to {}", homes.join(", ")));
         }
     }
     let module = file.split('/').next().unwrap_or(file).trim_end_matches(".rs");
-    if module == "cli" {
-        for pair in tokens(&code).windows(3).filter(|pair| pair[0] == "internals" && pair[1] == "::") {
+    let is_single = !LAYERS.iter().any(|(name, _)| *name == crate_name);
+    if is_single || ["lib", "main"].contains(&module) {
+        return wrong;
+    }
+    if of.starts_with("willis/cli/") {
+        for pair in tokens.windows(3).filter(|pair| pair[0] == "internals" && pair[1] == "::") {
             if !FOR_THE_COMMAND_LINE.contains(&&*pair[2]) {
-                wrong.push(format!("{file}: internals::{} is a step of the method, behind the front door", pair[2]));
+                wrong.push(format!("{of}: internals::{} is a step of the method, behind the front door", pair[2]));
             }
         }
-        let own = ["cli", "error", "internals"];
-        for other in used(file, &code).into_iter().filter(|other| layer(other).is_some() && !own.contains(&other.as_str())) {
-            wrong.push(format!("{file}: crate::{other} is behind the front door"));
-        }
-        return wrong;
+        wrong.extend(
+            words.iter().filter(|word| word.starts_with("willis_")).map(|word| format!("{of}: {word} is behind the front door")),
+        );
     }
-    if ["lib", "main"].contains(&module) {
-        return wrong;
-    }
-    let Some(own) = layer(module) else {
-        wrong.push(format!("{file}: module {module} has no layer"));
+    let Some(own) = layer(crate_name, module) else {
+        wrong.push(format!("{of}: module {module} has no layer"));
         return wrong;
     };
     for other in used(file, &code).into_iter().filter(|other| other != module) {
-        match layer(&other) {
-            None => wrong.push(format!("{file}: crate::{other} has no layer")),
-            Some(there) if there == own => wrong.push(format!("{file}: crate::{other} points sideways")),
-            Some(there) if there > own => wrong.push(format!("{file}: crate::{other} points up")),
+        match layer(crate_name, &other) {
+            // The front door, where the crate has one.
+            None if crate_name == "willis" => {}
+            None => wrong.push(format!("{of}: crate::{other} has no layer")),
+            Some(_) if module == "cli" && other == "pipeline" => {
+                wrong.push(format!("{of}: crate::pipeline is behind the front door"))
+            }
+            Some(there) if there == own => wrong.push(format!("{of}: crate::{other} points sideways")),
+            Some(there) if there > own => wrong.push(format!("{of}: crate::{other} points up")),
             Some(_) => {}
         }
     }
@@ -263,46 +263,48 @@ fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
     }
 }
 
-#[test]
-fn the_sources_keep_to_their_layers() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    let mut files = Vec::new();
-    sources(&root, &mut files);
-    files.sort();
-    assert!(files.len() > 40);
-    let mut wrong = Vec::new();
-    for path in files {
-        let file = path.strip_prefix(&root).unwrap().to_str().unwrap().replace('\\', "/");
-        wrong.extend(violations(&file, &std::fs::read_to_string(&path).unwrap()));
-    }
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+/// The crates with their folders.
+fn crates() -> Vec<(String, PathBuf)> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let inner = std::fs::read_dir(root.join("crates")).unwrap().map(|entry| entry.unwrap());
+    let inner = inner.map(|entry| (entry.file_name().into_string().unwrap(), entry.path()));
+    inner.chain([("willis".to_owned(), root.to_owned())]).collect()
 }
 
 #[test]
-fn every_module_has_a_layer() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/lib.rs");
-    let tokens = tokens(&code(&std::fs::read_to_string(root).unwrap()));
-    for declared in tokens.windows(2).filter(|w| w[0] == "mod") {
-        assert!(layer(&declared[1]).is_some(), "module {} has no layer", declared[1]);
+fn the_sources_keep_to_their_layers() {
+    let mut wrong = Vec::new();
+    let mut count = 0;
+    for (name, folder) in crates() {
+        let src = folder.join("src");
+        let mut files = Vec::new();
+        sources(&src, &mut files);
+        files.sort();
+        count += files.len();
+        for path in files {
+            let file = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
+            wrong.extend(violations(&format!("{name}/{file}"), &std::fs::read_to_string(&path).unwrap()));
+        }
     }
+    assert!(count > 40);
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 /// Each dependency has a row in the book that says why it is there, and no row is for one that is gone.
 #[test]
 fn every_library_has_its_reason() {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let read = |name: &str| std::fs::read_to_string(root.join(name)).expect("read");
-    let manifest: toml::Table = read("Cargo.toml").parse().expect("TOML");
+    let read = |path: &Path| std::fs::read_to_string(path).expect("read");
     let mut wanted: BTreeSet<String> = BTreeSet::new();
-    let mut add = |table: Option<&toml::Value>| {
-        wanted.extend(table.and_then(toml::Value::as_table).into_iter().flat_map(|t| t.keys().cloned()));
-    };
-    add(manifest.get("dependencies"));
-    add(manifest.get("dev-dependencies"));
-    for target in manifest["target"].as_table().expect("targets").values() {
-        add(target.get("dependencies"));
+    for (_, folder) in crates() {
+        let manifest: toml::Table = read(&folder.join("Cargo.toml")).parse().expect("TOML");
+        let targets = manifest.get("target").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::values);
+        let tables = [manifest.get("dependencies"), manifest.get("dev-dependencies")].into_iter();
+        for table in tables.chain(targets.map(|target| target.get("dependencies"))).flatten() {
+            wanted.extend(table.as_table().into_iter().flat_map(|table| table.keys().cloned()));
+        }
     }
-    let page = read("docs/src/libraries.md");
+    wanted.retain(|name| !name.starts_with("willis-"));
+    let page = read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/src/libraries.md"));
     let rows = page.lines().filter(|line| line.starts_with("| `")).filter_map(|line| line.split('|').nth(1));
     let said: BTreeSet<String> =
         rows.flat_map(|cell| cell.split(", ").map(|name| name.trim().trim_matches('`').to_owned())).collect();
@@ -317,46 +319,47 @@ fn every_kind_of_violation_is_caught() {
         let wrong = caught(file, body);
         assert!(wrong.len() == 1 && wrong[0].contains(what), "{file}: {body}: {wrong:?}");
     };
-    one("flow/pressures.rs", "use crate::forest_posterior::Forests;", "points sideways");
-    one("flow/batch/order.rs", "use super::super::super::io::Column;", "points up");
-    one("candidates/mod.rs", "use super::perturbation::Occlusion;", "points sideways");
-    one("network/mod.rs", "use crate::{support::{Point, resilience}, flow::Circuit};", "flow points up");
-    one("network/mod.rs", "fn f() -> crate :: sampling\n::Options { made_up() }", "points up");
-    one("io/mod.rs", "use super::candidates::Candidates;", "points up");
-    one("cli/infer.rs", "use crate::internals::decision::decide;", "front door");
-    one("cli/infer.rs", "use crate::decision::decide;", "front door");
-    one("pipeline/mod.rs", "use crate::cli::words;", "points up");
-    one("error.rs", "use crate::support::pascals;", "points up");
-    one("io/mod.rs", "#[cfg(test)]\nmod tests { fn f() {} }", "tests belong to tests/");
-    one("io/mod.rs", "#[cfg(all(test, unix))]\nmod tests { fn f() {} }", "tests belong to tests/");
-    one("io/mod.rs", "const S: &str = \"// not a comment\"; use crate::report::Page;", "points up");
-    one("io/mod.rs", "const Q: char = '\"'; use crate::report::Page; const R: char = '\"';", "points up");
-    one("io/mod.rs", "const R: &str = r#\"a \" quote\"#; use crate::report::Page;", "points up");
-    one("io/mod.rs", "/* /* nested */ */ use crate::report::Page;", "points up");
-    one("io/mod.rs", "fn f<'a>(x: &'a str) {} use crate::report::Page;", "points up");
-    one("novelty.rs", "", "has no layer");
-    one("network/mod.rs", "use crate::novelty::X;", "has no layer");
-    one("sampling/sampler.rs", "use rayon::prelude::*;", "names rayon");
-    one("cli/candidates.rs", "fn f() { rayon::join(a, b); }", "names rayon");
-    one("sampling/run.rs", "#[derive(clap::Args)] struct A;", "names clap");
-    one("candidates/mod.rs", "use kiddo::ImmutableKdTree;", "names kiddo");
+    one("core/flow/pressures.rs", "use crate::forest_posterior::Forests;", "points sideways");
+    one("core/flow/batch/order.rs", "use super::super::super::sampling::Sampling;", "points up");
+    one("models/candidates/mod.rs", "use super::contacts::Branches;", "points sideways");
+    one("core/network/mod.rs", "use crate::{support::{Point, resilience}, flow::Circuit};", "flow points up");
+    one("core/network/mod.rs", "fn f() -> crate :: sampling\n::Options { made_up() }", "points up");
+    one("io/masks/mod.rs", "use super::formats::Column;", "points up");
+    one("willis/cli/infer.rs", "use crate::internals::decision::decide;", "front door");
+    one("willis/cli/infer.rs", "use crate::pipeline::infer;", "front door");
+    one("willis/cli/infer.rs", "use willis_core::decision::decide;", "front door");
+    one("willis/pipeline/mod.rs", "use crate::cli::words;", "points up");
+    one("core/error.rs", "use crate::support::pascals;", "points up");
+    one("io/formats/mod.rs", "#[cfg(test)]\nmod tests { fn f() {} }", "tests belong to tests/");
+    one("io/formats/mod.rs", "#[cfg(all(test, unix))]\nmod tests { fn f() {} }", "tests belong to tests/");
+    one("io/formats/mod.rs", "const S: &str = \"// not a comment\"; use crate::output::Target;", "points up");
+    one("io/formats/mod.rs", "const Q: char = '\"'; use crate::output::Target; const R: char = '\"';", "points up");
+    one("io/formats/mod.rs", "const R: &str = r#\"a \" quote\"#; use crate::output::Target;", "points up");
+    one("io/formats/mod.rs", "/* /* nested */ */ use crate::output::Target;", "points up");
+    one("io/formats/mod.rs", "fn f<'a>(x: &'a str) {} use crate::output::Target;", "points up");
+    one("core/novelty.rs", "", "has no layer");
+    one("core/network/mod.rs", "use crate::novelty::X;", "has no layer");
+    one("core/sampling/sampler.rs", "use rayon::prelude::*;", "names rayon");
+    one("willis/cli/candidates.rs", "fn f() { rayon::join(a, b); }", "names rayon");
+    one("models/candidates/mod.rs", "use kiddo::ImmutableKdTree;", "names kiddo");
     one("report/html.rs", "use plotters::prelude::*;", "names plotters");
-    one("support/random.rs", &"\n".repeat(MOST_LINES), "lines");
-    assert_eq!(violations("support/random.rs", "// no purpose\n").len(), 1);
+    one("core/support/random.rs", &"\n".repeat(MOST_LINES), "lines");
+    assert_eq!(violations("core/support/random.rs", "// no purpose\n").len(), 1);
 }
 
 #[test]
 fn what_is_allowed_is_not_caught() {
     let fine = [
-        ("support/units.rs", "use crate::error::Error;"),
-        ("network/quantity.rs", "use crate::network::units::pascals;"),
-        ("flow/pressures.rs", "use super::circuit::Circuit; use crate::flow::Boundary; use crate::network::Network;"),
-        ("flow/batch/order.rs", "use super::super::boundary::Boundary;"),
-        ("flow/pressures.rs", "// use crate::report::Page;\n/// [`crate::sampling::infer`]\nfn f() {}"),
-        ("flow/pressures.rs", "/* crate::report::Page */ const S: &str = \"crate::report::Page \\\" clap\";"),
-        ("cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
-        ("candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
-        ("report/figures/figure.rs", "use plotters::prelude::*; use crate::decision::Decision; use crate::phantom::Kind;"),
+        ("core/support/units.rs", "use crate::error::Error;"),
+        ("core/network/quantity.rs", "use crate::network::units::pascals;"),
+        ("core/flow/pressures.rs", "use super::circuit::Circuit; use crate::flow::Boundary; use crate::network::Network;"),
+        ("core/flow/batch/order.rs", "use super::super::boundary::Boundary;"),
+        ("core/flow/pressures.rs", "// use crate::sampling::Page;\n/// [`crate::sampling::infer`]\nfn f() {}"),
+        ("core/flow/pressures.rs", "/* crate::sampling::Page */ const S: &str = \"crate::sampling::Page \\\" clap\";"),
+        ("willis/cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
+        ("willis/cli/cohort.rs", "use crate::{InferOptions, read}; use crate::internals::report::Page;"),
+        ("models/candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
+        ("report/figures/figure.rs", "use plotters::prelude::*; use willis_core::decision::Decision; use crate::page::Page;"),
     ];
     for (file, body) in fine {
         assert_eq!(violations(file, &format!("//! Made up.\n{body}")), [""; 0], "{file}: {body}");

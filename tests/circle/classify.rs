@@ -235,8 +235,9 @@ fn in_the_files_of_a_topology_every_vessel_is_kept() {
     for (file, column) in [("topology", "kept"), ("topology-median", "above_median")] {
         let at = head.iter().position(|name| *name == column).unwrap();
         let of_file = rows.iter().filter(|row| row[at] == "1").count();
-        let read = willis::internals::io::read(&here.path().join(format!("out/{file}.graphml")), &Default::default()).unwrap();
-        let willis::internals::io::Content::Graph(network) = read.content else { panic!("no graph") };
+        let read =
+            willis::internals::formats::read(&here.path().join(format!("out/{file}.graphml")), &Default::default()).unwrap();
+        let willis::internals::formats::Content::Graph(network) = read.content else { panic!("no graph") };
         assert_eq!(network.vessel_count(), of_file, "{file}");
         assert!(network.vessels().all(|(_, vessel)| vessel.kept == Some(true)), "{file}");
     }

@@ -139,7 +139,8 @@ fn a_whole_brain_is_named_by_the_atlas_of_patients() {
     let mut brains: Vec<PathBuf> =
         entries.flatten().map(|e| e.path()).filter(|p| p.to_string_lossy().ends_with(".vtp")).collect();
     brains.sort();
-    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("src/naming/arteries.toml")).expect("a model");
+    let text = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/models/src/naming/arteries.toml"))
+        .expect("a model");
     let patients = NamingModels::one(NamingModel::read(&text).expect("a model"));
     assert!(brains.len() > 10);
     for path in brains.iter().step_by(9) {
@@ -241,7 +242,7 @@ fn a_segment_out_of_view_is_not_put_down_as_missing() {
 
 /// The atlas of patients.
 fn atlas() -> Atlas {
-    NamingModel::read(include_str!("../../src/naming/arteries.toml")).expect("reads").atlas
+    NamingModel::read(include_str!("../../crates/models/src/naming/arteries.toml")).expect("reads").atlas
 }
 
 #[test]

@@ -5,7 +5,7 @@ use std::collections::{BTreeSet, HashSet};
 
 use crate::command::{folder, stderr, willis};
 use crate::refused::refused;
-use willis::internals::io::{graph_columns, write_graphml};
+use willis::internals::formats::{graph_columns, write_graphml};
 use willis::internals::network::units::pascals;
 use willis::internals::network::{Condition, Network, Origin, Role, cycles, fragments};
 use willis::internals::phantom::{Gaps, Kind, Large, Recipe, Truth, arterial, capillary, over_connected, with_gaps};

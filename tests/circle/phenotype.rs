@@ -12,7 +12,7 @@ use willis::internals::circle_of_willis::{
     Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, hypoplastic, identify_landmarks,
     segment_diameters, split_where_labels_change,
 };
-use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_landmarks};
+use willis::internals::formats::{Content, ReadOptions, read, read_graphml, read_landmarks};
 use willis::internals::network::WELD_TOLERANCE;
 use willis::internals::network::units::{LengthUnit, Scale, metres};
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};

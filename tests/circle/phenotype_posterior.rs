@@ -12,7 +12,7 @@ use willis::internals::circle_of_willis::{
 use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
-use willis::internals::io::{ReadOptions, read_graphml};
+use willis::internals::formats::{ReadOptions, read_graphml};
 use willis::internals::network::{Evidence, Network, Origin, Vessel};
 use willis::internals::sampling::SamplingOptions;
 

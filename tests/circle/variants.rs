@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::internals::io::{ReadOptions, read_graphml};
+use willis::internals::formats::{ReadOptions, read_graphml};
 use willis::internals::network::units::metres;
 use willis::internals::network::{Condition, Network, Role, cycles, fragments};
 use willis::internals::phantom::{Kind, Recipe, without};

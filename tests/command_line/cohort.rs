@@ -9,7 +9,7 @@ use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::{contents, refused};
 use serde_json::{Value, json};
 use willis::cli::internals::{LONGEST, named, relative};
-use willis::internals::io::write_csv;
+use willis::internals::formats::write_csv;
 use willis::internals::report::cohort::{Cell, Row, cohort_columns, needs_person, uncertainty};
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
-use willis::internals::io::read_decisions;
+use willis::internals::formats::read_decisions;
 use willis::internals::network::{Evidence, Network, Node, Origin, Vessel};
 use willis::internals::pipeline::ConnectionDecision;
 use willis::internals::pipeline::decisions::apply;

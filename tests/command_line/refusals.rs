@@ -269,3 +269,9 @@ fn errors_name_the_field() {
     );
     assert!(said("--until stable -n 5").contains("does not go with"), "{}", said("--until stable -n 5"));
 }
+
+#[cfg(not(feature = "train"))]
+#[test]
+fn a_build_without_training_says_how_to_get_it() {
+    refused(&[], &["train", "cases", "-o", "w.toml"], &["train", "--features train"]);
+}

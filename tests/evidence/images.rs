@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::image::path::{Between, cheapest_path};
-use willis::internals::io::{ReadOptions, read_image, write_nifti_image};
+use willis::internals::formats::{ReadOptions, read_image, write_nifti_image};
 use willis::internals::masks::{Appearance, Image, Picture, Scene, View};
 use willis::internals::network::Origin;
 use willis::internals::support::geometry::{Point, distance};
@@ -189,7 +189,7 @@ fn an_image_that_cannot_be_looked_at_is_refused() {
 fn the_threshold_of_a_phantom_was_drawn_in_its_image() {
     let here = folder();
     let (mask, image) = scan(here.path());
-    let mask = willis::internals::io::read_mask(&mask, &ReadOptions::default()).expect("a mask");
+    let mask = willis::internals::formats::read_mask(&mask, &ReadOptions::default()).expect("a mask");
     assert_eq!(mask.shape, image.shape);
     // Of the voxels of vessels only filled holes are below all others; of the background only small specks are above it.
     let values = |class: u8| image.values.iter().zip(&mask.classes).filter(move |(_, c)| **c == class).map(|(x, _)| *x);

@@ -12,7 +12,6 @@ mod shuffle;
 mod vessels;
 
 mod candidates;
-mod contact_truth;
 mod contacts;
 mod features;
 mod image_outputs;
@@ -23,5 +22,3 @@ mod prior;
 mod prior_command;
 mod reference;
 mod shipped_models;
-mod train_command;
-mod training;

@@ -7,7 +7,7 @@ use crate::networks::{MMHG, VISCOSITY};
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
-use willis::internals::io::{ReadOptions, read_graphml};
+use willis::internals::formats::{ReadOptions, read_graphml};
 use willis::internals::network::units::ml_per_min;
 use willis::internals::network::{Condition, Network, Role};
 use willis::internals::phantom::without;

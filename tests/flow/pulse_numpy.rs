@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 use num_complex::Complex64;
 use serde_json::{Value, json};
 use willis::internals::flow::{Thickness, WallLaw};
-use willis::internals::io::read_waveform;
+use willis::internals::formats::read_waveform;
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Wall};
 use willis::internals::phantom::{Kind, Recipe, without};

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use num_complex::Complex64;
 use serde_json::Value;
 use willis::internals::flow::WallLaw;
-use willis::internals::io::read_waveform;
+use willis::internals::formats::read_waveform;
 use willis::internals::network::units::{cubic_metres_per_second, ml_per_min, mmhg};
 use willis::internals::network::{Condition, Network, Role, Windkessel};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
@@ -124,7 +124,7 @@ fn the_circles_of_another_program() {
                 assert!((got - q).norm() <= 1e-9 * scale, "{name} {label} Q{n}: {got} for {q}");
             }
             for column in &columns {
-                let willis::internals::io::Values::Real(values) = &column.values else { continue };
+                let willis::internals::formats::Values::Real(values) = &column.values else { continue };
                 let Some(value) = expected.get(column.name.as_ref()) else { continue };
                 match value.as_f64() {
                     None => assert!(values[row].is_nan(), "{name} {label} {}: {}", column.name, values[row]),
@@ -346,7 +346,7 @@ fn figures_of_circles_are_possible() {
                 assert!(arrivals.nodes[node] > first, "{name}: node {node}: {} s, not after {first} s", arrivals.nodes[node]);
             }
             for column in willis::internals::report::pulse_vessel_columns(&pulses) {
-                let willis::internals::io::Values::Real(values) = &column.values else { continue };
+                let willis::internals::formats::Values::Real(values) = &column.values else { continue };
                 let (low, high) = match column.name.as_ref() {
                     "reversed_share" | "oscillatory_shear_index" => (0.0, 0.5),
                     "pulsatility_index"

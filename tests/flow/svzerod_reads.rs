@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
-use willis::internals::io::{read_waveform, write_svzerod};
+use willis::internals::formats::{read_waveform, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Vessel, Windkessel};
 use willis::internals::phantom::{Kind, Recipe};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};

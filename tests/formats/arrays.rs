@@ -6,7 +6,7 @@
 use std::io::{Cursor, Write};
 
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
-use willis::internals::io::{Content, Format, ReadOptions, read_skeleton_npz, read_vtrails, write_skeleton_npz};
+use willis::internals::formats::{Content, Format, ReadOptions, read_skeleton_npz, read_vtrails, write_skeleton_npz};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::metres;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};

@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use willis::internals::io::{
+use willis::internals::formats::{
     Content, Document, Format, ReadOptions, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp,
 };
 use willis::internals::network::units::{LengthUnit, Scale, metres, pascals};

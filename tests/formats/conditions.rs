@@ -1,7 +1,7 @@
 //! Files of boundary conditions. The truth is the definition of the units: 1 mmHg = 133.322387415 Pa, 1 mL/min = 1e-6/60 m³/s.
 
 use willis::error::Place;
-use willis::internals::io::tables::conditions::{Statement, read_csv, read_inlets, read_toml};
+use willis::internals::formats::tables::conditions::{Statement, read_csv, read_inlets, read_toml};
 use willis::internals::network::quantity::Dimension::{Length, Pressure, Resistance, Viscosity};
 use willis::internals::network::units::{metres, millimetres, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
 use willis::internals::network::{Condition, Role};

@@ -5,8 +5,8 @@ use std::fs;
 use crate::command::{folder, stderr, willis};
 use crate::peers::{FILES, converted, network_of};
 use crate::refused::{contents, refused};
-use willis::internals::io::convert::{Target, losses};
-use willis::internals::io::{ReadOptions, read};
+use willis::internals::formats::convert::{Target, losses};
+use willis::internals::formats::{ReadOptions, read};
 use willis::internals::network::units::{metres, millimetres};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 

@@ -5,8 +5,8 @@ use std::path::Path;
 use crate::peers::{FILES, converted, read_first};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use willis::internals::io::ReadOptions;
-use willis::internals::io::convert::Target;
+use willis::internals::formats::ReadOptions;
+use willis::internals::formats::convert::Target;
 use willis::internals::phantom::{cerebral, circle_of_willis};
 
 /// Damages of each kind to each file.

@@ -5,8 +5,8 @@ use std::fs::{create_dir, write};
 use std::path::Path;
 
 use crate::peers::{FILES, converted, python};
-use willis::internals::io::convert::Target;
-use willis::internals::io::{ReadOptions, read};
+use willis::internals::formats::convert::Target;
+use willis::internals::formats::{ReadOptions, read};
 use willis::internals::network::units::millimetres;
 use willis::internals::network::{Frame, Network, RadiusRule};
 

@@ -8,7 +8,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 
 use crate::command;
-use willis::internals::io::{UnpackLimit, byte_count};
+use willis::internals::formats::{UnpackLimit, byte_count};
 use willis::internals::support::endings::{stem, without_ending};
 
 fn pack(from: &Path, to: &Path) {

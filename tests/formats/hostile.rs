@@ -11,7 +11,7 @@ use crate::peers;
 use crate::peers::{document, network_of, read_first};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use willis::internals::io::{Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv_graph};
+use willis::internals::formats::{Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv_graph};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, Origin};

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use willis::internals::io::{
+use willis::internals::formats::{
     Content, Document, Format, ReadOptions, TracedVessel, name_stretches, read, read_swc, read_traced_vessels,
     write_centerlines_swc,
 };

@@ -5,7 +5,7 @@ use std::io::Write;
 use crate::peers::{python, read_first};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
-use willis::internals::io::{Content, Document, ReadOptions};
+use willis::internals::formats::{Content, Document, ReadOptions};
 use willis::internals::network::centerlines::Centerlines;
 use willis::{LengthUnit, Scale};
 
@@ -409,7 +409,7 @@ fn nibabel_says_the_same_frame() {
         let numbers: Vec<f64> = line.split(' ').map(|word| word.parse().expect("a number")).collect();
         let affine = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| numbers[4 * row + column]));
         let path = folder.path().join(format!("{n}.nii.gz"));
-        let found = ends(willis::internals::io::read(&path, &ReadOptions::default()).expect("read"));
+        let found = ends(willis::internals::formats::read(&path, &ReadOptions::default()).expect("read"));
         for (a, b) in found.iter().flatten().zip(tips(affine).iter().flatten()) {
             assert!((a - b).abs() < 2e-3, "{n}: {found:?} {:?}", tips(affine));
         }

@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::draw::Draw;
 use crate::peers::{python, shared};
 use petgraph::unionfind::UnionFind;
-use willis::internals::io::{Content, ReadOptions, read, read_mask};
+use willis::internals::formats::{Content, ReadOptions, read, read_mask};
 use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub};

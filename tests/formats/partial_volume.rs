@@ -4,7 +4,7 @@
 use crate::draw::Draw;
 use crate::images::npy;
 use crate::masks::{median, places};
-use willis::internals::io::read_npy_mask;
+use willis::internals::formats::read_npy_mask;
 use willis::internals::masks::{Mask, RadiusFrom, Traced, trace};
 use willis::internals::support::geometry::{Point, dot, norm_squared, sub};
 

@@ -4,7 +4,7 @@
 #![allow(clippy::float_cmp)]
 
 use crate::peers::{python, shared};
-use willis::internals::io::{Content, ReadOptions, read, read_graphml, read_vtp};
+use willis::internals::formats::{Content, ReadOptions, read, read_graphml, read_vtp};
 use willis::internals::network::units::{metres, pascals};
 use willis::internals::network::{Condition, Origin, RadiusRule, Role, contract, cycles};
 

@@ -4,8 +4,8 @@ use std::io::Cursor;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use willis::internals::io::convert::{Target, write_into};
-use willis::internals::io::{Content, Document, ReadOptions, read, write_loops};
+use willis::internals::formats::convert::{Target, write_into};
+use willis::internals::formats::{Content, Document, ReadOptions, read, write_loops};
 use willis::internals::network::units::millimetres;
 use willis::internals::network::{Network, RadiusRule, contract};
 

@@ -9,7 +9,7 @@ use crate::command::{folder, stderr, willis};
 use crate::peers::python;
 use crate::refused::{contents, refused};
 use petgraph::unionfind::UnionFind;
-use willis::internals::io::{read_nifti, write_nifti};
+use willis::internals::formats::{read_nifti, write_nifti};
 use willis::internals::masks::{Mask, RadiusFrom, trace};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::phantom::{Kind, MaskTruth, Recipe, Scan, draw_mask};
@@ -254,7 +254,7 @@ fn our_reader_and_nibabel_read_what_is_written() {
         assert_eq!(numbers[..3], mask.shape.map(|n| n as f64), "{name}");
         assert!(numbers[3..6].iter().zip(mask.spacing()).all(|(a, b)| (a - b).abs() < 1e-6), "{name}");
         assert_eq!(numbers[6..], *mask.affine.as_flattened(), "{name}");
-        assert_eq!(words[18], willis::internals::io::checksum(&mask.classes), "{name}");
+        assert_eq!(words[18], willis::internals::formats::checksum(&mask.classes), "{name}");
     }
     assert_eq!(said.lines().count(), 4);
 }

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::peers::document;
-use willis::internals::io::{Format, ReadOptions, read_markups, read_points, read_swc};
+use willis::internals::formats::{Format, ReadOptions, read_markups, read_points, read_swc};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::coincident_points::pairs_within;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};

@@ -7,7 +7,7 @@ use std::path::Path;
 use std::process::Command;
 
 use crate::peers::{document, python};
-use willis::internals::io::{
+use willis::internals::formats::{
     Format, ReadOptions, read_markups, read_points, read_swc, read_tre, write_centerlines_swc, write_markups, write_points,
     write_swc, write_tre,
 };

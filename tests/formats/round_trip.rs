@@ -7,7 +7,7 @@ use std::io::Cursor;
 use std::path::Path;
 
 use crate::peers::python;
-use willis::internals::io::{
+use willis::internals::formats::{
     Column, Content, ReadOptions, Values, read, read_csv_edges, read_csv_nodes, read_graphml, read_swc, read_vtp, write_csv,
     write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };

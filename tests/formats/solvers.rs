@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 use willis::ReadOptions;
-use willis::internals::io::{write_openbf, write_svzerod};
+use willis::internals::formats::{write_openbf, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel, Wall, Windkessel};
 use willis::internals::phantom::{Kind, Recipe};
 

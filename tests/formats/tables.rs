@@ -4,7 +4,7 @@
 #![allow(clippy::float_cmp)]
 
 use crate::peers::{courses, network_of, positions, python, read_first, sizes, truncated};
-use willis::internals::io::{
+use willis::internals::formats::{
     Content, Format, ReadOptions, graph_columns, number, read_csv_edges, read_csv_nodes, read_graphml, unit_check,
     write_csv_graph, write_graphml, write_vesselvio, write_voreen,
 };

@@ -6,7 +6,7 @@
 use std::path::Path;
 
 use crate::peers::{document, shared};
-use willis::internals::io::{Content, Format, ReadOptions, read, read_tre};
+use willis::internals::formats::{Content, Format, ReadOptions, read, read_tre};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, fragments};

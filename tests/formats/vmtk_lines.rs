@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use crate::draw::Draw;
-use willis::internals::io::{Content, ReadOptions, read, read_vtk};
+use willis::internals::formats::{Content, ReadOptions, read, read_vtk};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, RadiusRule, contract, fragments};
 

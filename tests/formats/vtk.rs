@@ -8,7 +8,7 @@ use std::path::Path;
 
 use crate::peers::python;
 use willis::error::Fault;
-use willis::internals::io::{Column, Content, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
+use willis::internals::formats::{Column, Content, ReadOptions, Values, read, read_vtk, read_vtp, write_vtk, write_vtp};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::{Scale, metres};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, contract};

@@ -385,7 +385,7 @@ fn repaired(seed: u64) -> Inference {
     let whole = cerebral(&circle_of_willis(0.5e-3));
     let (lines, _) = break_up(&whole, &Breaks { seed, ..Breaks::default() }).expect("an extraction");
     let mut swc = Vec::new();
-    willis::internals::io::write_centerlines_swc(&mut swc, &lines).expect("bytes");
+    willis::internals::formats::write_centerlines_swc(&mut swc, &lines).expect("bytes");
     let input = read_bytes("broken.swc".as_ref(), &swc, &ReadOptions::default()).expect("read");
     let mut options = InferOptions::default();
     options.sampling.samples = 64;
@@ -494,7 +494,7 @@ fn restored(whole: &Network, seed: u64) -> Restored {
     let params = Breaks { seed, radius_noise: 0.0, radius_bias: 0.0, ..Breaks::default() };
     let (lines, truth) = break_up(whole, &params).expect("an extraction");
     let mut swc = Vec::new();
-    willis::internals::io::write_centerlines_swc(&mut swc, &lines).expect("bytes");
+    willis::internals::formats::write_centerlines_swc(&mut swc, &lines).expect("bytes");
     let input = read_bytes("broken.swc".as_ref(), &swc, &ReadOptions::default()).expect("read");
     let mut options = InferOptions::default();
     options.sampling.samples = 1;

@@ -7,7 +7,7 @@ use crate::networks::{boundary, radii, random_conditions, random_network};
 use willis::error::Error;
 use willis::internals::decision::{Keep, all_decided};
 use willis::internals::flow::Boundary;
-use willis::internals::io::{read_arrays, write_arrays};
+use willis::internals::formats::{read_arrays, write_arrays};
 use willis::internals::network::Network;
 use willis::internals::output::{read_part, write_part};
 use willis::internals::sampling::{Likelihood, PartialRun, Progress, Sampling, SamplingOptions, Uncertain, infer};

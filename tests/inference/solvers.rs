@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use std::path::Path;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
-use willis::internals::io::{Content, ReadOptions, read};
+use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, infer};
 use willis::internals::support::elimination::graph::{Bits, Lists};
 use willis::internals::support::elimination::order::{DENSE, MOST_IN_BITS, Star, by_degree, least_degree, least_fill};

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 STEP = 0.5
-ASSETS = Path(__file__).resolve().parents[2] / "src/report/page/assets"
+ASSETS = Path(__file__).resolve().parents[2] / "crates/report/src/page/assets"
 # The scripts of the page that make the surface, without the page's own data.
 SCRIPTS = "".join((ASSETS / name).read_text().replace('const data = JSON.parse(byId("data").textContent);', "") for name in ("data.js", "surface.js"))
 

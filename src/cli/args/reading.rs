@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::io::{StatedSpacing, byte_count, stated_spacing};
+use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;

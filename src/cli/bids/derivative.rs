@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::io::Column;
+use crate::internals::formats::Column;
 use crate::internals::output::StagedFile;
 use crate::internals::output::atomic::{replace_file, write_file};
 use crate::internals::output::names::{PAGE, TOPOLOGY};

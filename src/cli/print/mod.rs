@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use crate::internals::flow::Boundary;
 use crate::internals::flow::free_ends::unfed_fragments;
-use crate::internals::io::Format;
+use crate::internals::formats::Format;
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};
 use crate::internals::pipeline::nothing_built;

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
-use crate::internals::io::bytes_of;
+use crate::internals::formats::bytes_of;
 use crate::internals::support::model_provenance::ModelProvenance;
 use crate::internals::training::{
     Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, calibrate_contacts, check_folds,

@@ -1,0 +1,257 @@
+//! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
+
+pub mod centerlines;
+pub mod coincident_points;
+pub mod find_by_name;
+mod frame;
+mod node;
+pub mod path_places;
+pub mod paths;
+pub mod quantity;
+pub mod units;
+mod vessel;
+mod vessels_from_centerlines;
+pub mod waveform;
+
+pub use centerlines::Labels;
+pub use coincident_points::WELD_TOLERANCE;
+pub use find_by_name::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use frame::Frame;
+pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
+pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};
+pub use vessels_from_centerlines::{RadiusRule, contract};
+
+use std::borrow::Cow;
+
+use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
+use petgraph::unionfind::UnionFind;
+use serde::de::Error;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use crate::support::geometry::{Point, lerp};
+
+/// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
+#[derive(Debug, Clone, Default)]
+pub struct Network {
+    /// Which way the axes of its positions point.
+    pub frame: Frame,
+    graph: UnGraph<Node, Vessel>,
+}
+
+impl Network {
+    /// An empty network.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// The middle point of the path of a vessel, or the middle between the two nodes it would join, m.
+    pub fn middle_of(&self, ends: [usize; 2], vessel: &Vessel) -> Point {
+        let [a, b] = ends.map(|node| self.node(node).position.unwrap_or_default());
+        vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position)
+    }
+
+    /// Adds a node and returns its row.
+    pub fn add_node(&mut self, node: Node) -> usize {
+        self.graph.add_node(node).index()
+    }
+
+    /// Adds a vessel between two nodes and returns its row.
+    ///
+    /// # Panics
+    ///
+    /// When a node does not exist.
+    pub fn add_vessel(&mut self, ends: [usize; 2], vessel: Vessel) -> usize {
+        self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
+    }
+
+    /// The nodes and the vessels with their ends, by row, to build another network from.
+    pub fn into_parts(self) -> (impl ExactSizeIterator<Item = Node>, impl ExactSizeIterator<Item = ([usize; 2], Vessel)>) {
+        let (nodes, edges) = self.graph.into_nodes_edges();
+        let vessel = |e: petgraph::graph::Edge<Vessel>| ([e.source().index(), e.target().index()], e.weight);
+        (nodes.into_iter().map(|n| n.weight), edges.into_iter().map(vessel))
+    }
+
+    /// How many nodes there are.
+    pub fn node_count(&self) -> usize {
+        self.graph.node_count()
+    }
+
+    /// How many vessels there are.
+    pub fn vessel_count(&self) -> usize {
+        self.graph.edge_count()
+    }
+
+    /// The node of a row.
+    pub fn node(&self, row: usize) -> &Node {
+        &self.graph[NodeIndex::new(row)]
+    }
+
+    /// The node of a row, to change it.
+    pub fn node_mut(&mut self, row: usize) -> &mut Node {
+        &mut self.graph[NodeIndex::new(row)]
+    }
+
+    /// The vessel of a row.
+    pub fn vessel(&self, row: usize) -> &Vessel {
+        &self.graph[EdgeIndex::new(row)]
+    }
+
+    /// The vessel of a row, to change it.
+    pub fn vessel_mut(&mut self, row: usize) -> &mut Vessel {
+        &mut self.graph[EdgeIndex::new(row)]
+    }
+
+    /// The two nodes of a vessel.
+    pub fn ends(&self, row: usize) -> [usize; 2] {
+        let edge = &self.graph.raw_edges()[row];
+        [edge.source().index(), edge.target().index()]
+    }
+
+    /// All nodes by row.
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = &Node> {
+        self.graph.raw_nodes().iter().map(|n| &n.weight)
+    }
+
+    /// All vessels by row, with their nodes.
+    pub fn vessels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &Vessel)> {
+        self.graph.raw_edges().iter().map(|e| ([e.source().index(), e.target().index()], &e.weight))
+    }
+
+    /// The graph underneath, for algorithms of petgraph.
+    pub fn graph(&self) -> &UnGraph<Node, Vessel> {
+        &self.graph
+    }
+
+    /// Per node the number of vessel ends of the vessels that `counts` admits; a self-loop counts twice.
+    pub fn degrees(&self, counts: impl Fn(&Vessel) -> bool) -> Vec<usize> {
+        let mut degree = vec![0; self.node_count()];
+        for (ends, vessel) in self.vessels() {
+            if counts(vessel) {
+                degree[ends[0]] += 1;
+                degree[ends[1]] += 1;
+            }
+        }
+        degree
+    }
+
+    /// The name of a vessel in messages: its row and nodes, and its label.
+    pub fn vessel_name(&self, row: usize) -> String {
+        let [a, b] = self.ends(row);
+        let between = format!("vessel {row} ({} - {})", self.node(a).id, self.node(b).id);
+        match self.vessel(row).label.as_str() {
+            "" => between,
+            label => format!("{between} \"{label}\""),
+        }
+    }
+
+    /// The same nodes with the vessels that `keep` admits, and the rows they had.
+    pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
+        let mut part = Self { frame: self.frame, ..Self::default() };
+        for node in self.nodes() {
+            part.add_node(node.clone());
+        }
+        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
+        for row in &rows {
+            part.add_vessel(self.ends(*row), self.vessel(*row).clone());
+        }
+        (part, rows)
+    }
+
+    /// The same network in another frame; as it is where one of the two is not known.
+    pub fn in_frame(&self, to: Frame) -> Cow<'_, Self> {
+        if self.frame == to || !self.frame.is_known() || !to.is_known() {
+            return Cow::Borrowed(self);
+        }
+        let mut turned = Self { frame: to, ..self.clone() };
+        for row in 0..turned.node_count() {
+            let node = turned.node_mut(row);
+            node.position = node.position.map(|at| self.frame.turn(to, at));
+        }
+        for row in 0..turned.vessel_count() {
+            for point in &mut turned.vessel_mut(row).path {
+                point.position = self.frame.turn(to, point.position);
+            }
+        }
+        Cow::Owned(turned)
+    }
+
+    /// Whether every node has a position.
+    pub fn has_positions(&self) -> bool {
+        self.nodes().all(|n| n.position.is_some())
+    }
+}
+
+/// The connected parts of a network, numbered in the order of their first node.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Fragments {
+    /// Per node the number of its part.
+    pub of_node: Vec<usize>,
+    /// How many parts there are.
+    pub count: usize,
+}
+
+/// The connected parts over the vessels that `counts` admits; a node without vessel is a part of its own.
+pub fn fragments(network: &Network, counts: impl Fn(usize, &Vessel) -> bool) -> Fragments {
+    let mut parts = UnionFind::<usize>::new(network.node_count());
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        if counts(row, vessel) {
+            parts.union(ends[0], ends[1]);
+        }
+    }
+    let mut number = vec![usize::MAX; network.node_count()];
+    let mut count = 0;
+    let of_node = (0..network.node_count())
+        .map(|node| {
+            let slot = &mut number[parts.find(node)];
+            if *slot == usize::MAX {
+                *slot = count;
+                count += 1;
+            }
+            *slot
+        })
+        .collect();
+    Fragments { of_node, count }
+}
+
+/// The number of independent cycles, E - N + parts, self-loops and parallel vessels included.
+pub fn cycles(network: &Network) -> usize {
+    network.vessel_count() + fragments(network, |_, _| true).count - network.node_count()
+}
+
+/// A network as serde writes it: rows of nodes, and of vessels with their two nodes, in SI units.
+#[derive(Serialize, Deserialize)]
+struct NetworkRows<N, V> {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    frame: Option<Frame>,
+    nodes: Vec<N>,
+    vessels: Vec<([usize; 2], V)>,
+}
+
+impl Serialize for Network {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let (nodes, vessels) = (self.nodes().collect(), self.vessels().collect());
+        let rows: NetworkRows<&Node, &Vessel> =
+            NetworkRows { frame: Some(self.frame).filter(|frame| frame.is_known()), nodes, vessels };
+        rows.serialize(serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Network {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
+        let mut network = Self { frame: rows.frame.unwrap_or_default(), ..Self::default() };
+        for node in rows.nodes {
+            network.add_node(node);
+        }
+        for (ends, vessel) in rows.vessels {
+            if ends.iter().any(|node| *node >= network.node_count()) {
+                return Err(D::Error::custom(format!(
+                    "a vessel between nodes {} and {}, which do not both exist",
+                    ends[0], ends[1]
+                )));
+            }
+            network.add_vessel(ends, vessel);
+        }
+        Ok(network)
+    }
+}

@@ -1,0 +1,191 @@
+//! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
+
+pub mod pulse;
+pub mod transport;
+
+use crate::error::{Error, Result};
+use crate::flow::floating_components::drives_flow;
+use crate::flow::poiseuille::check_viscosity;
+use crate::flow::state::State;
+use crate::flow::{Boundary, Factors, Tube};
+use crate::network::Network;
+use crate::network::units::millimetres;
+use crate::perturbation::stenosis::Stenosis;
+
+/// How the names of columns of the perturbed network end.
+pub const PERTURBED: &str = "_perturbed";
+
+/// How a vessel is changed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Change {
+    /// It is narrowed.
+    Stenosis(Stenosis),
+    /// It is closed: R is infinite, and it no longer counts among the vessels present in ρ_G.
+    Occlusion,
+    /// It is lengthened by this factor, at least 1: R and the volume of the lumen are multiplied by it.
+    Tortuosity(f64),
+}
+
+/// A change of one vessel. A stenosis over a stretch keeps its length when the vessel is also lengthened. An occluded vessel is closed
+/// whatever other changes it has.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Perturbation {
+    /// The vessel's row.
+    pub vessel: usize,
+    /// Its change.
+    pub change: Change,
+}
+
+/// The flow before and after the changes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulation {
+    /// The network without changes.
+    pub unperturbed: State,
+    /// The network with all its perturbations; `None` without any.
+    pub perturbed: Option<State>,
+}
+
+impl Change {
+    /// The name of the change, as errors say it.
+    pub fn field(&self) -> &'static str {
+        match self {
+            Self::Stenosis(_) => "stenosis",
+            Self::Occlusion => "occlude",
+            Self::Tortuosity(_) => "tortuosity",
+        }
+    }
+}
+
+/// Solves a network without and with all `perturbations` together. `viscosity` in Pa s.
+///
+/// # Errors
+///
+/// A viscosity that is not positive; boundary conditions that drive no flow; a perturbation out of its range, or two of a kind on one
+/// vessel; a conductance that no double can hold; a breakdown of the solver.
+pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturbations: &[Perturbation]) -> Result<Simulation> {
+    check_viscosity(viscosity)?;
+    let at_rest = Tube::at_rest(network, viscosity);
+    let changed = perturbed(network, &at_rest, perturbations)?;
+    drives_flow(network, boundary)?;
+    let solve = |tubes: &[Tube]| State::solve(network, boundary, tubes, viscosity);
+    Ok(Simulation {
+        unperturbed: solve(&at_rest)?,
+        perturbed: if perturbations.is_empty() { None } else { Some(solve(&changed)?) },
+    })
+}
+
+/// The vessels `at_rest` with the perturbations.
+///
+/// # Errors
+///
+/// A perturbation out of its range, or two of a kind on one vessel.
+pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbation]) -> Result<Vec<Tube>> {
+    let mut tubes = at_rest.to_vec();
+    let mut lengths: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.length).collect();
+    for (at, Perturbation { vessel, change }) in perturbations.iter().enumerate() {
+        let same = |p: &&Perturbation| p.vessel == *vessel && p.change.field() == change.field();
+        if perturbations[..at].iter().any(|p| same(&p)) {
+            let accepted = "is given twice; expected one perturbation of a kind on a vessel";
+            return Err(Error::parameter(change.field(), network.vessel_name(*vessel), accepted));
+        }
+        if let Change::Tortuosity(factor) = change {
+            if !(factor.is_finite() && *factor >= 1.0) {
+                return Err(Error::parameter("tortuosity", factor, "expected a factor of length of at least 1"));
+            }
+            lengths[*vessel] *= factor;
+            tubes[*vessel] = tubes[*vessel].times(&Factors::of_length(*factor));
+        }
+    }
+    for Perturbation { vessel, change } in perturbations {
+        let tube = &mut tubes[*vessel];
+        match change {
+            Change::Tortuosity(_) => {}
+            Change::Occlusion => tube.resistance = f64::INFINITY,
+            Change::Stenosis(stenosis) => {
+                check(network, *vessel, stenosis, lengths[*vessel])?;
+                *tube = tube.times(&stenosis.factors(lengths[*vessel]));
+            }
+        }
+    }
+    Ok(tubes)
+}
+
+fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> Result<()> {
+    let open = stenosis.open_diameter;
+    if !(open > 0.0 && open <= 1.0) {
+        let reduction = format!("{}%", 100.0 * (1.0 - open));
+        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
+    }
+    match stenosis.stretch {
+        Some(stretch) if !(stretch > 0.0 && stretch <= length) => Err(Error::parameter(
+            "stenosis",
+            format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel)),
+            format!("expected a positive length of at most the vessel's, {} mm", millimetres(length)),
+        )),
+        _ => Ok(()),
+    }
+}
+
+/// Flows and gains up to this share of the total inflow count as rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// The flow (m³/s) up to which flows and gains between two states count as rounding.
+pub fn rounding(before: &State, after: &State) -> f64 {
+    ROUNDING * before.inflow.max(after.inflow)
+}
+
+/// The flow before and after in a vessel that is not perturbed itself.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FlowChange {
+    /// The vessel's row.
+    pub vessel: usize,
+    /// Q before, m³/s.
+    pub before: f64,
+    /// Q after, m³/s.
+    pub after: f64,
+}
+
+impl FlowChange {
+    /// The gain of flow, |Q after| - |Q before|, m³/s.
+    pub fn gain(&self) -> f64 {
+        self.after.abs() - self.before.abs()
+    }
+
+    /// Whether the flow changed its direction.
+    pub fn is_reversed(&self) -> bool {
+        self.before * self.after < 0.0
+    }
+}
+
+/// The vessels that gain flow, |Q after| > |Q before|, without being perturbed themselves; the largest gain first.
+pub fn gains(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    largest_first(untouched(before, after, perturbations).filter(|c| c.gain() > cut), FlowChange::gain)
+}
+
+/// The vessels whose flow changes its direction without being perturbed themselves; the largest flow after it first.
+pub fn reversals(before: &State, after: &State, perturbations: &[Perturbation]) -> Vec<FlowChange> {
+    let cut = rounding(before, after);
+    let turned = |c: &FlowChange| c.is_reversed() && c.before.abs() > cut && c.after.abs() > cut;
+    largest_first(untouched(before, after, perturbations).filter(turned), |c| c.after.abs())
+}
+
+/// The largest figure first. Figures are compared in single precision, so that rounding does not change the order of equal vessels.
+fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&FlowChange) -> f64) -> Vec<FlowChange> {
+    let mut changes: Vec<FlowChange> = changes.collect();
+    changes.sort_by(|a, b| (figure(b) as f32).total_cmp(&(figure(a) as f32)));
+    changes
+}
+
+fn untouched<'a>(
+    before: &'a State,
+    after: &'a State,
+    perturbations: &'a [Perturbation],
+) -> impl Iterator<Item = FlowChange> + 'a {
+    let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
+    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| FlowChange {
+        vessel,
+        before: b.flow,
+        after: a.flow,
+    })
+}

@@ -1,0 +1,215 @@
+//! The edges of a graph file: each becomes one vessel, never merged, contracted or reordered.
+
+use std::collections::BTreeMap;
+
+use super::records::Records;
+use super::{AREA, Item, Name, RESISTANCE};
+use crate::formats::read::ReadOptions;
+use crate::formats::tables::reader::plural;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::is_radius;
+use willis_core::network::units::{Scale, megapascals, metres, pascal_seconds_per_cubic_metre};
+use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall};
+use willis_core::support::geometry::distance;
+
+/// The attributes of an edge, besides its length and radius.
+pub(crate) const ATTRIBUTES: [&str; 14] = [
+    "label",
+    "origin",
+    "prior",
+    "certain",
+    "probability",
+    "hangs_a",
+    "hangs_b",
+    "continues_a",
+    "continues_b",
+    "kept",
+    "points",
+    SPEED,
+    YOUNG,
+    THICKNESS,
+];
+/// The wall: the speed of a pulse wave, or Young's modulus and the thickness.
+pub(crate) const SPEED: &str = "pwv_m_per_s";
+pub(crate) const YOUNG: &str = "young_MPa";
+pub(crate) const THICKNESS: &str = "wall_mm";
+
+/// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
+/// should know. A radius that is missing, where it may, is NaN.
+pub(in crate::formats) fn vessels(
+    network: &mut Network,
+    ends: &[[usize; 2]],
+    records: &Records,
+    options: &ReadOptions,
+) -> Result<Vec<String>, Fault> {
+    let scale = &options.scale;
+    let (mut straight, mut from_nodes, mut origins) = (0, 0, 0);
+    let mut names = BTreeMap::new();
+    for (row, (ends, record)) in ends.iter().zip(records.iter()).enumerate() {
+        let [a, b] = ends.map(|end| network.node(end));
+        let item = Item { record, name: Name::Edge(row, [&a.id, &b.id]) };
+        let path = path(&item, [a, b])?;
+        let length = match length(&item, scale, *ends)? {
+            Some(length) => length,
+            None if path.is_empty() => {
+                straight += 1;
+                gap(&item, [a, b], *ends)?
+            }
+            None => path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
+        };
+        let radius = match item.radius(scale)? {
+            Some((key, radius)) if is_radius(radius) => {
+                if !key.starts_with("radius") || key == "radius_avg" {
+                    *names.entry(key).or_insert(0) += 1;
+                }
+                radius
+            }
+            Some((key, _)) => {
+                let value = item.text(key).unwrap_or_default();
+                return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
+            }
+            None if path.is_empty() => {
+                if let (Some(p), Some(q)) = (a.radius, b.radius) {
+                    from_nodes += 1;
+                    p.min(q)
+                } else if options.is_radius_optional() {
+                    f64::NAN
+                } else {
+                    let accepted = "expected radius_mm on the edge, or on both of its nodes, or `default_radius`";
+                    return Err(item.lacks("radius", accepted));
+                }
+            }
+            None => RadiusRule::Mean.radius(&path),
+        };
+        let origin = match item.text("origin") {
+            None => None,
+            Some("observed") => Some(Origin::Observed),
+            Some("candidate") => Some(Origin::Candidate),
+            Some("contact") => Some(Origin::Contact),
+            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed, candidate or contact")),
+        };
+        origins += usize::from(origin.is_some());
+        let vessel = Vessel {
+            length,
+            radius,
+            resistance: resistance(&item)?,
+            label: item.text("label").unwrap_or_default().to_owned(),
+            origin: origin.unwrap_or(Origin::Candidate),
+            prior: item.share("prior")?.unwrap_or(1.0),
+            certain: item.boolean("certain")?.unwrap_or(false),
+            evidence: evidence(&item)?,
+            kept: item.boolean("kept")?,
+            wall: wall(&item)?,
+            path,
+        };
+        network.add_vessel(*ends, vessel);
+    }
+    let mut notes = Vec::new();
+    if origins == 0 && !ends.is_empty() {
+        notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
+    }
+    if straight > 0 {
+        notes.push(format!("{} without length_mm: took the distance between the nodes", plural(straight, "edge")));
+    }
+    for (name, edges) in names {
+        let means = match name {
+            AREA => "sqrt(avgCrossSection/π)".to_owned(),
+            "diameter" | "d" => format!("half of {name}"),
+            name => name.to_owned(),
+        };
+        notes.push(format!("the radius of {} is {means}", plural(edges, "edge")));
+    }
+    if from_nodes > 0 {
+        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", plural(from_nodes, "edge")));
+    }
+    Ok(notes)
+}
+
+/// The length that the edge states, m. Only a self-loop may have length 0, since it carries no flow.
+fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
+    let Some((key, length)) = item.length(scale)? else { return Ok(None) };
+    if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
+        return Ok(Some(length));
+    }
+    Err(item.fault(format!("{key} {}", item.text(key).unwrap_or_default()), "expected a positive number"))
+}
+
+/// The distance between the nodes, m.
+fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
+    let [Some(p), Some(q)] = nodes.map(|node| node.position) else {
+        return Err(item.lacks("length", "expected length_mm, or the positions of both nodes"));
+    };
+    match distance(p, q) {
+        length if (length > 0.0 || ends[0] == ends[1]) && length.is_finite() => Ok(length),
+        _ => Err(item.fault("no length_mm and both nodes in one place", "expected length_mm")),
+    }
+}
+
+/// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
+fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
+    match item.real(RESISTANCE)?.filter(|r| !r.is_nan()) {
+        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
+        stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
+    }
+}
+
+/// The wall that the edge states.
+fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
+    let positive = |key: &'static str| match item.finite(key)? {
+        Some(x) if x <= 0.0 => Err(item.fault(format!("{key} {x}"), "expected a positive number")),
+        x => Ok(x),
+    };
+    match (positive(SPEED)?, positive(YOUNG)?, positive(THICKNESS)?) {
+        (Some(speed), None, None) => Ok(Some(Wall::Speed(speed))),
+        (None, Some(young), Some(mm)) => Ok(Some(Wall::Elastic { young: megapascals(young), thickness: metres(mm) })),
+        (None, None, None) => Ok(None),
+        (Some(_), ..) => Err(item.fault(format!("{SPEED} and {YOUNG} or {THICKNESS}"), "expected one statement of the wall")),
+        (None, ..) => Err(item.fault(format!("{YOUNG} or {THICKNESS} alone"), "expected both, or neither")),
+    }
+}
+
+/// The evidence that the edge states: its probability, which end feeds the other, and the odds that each end continues.
+fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
+    let Some(probability) = item.share("probability")? else { return Ok(None) };
+    let mut evidence = Evidence::undirected(probability);
+    if let [Some(a), Some(b)] = [item.share("hangs_a")?, item.share("hangs_b")?] {
+        // What was written so is read to the same bits; a probability that was changed by hand is divided in the same shares.
+        let is_whole = (a + b - probability).abs() <= 1e-12 * probability;
+        evidence = if is_whole { Evidence { attached: [a, b], ..evidence } } else { evidence.divided([a, b]) };
+    }
+    if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
+        evidence.continuation_odds = [a, b];
+    }
+    Ok(Some(evidence))
+}
+
+/// The centerline `points`, mm, turned to run from the first node to the second: programs that hold undirected graphs
+/// write the two ends of an edge in either order.
+fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
+    let Some(text) = item.text("points") else { return Ok(Vec::new()) };
+    let mut path = Vec::new();
+    for (n, point) in text.split(';').map(str::trim).filter(|point| !point.is_empty()).enumerate() {
+        let wrong = || item.fault(format!("points: point {n} \"{point}\""), "expected x y z r in mm, r positive");
+        let mut figures = [0.0; 4];
+        let mut words = point.split_whitespace();
+        for figure in &mut figures {
+            *figure = words.next().and_then(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).ok_or_else(wrong)?;
+        }
+        let [x, y, z, radius] = figures.map(metres);
+        if words.next().is_some() || !is_radius(radius) {
+            return Err(wrong());
+        }
+        path.push(PathPoint { position: [x, y, z], radius, id: None });
+    }
+    let length: f64 = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+    if !(length > 0.0 && length.is_finite()) {
+        return Err(item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r"));
+    }
+    if let ([Some(a), Some(b)], Some(first), Some(last)) = (nodes.map(|n| n.position), path.first(), path.last()) {
+        let stay = distance(first.position, a) + distance(last.position, b);
+        if distance(first.position, b) + distance(last.position, a) < stay {
+            path.reverse();
+        }
+    }
+    Ok(path)
+}

@@ -1,0 +1,267 @@
+//! Reads the attributes of nodes and edges, whichever format stores them; makes the nodes.
+
+pub(crate) mod edge;
+pub(crate) mod records;
+
+use std::fmt;
+
+use crate::formats::attributes::records::{Record, Records};
+use crate::formats::tables::conditions::VENOUS;
+use crate::formats::tables::graph::POSITION_COLUMNS;
+use crate::formats::tables::reader::number;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::is_radius;
+use willis_core::network::units::{
+    Scale, cubic_metres_per_pascal, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals,
+};
+use willis_core::network::{Condition, Node, Role, Windkessel};
+use willis_core::support::geometry::{Point, radius_of};
+
+/// The attributes that may give the radius where none has "radius" in its name.
+const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
+/// A cross-section area.
+const AREA: &str = "avgCrossSection";
+/// The resistance of an edge, in place of Poiseuille's law, or the terminal resistance of a node.
+const RESISTANCE: &str = "resistance_mmHg_s_per_mL";
+
+/// Whether an attribute of this name is read, or named in a message.
+pub(crate) fn is_wanted(name: &str) -> bool {
+    let lower = name.to_ascii_lowercase();
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
+    lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
+}
+
+/// A node or edge with its attributes and its name for messages.
+struct Item<'a> {
+    record: Record<'a>,
+    name: Name<'a>,
+}
+
+/// A node by its id, or an edge by its row and the ids of its ends.
+#[derive(Debug, Clone, Copy)]
+enum Name<'a> {
+    Node(&'a str),
+    Edge(usize, [&'a str; 2]),
+}
+
+impl fmt::Display for Name<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Node(id) => write!(f, "node {id}"),
+            Self::Edge(row, [a, b]) => write!(f, "edge {row} ({a} - {b})"),
+        }
+    }
+}
+
+impl<'a> Item<'a> {
+    fn text(&self, key: &str) -> Option<&'a str> {
+        self.record.text(key)
+    }
+
+    fn fault(&self, found: impl fmt::Display, accepted: impl Into<String>) -> Fault {
+        Fault::line(self.record.line, format!("{}: {found}", self.name), accepted)
+    }
+
+    /// The error that a length in mm is missing; it lists attributes with similar names.
+    fn lacks(&self, name: &str, accepted: &str) -> Fault {
+        let mut like = self.record.names();
+        like.retain(|key| key.to_ascii_lowercase().contains(name));
+        let like = if like.is_empty() { String::new() } else { format!(" but {}", like.join(", ")) };
+        self.fault(format!("no {name}_mm{like}"), accepted)
+    }
+
+    /// A number, infinite or NaN ones included.
+    fn real(&self, key: &str) -> Result<Option<f64>, Fault> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        number(text).map(Some).map_err(|accepted| self.fault(format!("{key} \"{text}\""), accepted))
+    }
+
+    /// A finite number; NaN is a missing one, as graphs hold it where other nodes have the attribute.
+    fn finite(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.real(key)? {
+            Some(x) if x.is_infinite() => Err(self.fault(format!("{key} {x}"), "expected a finite number")),
+            other => Ok(other.filter(|x| !x.is_nan())),
+        }
+    }
+
+    /// A number from 0 to 1; NaN is a missing one.
+    fn share(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.finite(key)? {
+            Some(x) if !(0.0..=1.0).contains(&x) => Err(self.fault(format!("{key} {x}"), "expected a number from 0 to 1")),
+            share => Ok(share),
+        }
+    }
+
+    /// A number that is not negative; NaN is a missing one.
+    fn odds(&self, key: &str) -> Result<Option<f64>, Fault> {
+        match self.finite(key)? {
+            Some(x) if x < 0.0 => Err(self.fault(format!("{key} {x}"), "expected odds, zero or more")),
+            odds => Ok(odds),
+        }
+    }
+
+    /// The length in millimetres (`length_mm`) or in the unit of the file (`length`): its key and value in m.
+    fn length(&self, scale: &Scale) -> Result<Option<(&'static str, f64)>, Fault> {
+        if let Some(mm) = self.real("length_mm")? {
+            return Ok(Some(("length_mm", metres(mm))));
+        }
+        Ok(self.real("length")?.map(|x| ("length", scale.length(x))))
+    }
+
+    /// A radius under any of the names that programs give it: the name and its value in m.
+    ///
+    /// A cross-section area a gives sqrt(a/π) and comes before radii that are not willis's own.
+    fn radius(&self, scale: &Scale) -> Result<Option<(&'static str, f64)>, Fault> {
+        if let Some(mm) = self.real("radius_mm")? {
+            return Ok(Some(("radius_mm", metres(mm))));
+        }
+        if let Some(radius) = self.real("radius")? {
+            return Ok(Some(("radius", scale.length(radius))));
+        }
+        if let Some(area) = self.real(AREA)?.filter(|area| is_radius(*area)) {
+            return Ok(Some((AREA, scale.length(radius_of(area)))));
+        }
+        for (key, share) in [("radius_avg", 1.0), ("avgRadiusAvg", 1.0), ("diameter", 0.5)] {
+            if let Some(size) = self.real(key)? {
+                return Ok(Some((key, scale.length(share * size))));
+            }
+        }
+        // Letters mean other things too; then they are no positive numbers.
+        let letter = |key: &'static str, share: f64| {
+            let size = self.text(key).and_then(|text| number(text).ok()).filter(|size| is_radius(*size))?;
+            Some((key, scale.length(share * size)))
+        };
+        Ok(letter("r", 1.0).or_else(|| letter("d", 0.5)))
+    }
+
+    fn boolean(&self, key: &str) -> Result<Option<bool>, Fault> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        match text.to_ascii_lowercase().as_str() {
+            "true" | "1" | "1.0" => Ok(Some(true)),
+            "false" | "0" | "0.0" => Ok(Some(false)),
+            _ => Err(self.fault(format!("{key} \"{text}\""), "expected true or false")),
+        }
+    }
+}
+
+/// The attributes that may hold the position of a node; the first are in mm, the others in the unit of the file.
+pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
+    [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
+/// The other attributes of a node.
+pub(crate) const ATTRIBUTES: [&str; 10] =
+    ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
+/// The parts of a Windkessel beside the terminal resistance of a node.
+pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
+pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
+const FLOW: &str = "flow_mL_per_min";
+
+/// The nodes of records, each with its id, which must be unique.
+pub(in crate::formats) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -> Result<Vec<Node>, Fault> {
+    let named = || ids.iter().map(AsRef::as_ref).zip(records.iter());
+    let items = || named().map(|(id, record)| (id, Item { record, name: Name::Node(id) }));
+    let has_roles = items().any(|(_, item)| item.text("role").is_some());
+    let mut seen = std::collections::HashSet::new();
+    let mut nodes = Vec::with_capacity(ids.len());
+    for (id, item) in items() {
+        if !seen.insert(id) {
+            return Err(item.fault("the id comes twice", "expected every node id once"));
+        }
+        let role = match item.text("role") {
+            None => None,
+            Some("inlet") => Some(Role::Inlet),
+            Some("outlet") => Some(Role::Outlet),
+            Some("inner") => Some(Role::Inner),
+            Some(other) => return Err(item.fault(format!("role \"{other}\""), "expected inlet, outlet or inner")),
+        };
+        nodes.push(Node {
+            id: id.to_owned(),
+            position: position(&item, scale)?,
+            radius: item.radius(scale)?.map(|(_, radius)| radius).filter(|radius| is_radius(*radius)),
+            label: item.text("label").unwrap_or_default().to_owned(),
+            role,
+            condition: condition(&item, role, has_roles)?,
+            windkessel: windkessel(&item)?,
+            found: item.boolean("found")?.unwrap_or(false),
+            root_score: item.share("alone")?,
+            ..Node::default()
+        });
+    }
+    Ok(nodes)
+}
+
+/// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
+fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
+    for keys in POSITION_KEYS {
+        match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
+            [None, None, None] => {}
+            [Some(x), Some(y), Some(z)] if keys == POSITION_COLUMNS => return Ok(Some([x, y, z].map(metres))),
+            [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
+            some => {
+                let missing = keys.iter().zip(some).find(|(_, value)| value.is_none()).map_or("", |(key, _)| *key);
+                return Err(item.fault(format!("no {missing}"), format!("expected all of {} or none", keys.join(", "))));
+            }
+        }
+    }
+    let Some(text) = item.text("pos") else { return Ok(None) };
+    let words = text.trim_matches(|c: char| "[]() \t\r\n".contains(c)).split(|c: char| c == ',' || c.is_whitespace());
+    let numbers: Option<Vec<f64>> = words.filter(|word| !word.is_empty()).map(|word| number(word).ok()).collect();
+    match numbers.as_deref() {
+        Some([x, y, z]) if [x, y, z].iter().all(|x| x.is_finite()) => Ok(Some(scale.position([*x, *y, *z]))),
+        // A place in a drawing.
+        Some([_, _]) => Ok(None),
+        _ => Err(item.fault(format!("pos \"{text}\""), "expected three finite numbers")),
+    }
+}
+
+/// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
+/// replaces a pressure, which is then the result of an earlier run.
+fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
+    let pressure = item.finite("pressure_mmHg")?;
+    let resistance = item.finite(RESISTANCE)?;
+    let venous = item.finite(VENOUS)?;
+    let flow = item.finite(FLOW)?;
+    if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
+        return Ok(None);
+    }
+    if let Some(resistance) = resistance.filter(|r| *r <= 0.0) {
+        return Err(item.fault(format!("{RESISTANCE} {resistance}"), "expected a positive number"));
+    }
+    Ok(match (resistance, flow, pressure) {
+        (Some(_), Some(_), _) => {
+            return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
+        }
+        (Some(resistance), None, _) => Some(Condition::Resistance {
+            resistance: pascal_seconds_per_cubic_metre(resistance),
+            venous: pascals(venous.unwrap_or(0.0)),
+        }),
+        (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
+        (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
+        (None, None, None) => match role {
+            Some(Role::Inlet) => Some(Condition::INLET),
+            Some(Role::Outlet) => Some(Condition::GROUND),
+            Some(Role::Inner) | None => None,
+        },
+    })
+}
+
+/// The parts of a Windkessel that a node states.
+fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
+    let (proximal, compliance) = (item.finite(PROXIMAL)?, item.finite(COMPLIANCE)?);
+    if let Some(r) = proximal.filter(|r| *r < 0.0) {
+        return Err(item.fault(format!("{PROXIMAL} {r}"), "expected zero or a positive number"));
+    }
+    if let (Some(r), Some(total)) = (proximal, item.finite(RESISTANCE)?) {
+        // Where both are printed with a few digits they may be equal but for the last one.
+        if r > total * (1.0 + 1e-9) {
+            return Err(
+                item.fault(format!("{PROXIMAL} {r}"), format!("expected at most {RESISTANCE} {total}, which it is part of"))
+            );
+        }
+    }
+    if let Some(c) = compliance.filter(|c| *c <= 0.0) {
+        let accepted =
+            "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel` none)";
+        return Err(item.fault(format!("{COMPLIANCE} {c}"), accepted));
+    }
+    Ok(Windkessel { proximal: proximal.map(pascal_seconds_per_cubic_metre), compliance: compliance.map(cubic_metres_per_pascal) })
+}

@@ -1,0 +1,244 @@
+//! Finds the other files of an input in its folder: the second of two tables, the files of an iCafe tracing.
+
+use std::fs::{File, read_dir};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::formats::format::{Format, HEAD, format_of};
+use crate::formats::images::metaimage::file_of_voxels;
+use crate::formats::input::{content_within, unpacked_head, unpacked_name};
+use crate::formats::read::{ReadOptions, without_mark};
+use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
+use crate::formats::tables::reader::TableReader;
+use crate::formats::vendors::icafe::image_spacing;
+use willis_core::error::{Fault, Result};
+use willis_core::network::units::Scale;
+use willis_core::network::{Network, Origin, Vessel};
+use willis_core::support::geometry::distance;
+
+/// The words for a table of nodes, where the table of edges is called `edges`.
+const NODES: [&str; 2] = ["nodes", "vertices"];
+/// The column of the first node of an edge, in any table of edges.
+const FIRST_NODE: [&str; 4] = ["node1id", "source id", "source", "node_a"];
+/// iCafe's table of vessels.
+pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
+/// iCafe's description of the image.
+const IMAGE: &str = "Image_info.txt";
+
+/// The other files that [`read`](super::read::read) reads for `path`, as the folder is now, sorted by name.
+pub fn companion_files(path: &Path) -> Vec<PathBuf> {
+    let head = head(path);
+    let bytes = without_mark(&head);
+    let mut found: Vec<PathBuf> = match format_of(path, bytes) {
+        Ok(Format::Csv) => find_nodes_table(path).into_iter().collect(),
+        Ok(Format::Voreen | Format::VesselVio) => {
+            other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
+        }
+        Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::MetaImage) => file_of_voxels(path, bytes).into_iter().collect(),
+        _ => Vec::new(),
+    };
+    found.sort();
+    found
+}
+
+/// Where the voxel spacing of an input is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StatedSpacing {
+    /// In the file itself, whose coordinates are in mm.
+    Within,
+    /// In a file beside it, in mm: its coordinates are in voxels.
+    Beside(f64),
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Where the voxel spacing of an input is stated: a mask in NIfTI or MetaImage states its own, and Image_info.txt that of an iCafe tracing
+/// beside it.
+pub fn stated_spacing(path: &Path) -> StatedSpacing {
+    let head = head(path);
+    match format_of(path, without_mark(&head)) {
+        Ok(Format::Nifti | Format::MetaImage) => StatedSpacing::Within,
+        Ok(Format::Swc | Format::ICafe) => image_spacing(path).map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
+        _ => StatedSpacing::Nowhere,
+    }
+}
+
+/// The first bytes of a file; none where it cannot be read.
+fn head(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    // A file that cannot be read gives an error later, when it is read.
+    let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
+    unpacked_head(&bytes, HEAD as usize)
+}
+
+/// The table of nodes in the folder of a table of edges: its name with `.nodes` before the ending, or with `nodes` or `vertices` for
+/// `edges`, or `nodes.csv` or `vertices.csv`.
+pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
+    let own = with_nodes(edges).filter(|path| path.is_file());
+    own.or_else(|| first(edges, NODES.into_iter().map(|nodes| ("edges", nodes))))
+}
+
+/// The table of edges in the folder of a table of nodes, by the same names.
+pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
+    let own = || {
+        let (stem, ending) = nodes.file_name()?.to_str()?.rsplit_once('.')?;
+        let edges = nodes.with_file_name(format!("{}.{ending}", stem.strip_suffix(".nodes")?));
+        edges.is_file().then_some(edges)
+    };
+    own().or_else(|| first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges"))))
+}
+
+/// `A.nodes.csv` for `A.csv`.
+fn with_nodes(edges: &Path) -> Option<PathBuf> {
+    let name = edges.file_name()?.to_string_lossy();
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, "csv"));
+    Some(edges.with_file_name(format!("{stem}.nodes.{ending}")))
+}
+
+fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>) -> Option<PathBuf> {
+    let name = path.file_name()?.to_str()?;
+    let capital = |word: &str| word[..1].to_uppercase() + &word[1..];
+    let (mut names, mut plain) = (Vec::new(), Vec::new());
+    for (from, to) in swaps {
+        names.extend([name.replace(from, to), name.replace(&capital(from), &capital(to))]);
+        plain.push(format!("{to}.csv"));
+    }
+    // Each of the two tables may be packed or not.
+    let unpacked = unpacked_name(Path::new(name)).to_string_lossy().into_owned();
+    let either = |name: String| {
+        let plain = unpacked_name(Path::new(&name)).to_string_lossy().into_owned();
+        [name, plain.clone(), format!("{plain}.gz")]
+    };
+    let others = names.into_iter().chain(plain).flat_map(either);
+    let is_other = |other: &String| unpacked_name(Path::new(other)).to_string_lossy() != unpacked;
+    others.filter(is_other).map(|other| path.with_file_name(other)).find(|path| path.is_file())
+}
+
+/// Whether a table is that of the edges, and the other table, if it is in the same folder.
+pub(crate) fn other_table(path: &Path, bytes: &[u8]) -> Result<(bool, Option<PathBuf>), Fault> {
+    let is_edges = TableReader::open(bytes)?.find(&FIRST_NODE).is_some();
+    Ok((is_edges, if is_edges { find_nodes_table(path) } else { find_edges_table(path) }))
+}
+
+/// Whether the edges of a table refer to the rows of the table of nodes, as VesselVio's do: that table has no names.
+pub(crate) fn edges_refer_to_rows(edges: &Path) -> bool {
+    let Some(nodes) = find_nodes_table(edges) else { return false };
+    TableReader::open(&head(&nodes))
+        .is_ok_and(|rows| rows.find(&["node", "id"]).is_none() && rows.find(&["x", "pos_x"]).is_some())
+}
+
+/// The path of the table of nodes for a table of edges that is written: a name of its own, so that no other pair has it; `None` for the name
+/// of a table of nodes.
+pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
+    let name = edges.file_name()?.to_string_lossy();
+    if NODES.iter().any(|nodes| name == format!("{nodes}.csv")) {
+        return None;
+    }
+    if name.contains("edges") { Some(edges.with_file_name(name.replace("edges", "nodes"))) } else { with_nodes(edges) }
+}
+
+/// The table of vessels in the folder of an iCafe tracing.
+pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
+}
+
+/// iCafe's description of the image, in the folder of a tracing or its table of vessels.
+pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
+}
+
+/// The one tracing in the folder of a table of vessels.
+pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
+    let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> =
+        files.filter(|path| path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    found.sort();
+    match found.len() {
+        0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
+        1 => Ok(found.remove(0)),
+        many => {
+            let names: Vec<_> =
+                found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
+            let found = format!(
+                "{many} SWC files beside the table of vessels ({}{})",
+                names.join(", "),
+                if many > 3 { ", ..." } else { "" }
+            );
+            Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
+        }
+    }
+}
+
+/// Reads a graph in two tables, whichever of them is given.
+pub(crate) fn read_table_pair<N, C>(
+    path: &Path,
+    bytes: &[u8],
+    options: &ReadOptions,
+    read_nodes: impl Fn(&[u8], &Scale) -> Result<N, Fault>,
+    read_edges: impl Fn(&[u8], N, &ReadOptions) -> Result<(C, Vec<String>), Fault>,
+) -> Result<(C, Vec<String>)> {
+    let (nodes, edges, note) = both(path, bytes, options.max_input)?;
+    let table = read_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
+    let (content, mut notes) = read_edges(&edges.1, table, options).map_err(|fault| fault.in_file(&edges.0))?;
+    notes.push(note);
+    Ok((content, notes))
+}
+
+type Table = (PathBuf, Vec<u8>);
+
+/// The table of nodes, the table of edges, and a note about the one that was found.
+fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> {
+    let given = || (path.to_owned(), bytes.to_vec());
+    let missing = |what: &str| {
+        let renamed = "with \"nodes\" for \"edges\" in its name, or nodes.csv and edges.csv";
+        Fault::file(format!("no table of {what} beside it"), format!("expected two tables, {renamed}")).in_file(path)
+    };
+    let (is_edges, other) = other_table(path, bytes).map_err(|fault| fault.in_file(path))?;
+    let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
+    let found = (other.clone(), content_within(&other, most)?);
+    if is_edges {
+        Ok((found, given(), format!("nodes are those of {}", other.display())))
+    } else {
+        Ok((given(), found, format!("edges are those of {}", other.display())))
+    }
+}
+
+/// Adds an observed vessel between two nodes, without points in between.
+///
+/// Where `length` is NaN, the length is the distance between the nodes.
+pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64, radius: f64, label: &str) -> Option<()> {
+    let length = if length.is_nan() {
+        let [a, b] = ends.map(|end| network.node(end).position);
+        distance(a?, b?)
+    } else {
+        length
+    };
+    if !(length > 0.0 && length.is_finite() || length == 0.0 && ends[0] == ends[1]) {
+        return None;
+    }
+    let vessel = Vessel { label: label.to_owned(), ..Vessel::new(length, radius, Origin::Observed) };
+    network.add_vessel(ends, vessel);
+    Some(())
+}
+
+/// Reads a table of edges, and the table of nodes in its folder if there is one.
+pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
+    let found = find_nodes_table(path);
+    let read = |nodes: &PathBuf| {
+        let bytes = content_within(nodes, options.max_input)?;
+        let table = read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))?;
+        Ok((table, checksum_of_pair(&bytes)))
+    };
+    let (nodes, checksum) = found.as_ref().map(read).transpose()?.unzip();
+    let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
+    if let Some(nodes) = found {
+        notes.push(format!("nodes are those of {}", nodes.display()));
+        if stated_checksum(bytes).is_some_and(|stated| checksum.is_none_or(|found| found != stated)) {
+            notes.push(format!("{} is not as it was when {} was written with it", nodes.display(), path.display()));
+        }
+    }
+    Ok((network, notes))
+}

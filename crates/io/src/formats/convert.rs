@@ -1,0 +1,266 @@
+//! Writes a network in any format: which one, into which files, and what is lost on the way.
+
+use std::collections::HashSet;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use crate::formats::companions::nodes_table_path;
+use crate::formats::format::Format;
+use crate::formats::polylines::{between, is_straight, node_points};
+use crate::formats::vendors::voreen::has_whole_ids;
+use willis_core::error::{Error, Result};
+use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use willis_core::support::geometry::{distance, lerp};
+
+/// The endings that mean a format.
+pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .npz or .yaml";
+
+/// What to write, and where.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Target {
+    /// The format.
+    pub format: Format,
+    /// The file that was named: of a pair of tables that of the vessels.
+    pub path: PathBuf,
+    /// The table of nodes, for formats of two tables.
+    pub nodes: Option<PathBuf>,
+}
+
+impl Target {
+    /// The words for the formats that can be written.
+    pub fn words() -> impl Iterator<Item = &'static str> {
+        Format::words()
+    }
+
+    /// The target for a path and, optionally, a word for its format.
+    ///
+    /// # Errors
+    ///
+    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of
+    /// nodes.
+    pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
+        let words = || Self::words().collect::<Vec<_>>().join(", ");
+        let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
+        let format = found.ok_or_else(|| {
+            if let Some(word) = word {
+                return Error::parameter("to", word, format!("expected one of {}", words()));
+            }
+            let accepted = format!("expected an ending {ENDINGS}, or `to` FORMAT");
+            Error::parameter("output", path.display(), accepted)
+        })?;
+        let nodes = match format {
+            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_table_path(path).ok_or_else(|| {
+                Error::parameter("output", path.display(), "is the name of the table of nodes; expected that of the vessels")
+            })?),
+            _ => None,
+        };
+        Ok(Self { format, path: path.to_owned(), nodes })
+    }
+
+    /// The file of links that a tree cannot hold.
+    pub fn loops(&self) -> PathBuf {
+        self.path.with_extension("loops.csv")
+    }
+}
+
+/// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].
+pub fn refusal(target: &Target, error: &io::Error) -> Error {
+    Error::parameter("output", target.path.display(), format!("{} cannot hold the network: {error}", target.format.name()))
+}
+
+/// What remains after a network was written: links for a second file, and notes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Pairs of point ids for the file [`Target::loops`], where there are any.
+    pub loops: Vec<[u64; 2]>,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+}
+
+/// Writes a network as the file of a target, and as its table of nodes where it has one.
+///
+/// # Errors
+///
+/// A network that the format cannot hold at all (`InvalidInput`, see [`refusal`]), or the writers' own.
+pub fn write_into(
+    network: &Network,
+    target: &Target,
+    mut vessels: impl io::Write + io::Seek,
+    nodes: impl io::Write,
+) -> io::Result<Written> {
+    let mut written = Written::default();
+    let drawn;
+    let network = if consists_of_lines(target.format, network) {
+        let made;
+        (drawn, made) = with_lines(network)?;
+        if made > 0 {
+            written.notes.push(format!("{made} straight vessels got points of their own, which keep their radius"));
+        }
+        &drawn
+    } else {
+        network
+    };
+    written.loops = target.format.write(network, &mut vessels, nodes)?;
+    if !written.loops.is_empty() {
+        let path = target.loops();
+        written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));
+    }
+    Ok(written)
+}
+
+/// Whether a format stores vessels as lines of points, so that a vessel without points needs some.
+fn consists_of_lines(format: Format, network: &Network) -> bool {
+    match format {
+        Format::GraphMl | Format::Csv | Format::Voreen | Format::SvZeroD | Format::OpenBf => false,
+        Format::Npz | Format::VesselVio => !is_straight(network),
+        _ => true,
+    }
+}
+
+/// How far from its nodes, as a share of its length, a straight vessel takes the radius that is its own.
+const TAPER: f64 = 0.01;
+
+/// Whether a vessel runs from a node to itself without points between, so that it cannot be drawn.
+pub(crate) fn has_no_course(network: &Network, row: usize) -> bool {
+    let [a, b] = network.ends(row);
+    a == b && network.vessel(row).path.len() < 4
+}
+
+/// The network with a line for every vessel, without those that cannot have one; and how many lines had to be made.
+///
+/// Nodes are points of several vessels, so the radius of a vessel without a line is that of two points near its ends,
+/// chosen such that the mean over its arc length is the vessel's radius. A vessel that runs straight between two nodes that
+/// another such vessel joins gets a point midway.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`).
+pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
+    let at = node_points(network)?;
+    let (mut drawn, _) = network.subgraph(|row| !has_no_course(network, row));
+    let (mut joined, mut made) = (HashSet::new(), 0);
+    for row in 0..drawn.vessel_count() {
+        let rows = drawn.ends(row);
+        let [a, b] = rows.map(|end| at[end]);
+        let vessel = drawn.vessel_mut(row);
+        let inner = between(&vessel.path, a.position, b.position, true);
+        if !inner.is_empty() {
+            continue;
+        }
+        let first = joined.insert([rows[0].min(rows[1]), rows[0].max(rows[1])]);
+        let point = |share: f64, radius: f64| PathPoint { position: lerp(a.position, b.position, share), radius, id: None };
+        let radius = (vessel.radius - TAPER * f64::midpoint(a.radius, b.radius)) / (1.0 - TAPER);
+        let tapers = (RadiusRule::Mean.radius(&[a, b]) - vessel.radius).abs() > f64::EPSILON * vessel.radius;
+        if vessel.path.is_empty() && tapers && radius > 0.0 && a.position != b.position {
+            vessel.path = vec![a, point(TAPER, radius), point(1.0 - TAPER, radius), b];
+            made += 1;
+        } else if !first {
+            vessel.path = vec![a, point(0.5, f64::midpoint(a.radius, b.radius)), b];
+            made += 1;
+        }
+    }
+    Ok((drawn, made))
+}
+
+/// Lengths and radii that differ by less than this fraction are equal.
+const SAME: f64 = 1e-9;
+
+use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
+
+/// A property of a network that a format may be unable to store.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Property {
+    /// The centerline of a vessel between its nodes.
+    Paths,
+    /// A length or radius of a vessel that differs from that of its centerline.
+    Figures,
+    /// Ids of nodes.
+    Ids,
+    /// Nodes on no vessel.
+    LoneNodes,
+    /// What vessels store beyond geometry: origins, priors, resistances.
+    Statements,
+    /// What nodes store beyond geometry: labels, conditions.
+    Conditions,
+    /// Radii of nodes.
+    Radii,
+}
+
+/// The properties of a network that a format cannot store.
+fn lacks(format: Format, network: &Network) -> Vec<Property> {
+    match format {
+        Format::GraphMl | Format::Csv => vec![],
+        Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
+        Format::Npz | Format::VesselVio if is_straight(network) => vec![Ids, Statements, Conditions, Radii],
+        Format::Swc | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
+        Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
+        Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
+        Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
+        Format::SvZeroD | Format::OpenBf => vec![Paths, Ids, LoneNodes, Radii],
+        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Npy => Vec::new(),
+    }
+}
+
+/// What is lost when a network is written in a format, one text for each thing.
+pub fn losses(network: &Network, format: Format) -> Vec<String> {
+    let lacks = lacks(format, network);
+    let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
+    let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
+    let differs = |drawn: Option<f64>, stated: f64| drawn.is_some_and(|drawn| (drawn - stated).abs() > SAME * stated.abs());
+    let degree = network.degrees(|_| true);
+    let counts = [
+        (Paths, vessels(&|_, v| v.path.len() > 2), "the points between the nodes of {} vessels"),
+        (
+            Figures,
+            vessels(&|ends, v| differs(drawn_length(network, v, ends), v.length)),
+            "the lengths of {} vessels that are not those of their lines",
+        ),
+        (
+            Figures,
+            vessels(&|_, v| differs(drawn_radius(v), v.radius)),
+            "the radii of {} vessels that are not the mean over their points",
+        ),
+        (Ids, network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count(), "the ids of {} nodes"),
+        (LoneNodes, degree.iter().filter(|d| **d == 0).count(), "{} nodes without a vessel"),
+        (Radii, nodes(&|n| n.radius.is_some()), "the radii of {} nodes"),
+        (Conditions, nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
+        (Conditions, nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
+        (Statements, vessels(&|_, v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
+        (Statements, vessels(&|_, v| v.prior != 1.0), "the priors of {} vessels"),
+        (Statements, vessels(&|_, v| v.evidence.is_some()), "the probabilities of {} vessels"),
+        (Statements, vessels(&|_, v| v.certain), "that {} vessels are certain"),
+        (Statements, vessels(&|_, v| v.resistance.is_some()), "the resistances that {} vessels state"),
+    ];
+    let mut lost: Vec<String> = counts
+        .into_iter()
+        .filter(|(property, count, _)| *count > 0 && lacks.contains(property))
+        .map(|(_, count, what)| what.replace("{}", &count.to_string()))
+        .collect();
+    let joints = degree.iter().filter(|d| **d == 2).count();
+    if consists_of_lines(format, network) && joints > 0 {
+        lost.push(format!("{joints} nodes that join two vessels, which are read again as one"));
+    }
+    let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
+    if consists_of_lines(format, network) && without_course > 0 {
+        lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
+    }
+    let is_silent = matches!(format, Format::Csv | Format::Points | Format::Voreen | Format::VesselVio);
+    if let Some(frame) = network.frame.name().filter(|_| is_silent) {
+        lost.push(format!("that positions are in {frame}"));
+    }
+    lost
+}
+
+/// The length (m) of a vessel as a line; none without positions.
+fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<f64> {
+    if vessel.path.is_empty() {
+        let [a, b] = ends.map(|end| network.node(end).position);
+        return Some(distance(a?, b?));
+    }
+    Some(vessel.path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum())
+}
+
+/// The mean radius (m) over a vessel's points; none without points, since the ones that are then made keep the radius.
+fn drawn_radius(vessel: &Vessel) -> Option<f64> {
+    (!vessel.path.is_empty()).then(|| RadiusRule::Mean.radius(&vessel.path))
+}

@@ -1,0 +1,370 @@
+//! The formats: which one a file has, and which reader and writer belong to it.
+
+use std::io;
+use std::path::Path;
+
+use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
+use super::graphml::{read_graphml, write_graphml};
+use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
+use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
+use super::images::numpy::{read_npy_image, read_npy_mask};
+use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
+use super::itk::tubes::{read_tre, write_tre};
+use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
+use super::read::{Content, Document, ReadOptions};
+use super::solvers::{write_openbf, write_svzerod};
+use super::swc::write_swc;
+use super::tables::graph::{self, graph_columns, write_csv_graph};
+use super::tables::points::{read_points, write_points};
+use super::tables::reader::{delimiter, plural};
+use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
+use super::vendors::slicer_markups::{read_markups, write_markups};
+use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
+use super::vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
+use super::vendors::vtrails::read_vtrails;
+use super::vtk::legacy::read_vtk;
+use super::vtk::vtp::read_vtp;
+use super::vtk::write::{write_vtk, write_vtp};
+use super::xml;
+use crate::masks::{Foreground, Image, Mask, RadiusFrom, trace};
+use willis_core::error::{Fault, Result};
+use willis_core::network::Network;
+use willis_core::network::centerlines::Centerlines;
+
+/// How many first bytes of a file are looked at to find its format.
+pub(crate) const HEAD: u64 = 1 << 16;
+
+/// The formats that are known.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Format {
+    /// SWC: one centerline point a line.
+    Swc,
+    /// VTK XML PolyData.
+    Vtp,
+    /// VTK legacy PolyData.
+    Vtk,
+    /// GraphML.
+    GraphMl,
+    /// A table of edges, with or without a table of nodes in the same folder.
+    Csv,
+    /// A table of points, `fragment,x,y,z,radius`.
+    Points,
+    /// iCafe: a tracing in SWC with its table of vessels.
+    ICafe,
+    /// Voreen's tables of nodes and edges.
+    Voreen,
+    /// VesselVio's tables of vertices and edges.
+    VesselVio,
+    /// 3D Slicer markups.
+    Markups,
+    /// ITK tubes.
+    Tre,
+    /// A skeleton graph as NumPy arrays.
+    Npz,
+    /// VTrails' geodesic trees, a MATLAB 7.3 file.
+    VTrails,
+    /// A mask in NIfTI-1 or NIfTI-2, plain or compressed by gzip.
+    Nifti,
+    /// A mask in MetaImage, the format of ITK.
+    MetaImage,
+    /// A mask as a NumPy array.
+    Npy,
+    /// A model of the solver svZeroDSolver, only written.
+    SvZeroD,
+    /// A model of the solver openBF, only written.
+    OpenBf,
+}
+
+/// The usual name of each format; the word for it and the file ending that means it, where it can be written.
+const NAMES: [(Format, &str, &str, &str); 18] = [
+    (Format::Swc, "SWC", "swc", "swc"),
+    (Format::Vtp, "VTP", "vtp", "vtp"),
+    (Format::Vtk, "VTK legacy", "vtk", "vtk"),
+    (Format::GraphMl, "GraphML", "graphml", "graphml"),
+    (Format::Csv, "CSV", "csv", "csv"),
+    (Format::Points, "CSV of points", "points", ""),
+    (Format::Voreen, "Voreen CSV", "voreen", ""),
+    (Format::VesselVio, "VesselVio CSV", "vesselvio", ""),
+    (Format::Markups, "Slicer markups", "markups", "json"),
+    (Format::Tre, "TRE", "tre", "tre"),
+    (Format::Npz, "NPZ", "npz", "npz"),
+    (Format::ICafe, "iCafe", "", ""),
+    (Format::VTrails, "VTrails MAT", "", ""),
+    (Format::Nifti, "NIfTI mask", "", ""),
+    (Format::MetaImage, "MetaImage mask", "", ""),
+    (Format::Npy, "NumPy mask", "", ""),
+    (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
+    (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
+];
+
+impl Format {
+    /// The usual name.
+    pub fn name(self) -> &'static str {
+        NAMES.iter().find(|(format, ..)| *format == self).map_or("", |(_, name, ..)| name)
+    }
+
+    /// Whether it holds a segmentation mask, of which centerlines are made.
+    pub fn is_mask(self) -> bool {
+        matches!(self, Self::Nifti | Self::MetaImage | Self::Npy)
+    }
+
+    /// The words for the formats that can be written.
+    pub(crate) fn words() -> impl Iterator<Item = &'static str> {
+        NAMES.into_iter().map(|(_, _, word, _)| word).filter(|word| !word.is_empty())
+    }
+
+    /// The format that can be written and has this word.
+    pub(crate) fn of_word(word: &str) -> Option<Self> {
+        let known = NAMES.iter().find(|(_, _, known, _)| *known == word.to_ascii_lowercase() && !word.is_empty());
+        known.map(|(format, ..)| *format)
+    }
+
+    /// The format that can be written and that the ending of a file name means.
+    pub fn of_ending(path: &Path) -> Option<Self> {
+        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
+        NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
+    }
+
+    /// Reads a file of this format, whose checksum is given, and the other files that belong to it. An SWC file with a table of vessels
+    /// is one of iCafe.
+    pub(crate) fn read(self, path: &Path, bytes: &[u8], sha256: String, options: &ReadOptions) -> Result<Document> {
+        let lines = |(lines, notes): (Centerlines, Vec<String>)| (Content::Centerlines(lines), notes);
+        let graph = |(graph, notes): (Network, Vec<String>)| (Content::Graph(graph), notes);
+        let vessels = |(vessels, notes): (Network, Vec<String>)| (Content::Vessels(vessels), notes);
+        let here = |fault: Fault| fault.in_file(path);
+        let (mut format, mut lumen) = (self, None);
+        let (content, notes) = match self {
+            Self::Swc => {
+                let (found, lines, notes) = read_tracing(path, bytes, options)?;
+                format = found;
+                (lines, notes)
+            }
+            Self::ICafe => read_table_of_vessels(path, bytes, options)?,
+            Self::Csv => graph(read_csv_tables(path, bytes, options)?),
+            Self::Voreen => vessels(read_table_pair(path, bytes, options, read_voreen_nodes, read_voreen_edges)?),
+            Self::VesselVio => read_table_pair(path, bytes, options, read_vesselvio_vertices, read_vesselvio_edges)?,
+            Self::GraphMl => graph(read_graphml(bytes, options).map_err(here)?),
+            Self::Npz => read_skeleton_npz(bytes, options).map_err(here)?,
+            Self::Vtp => lines(read_vtp(bytes, options).map_err(here)?),
+            Self::Vtk => lines(read_vtk(bytes, options).map_err(here)?),
+            Self::Tre => lines(read_tre(bytes, options).map_err(here)?),
+            Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
+            Self::Points => lines(read_points(bytes, options).map_err(here)?),
+            Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
+            Self::Nifti | Self::MetaImage | Self::Npy => {
+                let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
+                lumen = Some(voxels);
+                lines((traced, notes))
+            }
+            Self::SvZeroD | Self::OpenBf => {
+                return Err(here(Fault::file(format!("{}, which is only written", self.name()), ACCEPTED)));
+            }
+        };
+        Ok(Document { format, content, notes, sha256, lumen })
+    }
+
+    /// Reads the mask in a file of this format.
+    fn read_voxels(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Mask> {
+        let (level, most) = (options.level, options.max_input);
+        match self {
+            Self::Nifti => read_nifti(bytes, level, most),
+            Self::MetaImage => return read_metaimage(path, bytes, level, most),
+            Self::Npy => read_npy_mask(bytes, options.scale.spacing, level, most),
+            _ => Err(Fault::file(format!("{}, not a mask", self.name()), "expected NIfTI, MetaImage or NumPy voxels")),
+        }
+        .map_err(|fault| fault.in_file(path))
+    }
+
+    /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the
+    /// format cannot hold them.
+    pub(crate) fn write(
+        self,
+        network: &Network,
+        mut vessels: impl io::Write + io::Seek,
+        nodes: impl io::Write,
+    ) -> io::Result<Vec<[u64; 2]>> {
+        let out = &mut vessels;
+        match self {
+            Self::Swc => return write_swc(out, network),
+            Self::Vtp => write_vtp(out, network, &graph_columns(network).1)?,
+            Self::Vtk => write_vtk(out, network, &graph_columns(network).1)?,
+            Self::GraphMl => {
+                let (of_nodes, of_vessels) = graph_columns(network);
+                write_graphml(out, network, &of_nodes, &of_vessels)?;
+            }
+            Self::Csv => write_csv_graph(nodes, out, network)?,
+            Self::Points => write_points(out, network)?,
+            Self::Voreen => write_voreen(nodes, out, network)?,
+            Self::VesselVio => write_vesselvio(nodes, out, network)?,
+            Self::Markups => write_markups(out, network)?,
+            Self::Tre => write_tre(out, network)?,
+            Self::Npz => write_skeleton_npz(out, network)?,
+            Self::SvZeroD => write_svzerod(out, network)?,
+            Self::OpenBf => write_openbf(out, network)?,
+            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Npy => {
+                return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
+            }
+        }
+        Ok(Vec::new())
+    }
+}
+
+/// Reads the mask in a file, of any of the formats of masks.
+///
+/// # Errors
+///
+/// A file that cannot be read, holds no mask, or has a fault in its content.
+pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
+    let bytes = bytes_within(path, options.max_input)?;
+    let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
+    format.read_voxels(path, &bytes, options)
+}
+
+/// Reads the image in a file, of any of the formats of masks, and its SHA-256.
+///
+/// # Errors
+///
+/// A file that cannot be read, holds no image, or has a fault in its content.
+pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)> {
+    let bytes = bytes_within(path, options.max_input)?;
+    let most = options.max_input;
+    let here = |fault: Fault| fault.in_file(path);
+    let image = match format_of(path, &bytes).map_err(here)? {
+        Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
+        Format::MetaImage => read_metaimage_image(path, &bytes, most),
+        Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
+        other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
+    };
+    Ok((image?, checksum(&bytes)))
+}
+
+/// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.
+fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
+    let ([x, y, z], spacing) = (mask.shape, mask.spacing());
+    let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
+    let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
+    let traced = trace(&mask.in_scanner_order(), options.radius_from);
+    let traced =
+        traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
+    let mut notes = vec![format!(
+        "a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, in the scanner's frame (RAS: right, anterior, superior)"
+    )];
+    match walls {
+        Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
+        Some([outside, inside]) => {
+            let [outside, inside] = [outside as f32, inside as f32];
+            notes.push(format!("radii take voxels at a wall in part: {outside} is outside a vessel, {inside} inside"));
+        }
+        None => {}
+    }
+    if traced.spurs > 0 {
+        notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
+    }
+    if traced.specks > 0 {
+        notes.push(format!("{} left out: too small for a line", plural(traced.specks, "speck")));
+    }
+    Ok((traced.lines, traced.lumen, notes))
+}
+
+const ACCEPTED: &str =
+    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NPY";
+
+/// Finds the format by the first bytes, then by the file ending, then by the first line with content.
+pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
+    if bytes.trim_ascii().is_empty() {
+        return Err(Fault::file("the file is empty", ACCEPTED));
+    }
+    if let Some(format) = by_signature(bytes)? {
+        return Ok(format);
+    }
+    match xml::root(bytes) {
+        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
+            return Ok(Format::Vtp);
+        }
+        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", ACCEPTED)),
+        Some(("graphml", _)) => return Ok(Format::GraphMl),
+        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), ACCEPTED)),
+        None => {}
+    }
+    let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
+    let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
+    let first = lines.next().unwrap_or_default();
+    match unpacked_name(path).extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("swc") => return Ok(Format::Swc),
+        Some("csv" | "tsv") => return Ok(table(path, first).unwrap_or(Format::Csv)),
+        _ => {}
+    }
+    if let Some(format) = table(path, first) {
+        return Ok(format);
+    }
+    if first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok()) {
+        return Ok(Format::Swc);
+    }
+    Err(Fault::file("the format is not known", ACCEPTED))
+}
+
+/// The format of a file that begins with a signature.
+fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
+    const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
+    let starts = |signature: &[u8]| bytes.starts_with(signature);
+    if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
+        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
+    }
+    if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
+        return Ok(Some(Format::Nifti));
+    }
+    if is_gzip(bytes) {
+        return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
+    }
+    if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
+        return Ok(Some(Format::VTrails));
+    }
+    if starts(b"MATLAB 5.0 MAT-file") {
+        return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
+    }
+    if starts(b"\x93NUMPY") {
+        return Ok(Some(Format::Npy));
+    }
+    if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
+        return Ok(Some(Format::Npz));
+    }
+    if starts(b"# vtk DataFile") {
+        return Ok(Some(Format::Vtk));
+    }
+    if is_metaimage(bytes) {
+        return Ok(Some(Format::MetaImage));
+    }
+    let text = bytes.trim_ascii_start();
+    if text.starts_with(b"{") {
+        return Ok(Some(Format::Markups));
+    }
+    let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
+    let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
+    Ok(["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')).then_some(Format::Tre))
+}
+
+/// The table that a header line begins.
+///
+/// Edges by the columns `Source ID,Target ID` are VesselVio's, and so are edges by `source,target` whose table of nodes has
+/// no names (`node`, `id`): these can only be rows. So is a table of positions without names in the folder of a table of edges.
+fn table(path: &Path, header: &str) -> Option<Format> {
+    let header = header.trim_start_matches('\u{feff}');
+    let columns: Vec<&str> = header.split(delimiter(header)).map(|column| column.trim().trim_matches('"')).collect();
+    let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column.eq_ignore_ascii_case(name)));
+    let named = has(&["node"]) || has(&["id"]);
+    if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
+        Some(Format::Voreen)
+    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)) {
+        Some(Format::VesselVio)
+    } else if graph::is_header(header) {
+        Some(Format::Csv)
+    } else if has(&["fragment"]) {
+        Some(Format::Points)
+    } else if icafe::is_header(&columns) {
+        Some(Format::ICafe)
+    } else if has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some() {
+        Some(Format::VesselVio)
+    } else {
+        None
+    }
+}

@@ -1,0 +1,347 @@
+//! GraphML: reads a graph through its keys as one stream, writes one for NetworkX, igraph and Gephi.
+
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, BufRead, Write};
+
+use crate::formats::attributes::edge::vessels;
+use crate::formats::attributes::records::Records;
+use crate::formats::attributes::{is_wanted, nodes};
+use crate::formats::read::ReadOptions;
+use crate::formats::tables::graph::points;
+use crate::formats::tables::write::{Column, Values, check_rows};
+use crate::formats::xml::{Events, Step, Tag, escape};
+use willis_core::error::Fault;
+use willis_core::network::{Frame, Network};
+
+/// The attribute of a graph that states the frame of its positions.
+const FRAME: &str = "frame";
+
+/// What has been read of a file.
+#[derive(Default)]
+struct Graph {
+    keys: Keys,
+    ids: Vec<String>,
+    row_of: HashMap<String, usize>,
+    nodes: Records,
+    ends: Vec<[End; 2]>,
+    edges: Records,
+    directed: bool,
+    frame: Frame,
+    /// The text of an element, kept for the next one.
+    text: String,
+}
+
+/// The end of an edge: the row of a node, or the id of one that has not come yet.
+enum End {
+    Row(usize),
+    Id(String),
+}
+
+/// Reads a graph as a stream, nodes and edges in the order of the file; returns also notes for the user.
+///
+/// # Errors
+///
+/// XML that is not well-formed or declares entities, more or fewer than one graph, a nested graph, hyperedge or port, a key
+/// that is not declared, a node id that comes twice, an edge to a node that does not exist, an attribute that is wrong.
+pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
+    let mut events = Events::new(input);
+    let mut graph = Graph::default();
+    let mut graphs = 0;
+    while let Some(step) = events.next()? {
+        if step != Step::Start || events.depth() == 1 {
+            continue;
+        }
+        match events.tag().name() {
+            "key" => graph.keys.declare(&mut events)?,
+            "graph" => {
+                graphs += 1;
+                if graphs == 1 { graph.read(&mut events)? } else { events.skip(|_| Ok(()))? }
+            }
+            _ => events.skip(|_| Ok(()))?,
+        }
+    }
+    drop(events);
+    if graphs != 1 {
+        return Err(Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"));
+    }
+    graph.network(options)
+}
+
+/// Refuses what is no simple graph.
+fn simple(tag: &Tag) -> Result<(), Fault> {
+    match tag.name() {
+        name @ ("graph" | "hyperedge" | "port") => {
+            Err(Fault::line(tag.line, format!("a <{name}> within the graph"), "expected only nodes and edges"))
+        }
+        _ => Ok(()),
+    }
+}
+
+impl Graph {
+    /// Reads a `<graph>`, which has begun, up to its end.
+    fn read(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
+        self.directed = events.tag().attribute("edgedefault")?.as_deref() == Some("directed");
+        let depth = events.depth();
+        while events.next_child(depth)? {
+            let tag = events.tag();
+            simple(tag)?;
+            match tag.name() {
+                "node" => {
+                    let missing = || Fault::line(tag.line, format!("node {} has no id", self.ids.len()), "expected an id");
+                    let id = tag.attribute("id")?.ok_or_else(missing)?.into_owned();
+                    self.row_of.entry(id.clone()).or_insert(self.ids.len());
+                    self.ids.push(id);
+                    item(&mut self.nodes, &mut self.keys, events, &mut self.text)?;
+                }
+                "edge" => {
+                    self.directed |= tag.attribute("directed")?.as_deref() == Some("true");
+                    let row = self.ends.len();
+                    let end = |side: &str| {
+                        let missing = || Fault::line(tag.line, format!("edge {row} has no {side}"), "expected the id of a node");
+                        let id = tag.attribute(side)?.ok_or_else(missing)?;
+                        Ok(self.row_of.get(&*id).map_or_else(|| End::Id(id.into_owned()), |row| End::Row(*row)))
+                    };
+                    self.ends.push([end("source")?, end("target")?]);
+                    item(&mut self.edges, &mut self.keys, events, &mut self.text)?;
+                }
+                "data" if self.keys.is_frame(&tag.attribute("key")?.unwrap_or_default()) => {
+                    events.text(simple, &mut self.text)?;
+                    self.frame = Frame::of_word(&self.text);
+                }
+                _ => events.skip(simple)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn network(mut self, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
+        if self.ids.is_empty() {
+            return Err(Fault::file("the graph has no nodes", "expected <node> elements"));
+        }
+        self.keys.name(&mut self.nodes, "node")?;
+        self.keys.name(&mut self.edges, "edge")?;
+        let mut network = Network::new();
+        network.frame = self.frame;
+        for node in nodes(&self.ids, &self.nodes, &options.scale)? {
+            network.add_node(node);
+        }
+        (self.nodes, self.ids) = Default::default();
+        let ends = self.rows()?;
+        let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
+        if self.directed {
+            notes.push("the graph is directed: its edges are taken as undirected".to_owned());
+        }
+        Ok((network, notes))
+    }
+
+    /// The rows of the nodes at the ends of each edge.
+    fn rows(&mut self) -> Result<Vec<[usize; 2]>, Fault> {
+        let mut rows = Vec::with_capacity(self.ends.len());
+        let row_of = std::mem::take(&mut self.row_of);
+        for (row, both) in std::mem::take(&mut self.ends).iter().enumerate() {
+            let mut ends = [0; 2];
+            for (place, (end, side)) in ends.iter_mut().zip(both.iter().zip(["source", "target"])) {
+                *place = match end {
+                    End::Row(node) => *node,
+                    End::Id(id) => *row_of.get(id).ok_or_else(|| {
+                        let found = format!("edge {row}: {side} \"{id}\" does not exist");
+                        Fault::line(self.edges.get(row).line, found, "expected the id of a node")
+                    })?,
+                };
+            }
+            rows.push(ends);
+        }
+        Ok(rows)
+    }
+}
+
+/// Reads the data of a node or edge, which has begun, up to its end; `text` is for the texts.
+fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead>, text: &mut String) -> Result<(), Fault> {
+    records.begin(events.tag().line);
+    let depth = events.depth();
+    while events.next_child(depth)? {
+        let tag = events.tag();
+        if tag.name() != "data" {
+            simple(tag)?;
+            events.skip(simple)?;
+            continue;
+        }
+        let key = keys.number(&tag.attribute("key")?.unwrap_or_default(), tag.line);
+        if keys.is_wanted(key) {
+            events.text(simple, text)?;
+            records.put(key, text);
+        } else {
+            events.skip(simple)?;
+        }
+    }
+    Ok(())
+}
+
+/// All attributes by their ids, in the order in which they were met.
+#[derive(Default)]
+pub(crate) struct Keys {
+    number_of: BTreeMap<String, usize>,
+    keys: Vec<Key>,
+}
+
+/// An attribute: its name (none for what only an editor needs), its default for nodes and for edges.
+struct Key {
+    name: Option<String>,
+    default: Option<String>,
+    on: String,
+    declared: bool,
+    /// The line on which it was met.
+    line: usize,
+}
+
+impl Keys {
+    /// Reads a `<key>`, which has begun, up to its end.
+    pub(crate) fn declare(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
+        let (tag, line) = (events.tag(), events.tag().line);
+        let id = tag.attribute("id")?.ok_or_else(|| Fault::line(line, "a <key> has no id", "expected an id"))?;
+        let number = self.number(&id, line);
+        if self.keys[number].declared {
+            return Err(Fault::line(line, format!("key \"{id}\" is declared twice"), "expected every key once"));
+        }
+        let on = tag.attribute("for")?.map_or_else(|| "all".to_owned(), Into::into);
+        let name = tag.attribute("attr.name")?.map(Into::into);
+        let mut default = None;
+        let depth = events.depth();
+        while events.next_child(depth)? {
+            if events.tag().name() == "default" && default.is_none() {
+                events.text(|_| Ok(()), default.insert(String::new()))?;
+            } else {
+                events.skip(|_| Ok(()))?;
+            }
+        }
+        self.keys[number] = Key { name, default, on, declared: true, line };
+        Ok(())
+    }
+
+    /// Whether what a key names is read; that is known once it is declared.
+    pub(crate) fn is_wanted(&self, number: usize) -> bool {
+        let key = &self.keys[number];
+        !key.declared || key.name.as_deref().is_some_and(is_wanted)
+    }
+
+    /// The number of a key, which may be declared later.
+    pub(crate) fn number(&mut self, id: &str, line: usize) -> usize {
+        if let Some(number) = self.number_of.get(id) {
+            return *number;
+        }
+        self.number_of.insert(id.to_owned(), self.keys.len());
+        self.keys.push(Key { name: None, default: None, on: String::new(), declared: false, line });
+        self.keys.len() - 1
+    }
+
+    /// Whether a key is that of the graph's frame.
+    fn is_frame(&self, id: &str) -> bool {
+        let key = self.number_of.get(id).map(|number| &self.keys[*number]);
+        key.is_some_and(|key| key.name.as_deref() == Some(FRAME) && (key.on == "graph" || key.on == "all"))
+    }
+
+    /// Gives the records of all nodes (`on` "node") or edges ("edge") the names and defaults.
+    pub(crate) fn name(&self, records: &mut Records, on: &str) -> Result<(), Fault> {
+        let undeclared = |(_, number): &(&String, &usize)| !self.keys[**number].declared;
+        if let Some((id, number)) = self.number_of.iter().filter(undeclared).min_by_key(|(_, number)| **number) {
+            let found = format!("key \"{id}\" is not declared");
+            return Err(Fault::line(self.keys[*number].line, found, "expected the id of a <key> element"));
+        }
+        let mut defaults = HashMap::new();
+        for key in self.number_of.values().map(|number| &self.keys[*number]).filter(|key| key.on == "all" || key.on == on) {
+            if let (Some(name), Some(default)) = (&key.name, &key.default) {
+                defaults.insert(name.clone(), default.clone());
+            }
+        }
+        records.name(self.keys.iter().map(|key| key.name.clone()).collect(), defaults);
+        Ok(())
+    }
+}
+
+/// Writes the nodes with their ids, the vessels in their order, and the columns as attributes.
+///
+/// NaN and empty text are left out, and so is a column `id`, which is the node's own. A vessel with a path has it as
+/// the attribute `points`: `x y z r;x y z r` in mm. The graph has its frame as the attribute `frame`, where it is known.
+///
+/// # Errors
+///
+/// A column without one value for each row (`InvalidInput`), or the writer's own.
+pub fn write_graphml(
+    mut out: impl Write,
+    network: &Network,
+    node_columns: &[Column],
+    vessel_columns: &[Column],
+) -> io::Result<()> {
+    check_rows(node_columns, network.node_count())?;
+    check_rows(vessel_columns, network.vessel_count())?;
+    let with_points = network.vessels().any(|(_, v)| !v.path.is_empty()) && vessel_columns.iter().all(|c| c.name != "points");
+    writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
+    writeln!(out, r#"<graphml xmlns="http://graphml.graphdrawing.org/xmlns">"#)?;
+    keys(&mut out, "node", node_columns)?;
+    keys(&mut out, "edge", vessel_columns)?;
+    if with_points {
+        writeln!(out, r#"  <key id="points" for="edge" attr.name="points" attr.type="string"/>"#)?;
+    }
+    if network.frame.is_known() {
+        writeln!(out, r#"  <key id="frame" for="graph" attr.name="{FRAME}" attr.type="string"/>"#)?;
+    }
+    writeln!(out, r#"  <graph edgedefault="undirected">"#)?;
+    if let Some(name) = network.frame.name() {
+        writeln!(out, r#"    <data key="frame">{name}</data>"#)?;
+    }
+    let (mut of_node, mut of_vessel) = (Data::new("node", node_columns), Data::new("edge", vessel_columns));
+    for (row, node) in network.nodes().enumerate() {
+        writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
+        of_node.write(&mut out, row)?;
+        writeln!(out, "    </node>")?;
+    }
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        let [a, b] = ends.map(|end| escape(&network.node(end).id));
+        writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
+        of_vessel.write(&mut out, row)?;
+        if with_points && !vessel.path.is_empty() {
+            writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
+        }
+        writeln!(out, "    </edge>")?;
+    }
+    writeln!(out, "  </graph>\n</graphml>")?;
+    out.flush()
+}
+
+fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
+    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
+        let kind = match column.values {
+            Values::Real(_) => "double",
+            Values::Integer(_) => "long",
+            Values::Text(_) => "string",
+        };
+        writeln!(out, r#"  <key id="{on}{n}" for="{on}" attr.name="{}" attr.type="{kind}"/>"#, escape(&column.name))?;
+    }
+    Ok(())
+}
+
+/// The attributes of one kind of item, with what begins the element of each.
+struct Data<'a> {
+    columns: Vec<(String, &'a Values)>,
+    text: String,
+}
+
+impl<'a> Data<'a> {
+    fn new(on: &str, columns: &'a [Column]) -> Self {
+        let written = columns.iter().enumerate().filter(|(_, c)| c.name != "id");
+        let start = |(n, c): (usize, &'a Column)| (format!(r#"      <data key="{on}{n}">"#), &c.values);
+        Self { columns: written.map(start).collect(), text: String::new() }
+    }
+
+    fn write(&mut self, out: &mut impl Write, row: usize) -> io::Result<()> {
+        for (start, values) in &self.columns {
+            values.put(row, &mut self.text);
+            if !self.text.is_empty() {
+                out.write_all(start.as_bytes())?;
+                out.write_all(escape(&self.text).as_bytes())?;
+                out.write_all(b"</data>\n")?;
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,195 @@
+//! Reads masks and images in MetaImage, the format of ITK: `.mha` in one file, `.mhd` with the voxels beside it.
+//!
+//! ITK's frame has x to the patient's left and y backward; both are turned. Source: the documentation of MetaIO.
+
+use std::collections::HashMap;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use flate2::read::ZlibDecoder;
+
+use super::voxels::Voxels;
+use crate::formats::binary::NumberType;
+use crate::formats::input::bytes_within;
+use crate::masks::{Image, Mask};
+use willis_core::error::{Fault, Result};
+
+/// No header is longer.
+const MOST_HEADER: usize = 1 << 16;
+
+/// The fields of a header, each with its line, and where the voxels of the same file begin.
+struct Header {
+    fields: HashMap<String, (usize, String)>,
+    end: usize,
+}
+
+/// Whether a file begins with the header of an image.
+pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
+    let head = &bytes[..bytes.len().min(MOST_HEADER)];
+    let lines = head.split(|byte| *byte == b'\n').take_while(|line| line.contains(&b'='));
+    let mut keys = lines.filter_map(|line| line.split(|byte| *byte == b'=').next()).map(<[u8]>::trim_ascii);
+    keys.any(|key| key == b"ElementDataFile")
+}
+
+/// The file beside `path` that holds its voxels, if they are not in the same file.
+pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
+    let header = Header::read(bytes).ok()?;
+    let (_, name) = header.text("ElementDataFile").ok()?;
+    (name != "LOCAL" && Path::new(name).components().count() == 1).then(|| path.with_file_name(name))
+}
+
+/// Reads a mask; `path` tells where a second file is.
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, no mask of three dimensions, or one without a usable frame.
+pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
+    with_voxels(path, bytes, most, |voxels, stream| voxels.read(stream, level, most))
+}
+
+/// Reads an image, at most `most` bytes of it; `path` tells where a second file is.
+///
+/// # Errors
+///
+/// A file that is cut, no image of three dimensions, or one without a usable frame.
+pub fn read_metaimage_image(path: &Path, bytes: &[u8], most: u64) -> Result<Image> {
+    with_voxels(path, bytes, most, |voxels, stream| voxels.read_values(stream, most))
+}
+
+/// Reads the header, and hands over how the voxels are stored with their bytes.
+fn with_voxels<T>(
+    path: &Path,
+    bytes: &[u8],
+    most: u64,
+    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
+) -> Result<T> {
+    let here = |fault: Fault| fault.in_file(path);
+    let header = Header::read(bytes).map_err(here)?;
+    let voxels = header.voxels().map_err(here)?;
+    let needed = voxels.bytes(most).map_err(here)?;
+    let (line, name) = header.text("ElementDataFile").map_err(here)?;
+    let beside;
+    let (file, data) = if name == "LOCAL" {
+        (path.to_owned(), &bytes[header.end..])
+    } else {
+        let other = Path::new(name);
+        if name.starts_with("LIST") || name.contains('%') || other.components().count() != 1 {
+            let accepted = "expected LOCAL, or the name of one file in the same folder";
+            return Err(here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted)));
+        }
+        let file = path.with_file_name(other);
+        beside = bytes_within(&file, most)?;
+        (file, beside.as_slice())
+    };
+    let there = |fault: Fault| fault.in_file(&file);
+    if header.is_true("CompressedData") {
+        return take(voxels, Box::new(ZlibDecoder::new(data))).map_err(there);
+    }
+    // HeaderSize -1: the voxels are the last bytes of the file.
+    let skipped = match header.fields.get("HeaderSize") {
+        Some((_, size)) if size == "-1" => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
+        Some((line, size)) => {
+            size.parse().map_err(|_| here(Fault::line(*line, format!("HeaderSize \"{size}\""), "expected a whole number")))?
+        }
+        None => 0,
+    };
+    take(voxels, Box::new(data.get(skipped..).unwrap_or_default())).map_err(there)
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let (mut fields, mut at, mut line) = (HashMap::new(), 0, 0);
+        while at < bytes.len().min(MOST_HEADER) {
+            let rest = &bytes[at..];
+            let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
+            let text = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
+            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
+            let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
+                return Err(Fault::line(line, format!("\"{text}\""), "expected a line Key = value"));
+            };
+            fields.insert(key.to_owned(), (line, value.to_owned()));
+            if key == "ElementDataFile" {
+                return Ok(Self { fields, end: at });
+            }
+        }
+        Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))
+    }
+
+    fn text(&self, key: &str) -> Result<(usize, &str), Fault> {
+        let field = self.fields.get(key).ok_or_else(|| Fault::file(format!("no {key}"), "expected it in the header"))?;
+        Ok((field.0, field.1.as_str()))
+    }
+
+    fn is_true(&self, key: &str) -> bool {
+        self.fields.get(key).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
+    }
+
+    /// The numbers of the first of some fields that is there; so many of them.
+    fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
+        let Some((key, (line, value))) = keys.iter().find_map(|key| Some((key, self.fields.get(*key)?))) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
+        let numbers = numbers.filter(|numbers| numbers.len() == count);
+        numbers.map(Some).ok_or_else(|| Fault::line(*line, format!("{key} \"{value}\""), format!("expected {count} numbers")))
+    }
+
+    fn voxels(&self) -> Result<Voxels, Fault> {
+        let (line, dimensions) = self.text("NDims")?;
+        let axes = match dimensions {
+            "3" => 3,
+            "4" => 4,
+            _ => return Err(Fault::line(line, format!("NDims \"{dimensions}\""), "expected three dimensions; take one volume")),
+        };
+        if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| channels != "1") {
+            return Err(Fault::line(*line, format!("{channels} values a voxel"), "expected one"));
+        }
+        if self.fields.contains_key("BinaryData") && !self.is_true("BinaryData") {
+            return Err(Fault::file("voxels as text", "expected BinaryData = True"));
+        }
+        let (line, kind) = self.text("ElementType")?;
+        let (kind, size) = match kind {
+            "MET_UCHAR" => (NumberType::Unsigned, 1),
+            "MET_USHORT" => (NumberType::Unsigned, 2),
+            "MET_UINT" => (NumberType::Unsigned, 4),
+            "MET_ULONG_LONG" => (NumberType::Unsigned, 8),
+            "MET_CHAR" => (NumberType::Signed, 1),
+            "MET_SHORT" => (NumberType::Signed, 2),
+            "MET_INT" => (NumberType::Signed, 4),
+            "MET_LONG_LONG" => (NumberType::Signed, 8),
+            "MET_FLOAT" => (NumberType::Real, 4),
+            "MET_DOUBLE" => (NumberType::Real, 8),
+            other => {
+                let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
+                return Err(Fault::line(line, format!("ElementType \"{other}\""), accepted));
+            }
+        };
+        let (line, size_text) = self.text("DimSize")?;
+        let shape = size_text.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<usize>>>();
+        let shape = shape.filter(|shape| shape.len() == axes);
+        let shape = shape
+            .ok_or_else(|| Fault::line(line, format!("DimSize \"{size_text}\""), format!("expected {axes} whole numbers")))?;
+        if shape.get(3).is_some_and(|volumes| *volumes != 1) {
+            return Err(Fault::line(line, format!("DimSize \"{size_text}\""), "expected three dimensions; take one volume"));
+        }
+        let shape = [shape[0], shape[1], shape[2]];
+        let three = |all: Vec<f64>| [all[0], all[1], all[2]];
+        let spacing = self.numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
+        let origin = self.numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
+        let identity = |at: usize| if at.is_multiple_of(axes + 1) { 1.0 } else { 0.0 };
+        let directions = self.numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
+        let directions = directions.unwrap_or_else(|| (0..axes * axes).map(identity).collect());
+        if let Some(bad) = spacing.iter().find(|s| !(s.is_finite() && **s > 0.0)) {
+            return Err(Fault::file(format!("ElementSpacing {bad}"), "expected a positive spacing along every axis"));
+        }
+        // The matrix has the direction of one axis after the other.
+        let affine = std::array::from_fn(|row| {
+            let turn = if row < 2 { -1.0 } else { 1.0 };
+            std::array::from_fn(|column| {
+                turn * if column < 3 { directions[axes * column + row] * spacing[column] } else { origin[row] }
+            })
+        });
+        let big = self.is_true("BinaryDataByteOrderMSB") || self.is_true("ElementByteOrderMSB");
+        Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine })
+    }
+}

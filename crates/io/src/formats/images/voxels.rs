@@ -1,0 +1,184 @@
+//! The voxels of an image, read as a stream: as the classes of a mask, or as numbers.
+
+use std::io::{ErrorKind, Read};
+
+use crate::formats::binary::NumberType;
+use crate::masks::{Affine, Image, Mask, WallFinder};
+use willis_core::error::Fault;
+use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+
+/// More classes than any list of arteries has.
+const MOST_CLASSES: usize = 64;
+const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask has whole numbers from 0 to 255, 0 for background";
+/// Voxels that are read at once.
+const BLOCK: usize = 1 << 14;
+/// Values by which an image in memory grows.
+const GROWTH: usize = 1 << 24;
+
+/// How an image stores its voxels, and where they are.
+#[derive(Debug, Clone)]
+pub(super) struct Voxels {
+    /// Lengths along the three axes; the first runs fastest.
+    pub shape: [usize; 3],
+    pub kind: NumberType,
+    /// Bytes of a value.
+    pub size: usize,
+    pub big: bool,
+    /// A value is this many times the stored number, plus the second.
+    pub slope: [f64; 2],
+    /// Scanner's frame, mm.
+    pub affine: Affine,
+}
+
+impl Voxels {
+    /// How many bytes they take; a fault where that is more than `most`, or nothing.
+    pub fn bytes(&self, most: u64) -> Result<u64, Fault> {
+        let shape = self.shape;
+        let words = format!("{} x {} x {} voxels of {} bytes", shape[0], shape[1], shape[2], self.size);
+        if shape.contains(&0) {
+            return Err(Fault::file(words, "expected an image with voxels"));
+        }
+        let count = shape.iter().try_fold(self.size as u64, |all, n| all.checked_mul(*n as u64));
+        let count = count.filter(|count| *count <= most);
+        count.ok_or_else(|| Fault::file(words, format!("expected at most {most} bytes; `max_input` allows more")))
+    }
+
+    /// Reads an image: each voxel's value.
+    pub fn read_values(self, mut bytes: impl Read, most: u64) -> Result<Image, Fault> {
+        self.check_frame()?;
+        let count = (self.bytes(most)? / self.size as u64) as usize;
+        let mut values: Vec<f32> = Vec::new();
+        let mut block = vec![0; BLOCK * self.size];
+        let value = |stored: &[u8]| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
+        // The values that one byte can store.
+        let of_byte: Option<Vec<f32>> = (self.size == 1).then(|| (0..=u8::MAX).map(|byte| value(&[byte])).collect());
+        while values.len() < count {
+            let wanted = (count - values.len()).min(BLOCK) * self.size;
+            self.fill_block(&mut bytes, &mut block[..wanted], values.len(), count)?;
+            // Memory grows with what was read, not with what a header claims, and never to twice of it.
+            if values.capacity() < values.len() + BLOCK {
+                values.reserve_exact((count - values.len()).min(GROWTH));
+            }
+            match &of_byte {
+                Some(of_byte) => values.extend(block[..wanted].iter().map(|byte| of_byte[usize::from(*byte)])),
+                None => values.extend(block[..wanted].chunks_exact(self.size).map(value)),
+            }
+        }
+        Ok(Image { shape: self.shape, values, affine: self.affine })
+    }
+
+    /// Fills a block of stored values, `done` of `count` being read.
+    fn fill_block(&self, bytes: &mut impl Read, block: &mut [u8], done: usize, count: usize) -> Result<(), Fault> {
+        let found = fill(bytes, block)
+            .map_err(|error| Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file"))?;
+        if found < block.len() {
+            let found = format!("{} of {count} voxels", done + found / self.size);
+            return Err(Fault::file(found, "expected all of them; is the file cut off?"));
+        }
+        Ok(())
+    }
+
+    /// Reads a mask: each voxel's class, or 1 from a level on.
+    pub fn read(self, mut bytes: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+        self.check_frame()?;
+        let count = (self.bytes(most)? / self.size as u64) as usize;
+        let mut classes: Vec<u8> = Vec::new();
+        let mut block = vec![0; BLOCK * self.size];
+        let mut seen = [false; 256];
+        // The bytes before and their class: most voxels are as the one before.
+        let mut last: (Vec<u8>, u8) = (Vec::new(), 0);
+        let mut walls = level.and_then(|_| WallFinder::new(self.shape));
+        // Whether the values could be classes, and which then.
+        let (mut are_classes, mut known) = (true, [false; 256]);
+        while classes.len() < count {
+            let wanted = (count - classes.len()).min(BLOCK) * self.size;
+            self.fill_block(&mut bytes, &mut block[..wanted], classes.len(), count)?;
+            for stored in block[..wanted].chunks_exact(self.size) {
+                if walls.is_none() && last.0 == stored {
+                    classes.push(last.1);
+                    continue;
+                }
+                let value = self.slope[0] * self.kind.value(stored, self.big) + self.slope[1];
+                let class = self.class(value, level, classes.len())?;
+                seen[usize::from(class)] = true;
+                classes.push(class);
+                last.0.clear();
+                last.0.extend_from_slice(stored);
+                last.1 = class;
+                if let Some(walls) = &mut walls {
+                    walls.add(value);
+                    if are_classes {
+                        as_class(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
+                    }
+                }
+            }
+            if let Some(walls) = &mut walls {
+                walls.advance(&classes);
+            }
+        }
+        let count = |seen: &[bool]| seen[1..].iter().filter(|is| **is).count();
+        let several = count(&seen);
+        if several > MOST_CLASSES {
+            return Err(Fault::file(format!("looks like an image, not a mask: {several} values"), ACCEPTED));
+        }
+        if several == 0 {
+            let accepted = "expected voxels of vessels, which are not 0";
+            return Err(Fault::file("an empty mask", if level.is_some() { "expected a lower `level`" } else { accepted }));
+        }
+        // What would do as a mask has no partial volume.
+        are_classes &= count(&known) <= MOST_CLASSES;
+        let walls = walls.filter(|_| !are_classes).zip(level).and_then(|(walls, level)| walls.finish(level, &classes));
+        Ok(Mask { shape: self.shape, classes, affine: self.affine, walls })
+    }
+
+    fn class(&self, value: f64, level: Option<f64>, row: usize) -> Result<u8, Fault> {
+        let place = || {
+            let [x, y, _] = self.shape;
+            format!("voxel {},{},{}", row % x, row / x % y, row / (x * y))
+        };
+        if value.is_nan() {
+            return Err(Fault::item(place(), "not a number", "expected a finite value"));
+        }
+        match level {
+            Some(level) => Ok(u8::from(value >= level)),
+            None => {
+                as_class(value).ok_or_else(|| Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED))
+            }
+        }
+    }
+
+    /// Refuses a frame that is flat, or not finite.
+    fn check_frame(&self) -> Result<(), Fault> {
+        let column = |axis: usize| -> Point { [0, 1, 2].map(|row| self.affine[row][axis]) };
+        let [a, b, c] = [column(0), column(1), column(2)];
+        let lengths = [a, b, c].map(|column| norm_squared(column).sqrt());
+        let found = format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
+        let is_positive = lengths.iter().all(|length| length.is_finite() && *length > 0.0);
+        if !is_positive || !self.affine.iter().flatten().all(|x| x.is_finite()) {
+            return Err(Fault::file(found, "expected a positive spacing along every axis, and a finite origin"));
+        }
+        if dot(a, cross(b, c)).abs() < 1e-6 * lengths.iter().product::<f64>() {
+            return Err(Fault::file("axes that lie in a plane", "expected three independent directions"));
+        }
+        Ok(())
+    }
+}
+
+/// The class that a value is, in a mask.
+fn as_class(value: f64) -> Option<u8> {
+    ((0.0..=255.0).contains(&value) && value.fract() == 0.0).then_some(value as u8)
+}
+
+/// Fills as much of `out` as there are bytes.
+fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
+    let mut filled = 0;
+    while filled < out.len() {
+        match bytes.read(&mut out[filled..]) {
+            Ok(0) => break,
+            Ok(count) => filled += count,
+            Err(error) if error.kind() == ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(filled)
+}

@@ -1,0 +1,292 @@
+//! Reads input files, packed by gzip or not: how large one may be, on the disk and unpacked, and its SHA-256.
+
+use std::cell::Cell;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Read, Sink, Write};
+use std::path::{Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
+use sha2::{Digest, Sha256};
+
+use willis_core::error::{Error, Fault, Result};
+
+/// The largest input file without another limit: 2 GiB.
+pub const MAX_INPUT: u64 = 2 << 30;
+/// A file may unpack to at most this many times its size, and always to [`SMALL`]. Coordinates and radii do not compress to a
+/// hundredth; a file that does was made to fill the memory.
+const MOST_INFLATION: u64 = 100;
+const SMALL: u64 = 64 << 20;
+const OPTION: &str = "`max_input` allows more";
+
+/// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
+///
+/// # Errors
+///
+/// The accepted form.
+pub fn byte_count(text: &str) -> Result<u64, &'static str> {
+    const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
+    const UNITS: [(&str, u64); 8] = [
+        ("", 1),
+        ("B", 1),
+        ("kB", 1000),
+        ("KiB", 1 << 10),
+        ("MB", 1_000_000),
+        ("MiB", 1 << 20),
+        ("GB", 1_000_000_000),
+        ("GiB", 1 << 30),
+    ];
+    let text = text.trim();
+    let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = (&text[..end], text[end..].trim());
+    let (_, factor) = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).ok_or(ACCEPTED)?;
+    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * *factor as f64;
+    if (1.0..=9e15).contains(&bytes) { Ok(bytes as u64) } else { Err(ACCEPTED) }
+}
+
+/// A number of bytes for people.
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_048_576 => format!("{bytes} bytes"),
+        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
+        _ => format!("{:.1} GiB", bytes as f64 / 1_073_741_824.0),
+    }
+}
+
+fn too_large(found: &str, most: u64, more: &str) -> Fault {
+    Fault::file(found, format!("expected at most {}{more}", size(most)))
+}
+
+/// Opens a file that has at most `most` bytes; its length.
+fn open_within(path: &Path, most: u64, more: &str) -> Result<(File, u64)> {
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let file = File::open(path).map_err(unread)?;
+    let length = file.metadata().map_err(unread)?.len();
+    if length > most { Err(too_large(&size(length), most, more).in_file(path)) } else { Ok((file, length)) }
+}
+
+/// A file that counts and hashes what is read of it, up to a limit.
+pub(crate) struct LimitedFile {
+    file: Checksummed<File>,
+    most: u64,
+    read: u64,
+}
+
+impl LimitedFile {
+    /// Opens a file of at most `most` bytes.
+    pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
+        let (file, _) = open_within(path, most, &format!("; {OPTION}"))?;
+        Ok(Self { file: Checksummed::new(file), most, read: 0 })
+    }
+
+    /// The SHA-256 of what was read, in hexadecimal digits.
+    pub(crate) fn checksum(self) -> String {
+        self.file.finish()
+    }
+}
+
+impl Read for LimitedFile {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(out)?;
+        self.read += count as u64;
+        // Only a plain file states its length in advance.
+        if self.read > self.most {
+            let found = format!("more than {}; {OPTION}", size(self.most));
+            return Err(io::Error::new(io::ErrorKind::FileTooLarge, found));
+        }
+        Ok(count)
+    }
+}
+
+/// All bytes of a file that has at most `most`.
+///
+/// # Errors
+///
+/// The file cannot be read, or is larger.
+pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
+    bytes_up_to(path, most, &format!("; {OPTION}"))
+}
+
+/// All bytes of a file that has at most `most`; `more` tells how to raise the limit, for the error.
+///
+/// # Errors
+///
+/// The file cannot be read, or is larger.
+pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
+    let (file, length) = open_within(path, most, more)?;
+    let mut bytes = Vec::with_capacity(length as usize);
+    let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    if bytes.len() as u64 > most {
+        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
+    }
+    Ok(bytes)
+}
+
+/// All bytes of a file that has at most `most`, without the gzip around them.
+///
+/// # Errors
+///
+/// The file cannot be read, is larger, or is damaged; it unpacks to too much.
+pub(crate) fn content_within(path: &Path, most: u64) -> Result<Vec<u8>> {
+    unpacked(bytes_within(path, most)?, most).map_err(|fault| fault.in_file(path))
+}
+
+/// What a file holds as a stream, without the gzip around it, for those who need its beginning alone.
+///
+/// # Errors
+///
+/// The file cannot be read.
+pub(crate) fn stream_of(path: &Path) -> io::Result<Box<dyn BufRead>> {
+    let mut file = BufReader::new(File::open(path)?);
+    if is_gzip(file.fill_buf()?) { Ok(Box::new(BufReader::new(MultiGzDecoder::new(file)))) } else { Ok(Box::new(file)) }
+}
+
+/// Whether a file is packed by gzip.
+pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"\x1f\x8b")
+}
+
+/// The bytes of a file without the gzip around them, of which `most` are allowed.
+///
+/// # Errors
+///
+/// A damaged file, and one that unpacks to too much.
+pub(crate) fn unpacked(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, Fault> {
+    if !is_gzip(&bytes) {
+        return Ok(bytes);
+    }
+    let limit = UnpackLimit::of(bytes.len(), most);
+    let mut content = Vec::new();
+    let read = MultiGzDecoder::new(&*bytes).take(limit.left() as u64 + 1).read_to_end(&mut content);
+    read.map_err(|error| Fault::file(format!("damaged gzip: {error}"), "expected a whole file"))?;
+    limit.take(content.len()).map_err(|(found, accepted)| Fault::file(found, accepted))?;
+    Ok(content)
+}
+
+/// The first bytes of a file after gzip, at most `most`; the first bytes themselves where it is not packed.
+pub(crate) fn unpacked_head(bytes: &[u8], most: usize) -> Vec<u8> {
+    if !is_gzip(bytes) {
+        return bytes[..bytes.len().min(most)].to_vec();
+    }
+    let mut head = vec![0; most];
+    let mut decoder = MultiGzDecoder::new(bytes);
+    let mut filled = 0;
+    // What is damaged is said by whoever reads all of it.
+    while let Ok(count @ 1..) = decoder.read(&mut head[filled..]) {
+        filled += count;
+    }
+    head.truncate(filled);
+    head
+}
+
+/// The name that a packed file has without gzip: `a.swc` for `a.swc.gz`.
+pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
+    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("gz")) {
+        path.with_extension("")
+    } else {
+        path.to_owned()
+    }
+}
+
+/// A limit on how much the compressed parts of a file may unpack to, all together.
+#[derive(Debug)]
+pub struct UnpackLimit {
+    most: u64,
+    left: Cell<u64>,
+    accepted: &'static str,
+}
+
+impl UnpackLimit {
+    /// The limit for a file of this size, where `most` bytes are allowed.
+    pub fn of(file: usize, most: u64) -> Self {
+        let usual = SMALL.max((file as u64).saturating_mul(MOST_INFLATION));
+        let accepted = if most <= usual { OPTION } else { "expected centerlines, which do not compress to a hundredth" };
+        let most = most.min(usual);
+        Self { most, left: Cell::new(most), accepted }
+    }
+
+    /// How many more bytes may be unpacked.
+    pub fn left(&self) -> usize {
+        usize::try_from(self.left.get()).unwrap_or(usize::MAX)
+    }
+
+    /// Counts bytes against the limit.
+    ///
+    /// # Errors
+    ///
+    /// Beyond it, what was found and what is accepted.
+    pub fn take(&self, bytes: usize) -> Result<(), (String, &'static str)> {
+        let left = self.left.get().checked_sub(bytes as u64);
+        self.left.set(left.ok_or_else(|| (format!("more than {} unpacked", size(self.most)), self.accepted))?);
+        Ok(())
+    }
+}
+
+/// The SHA-256 of some bytes in hexadecimal digits.
+pub fn checksum(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+/// The [`checksum`] of what `fill` writes, without holding it in memory.
+///
+/// # Errors
+///
+/// Those of `fill`.
+pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) -> io::Result<String> {
+    let mut summed = Checksummed::new(io::sink());
+    fill(&mut summed)?;
+    Ok(summed.finish())
+}
+
+/// The [`checksum`] of a file of any size.
+///
+/// # Errors
+///
+/// The file cannot be read; the error names it.
+pub fn checksum_of_file(path: &Path) -> Result<String> {
+    let read = checksum_of(|out| io::copy(&mut File::open(path)?, out).map(drop));
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    let digits = |byte: &u8| [byte >> 4, byte & 15].map(|digit| char::from(b"0123456789abcdef"[usize::from(digit)]));
+    bytes.iter().flat_map(digits).collect()
+}
+
+/// Passes reads and writes on to a file and computes their [`checksum`].
+pub struct Checksummed<F> {
+    file: F,
+    sum: Sha256,
+}
+
+impl<F> Checksummed<F> {
+    /// Reads from `file`, or writes to it.
+    pub fn new(file: F) -> Self {
+        Self { file, sum: Sha256::new() }
+    }
+
+    /// The checksum of all that was read and written.
+    pub fn finish(self) -> String {
+        hexadecimal(&self.sum.finalize())
+    }
+}
+
+impl<W: Write> Write for Checksummed<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.file.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+impl<R: Read> Read for Checksummed<R> {
+    fn read(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(bytes)?;
+        self.sum.update(&bytes[..read]);
+        Ok(read)
+    }
+}

@@ -1,0 +1,347 @@
+//! Reads a MetaIO scene: objects as their fields, tubes with their points.
+
+use std::collections::HashMap;
+use std::ops::Range;
+
+use crate::formats::binary::NumberType;
+use willis_core::error::Fault;
+use willis_core::support::geometry::{Point, distance};
+
+const ENTRY: &str = "expected a line Key = value";
+/// How many characters of a wrong line an error shows.
+const SHOWN: usize = 40;
+
+/// A place in a file that mixes lines and binary data.
+pub struct Cursor<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> Cursor<'a> {
+    /// The next line without blanks around it, and its number; the cursor stays before it.
+    pub fn peek(&self) -> Option<(usize, &'a [u8])> {
+        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
+        (!self.rest.is_empty()).then(|| (self.line, self.rest[..end].trim_ascii()))
+    }
+
+    /// The next line, and its number.
+    pub fn line(&mut self) -> Option<(usize, &'a [u8])> {
+        let line = self.peek()?;
+        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+        self.rest = &self.rest[end..];
+        self.line += 1;
+        Some(line)
+    }
+
+    /// The next bytes, or how many there are when these are fewer.
+    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], usize> {
+        let (taken, rest) = self.rest.split_at_checked(count).ok_or(self.rest.len())?;
+        self.line += taken.split(|b| *b == b'\n').count() - 1;
+        self.rest = rest;
+        Ok(taken)
+    }
+
+    /// Goes to the next line that begins an object.
+    fn skip_to_object(&mut self) {
+        while let Some((_, line)) = self.peek() {
+            if line.starts_with(b"ObjectType") {
+                return;
+            }
+            self.line();
+        }
+    }
+}
+
+/// An object of a scene.
+#[derive(Default)]
+pub struct Object {
+    /// The line where it begins, from 1.
+    pub line: usize,
+    /// Its `ObjectType`; empty where the file leaves it out.
+    pub kind: String,
+    /// Its points, of a tube.
+    pub points: Vec<Sample>,
+    fields: HashMap<String, (usize, String)>,
+}
+
+impl Object {
+    /// Whether it is a tube; an object without a type counts as one.
+    pub fn is_tube(&self) -> bool {
+        self.kind == "Tube" || self.kind.is_empty()
+    }
+
+    /// The line and the text of a field.
+    pub fn field(&self, key: &str) -> Option<(usize, &str)> {
+        self.fields.get(key).map(|(line, value)| (*line, value.as_str()))
+    }
+
+    /// A yes or no; no where it is absent. MetaIO looks at the first letter only.
+    pub fn is_true(&self, key: &str) -> bool {
+        self.field(key).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
+    }
+
+    /// A whole number; `None` where it is absent or negative.
+    pub fn index(&self, key: &str) -> Result<Option<u64>, Fault> {
+        let Some((line, value)) = self.field(key) else { return Ok(None) };
+        let number: i64 =
+            value.parse().map_err(|_| Fault::line(line, format!("{key} \"{value}\""), "expected a whole number"))?;
+        Ok(u64::try_from(number).ok())
+    }
+
+    /// As many numbers as are asked for; `None` where the field is absent.
+    pub fn numbers(&self, key: &str, count: usize) -> Result<Option<Vec<f64>>, Fault> {
+        let Some((line, value)) = self.field(key) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> =
+            value.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
+        match numbers.filter(|numbers| numbers.len() == count) {
+            Some(numbers) => Ok(Some(numbers)),
+            None => Err(Fault::line(line, format!("{key} \"{value}\""), format!("expected {count} finite numbers"))),
+        }
+    }
+
+    /// Its name in errors.
+    pub fn name(&self) -> String {
+        self.field("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
+    }
+}
+
+/// The objects of a file in their order, without the scene itself.
+pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
+    let mut cursor = Cursor { rest: bytes, line: 1 };
+    let (mut objects, mut stated) = (Vec::new(), None);
+    let mut open: Option<Object> = None;
+    while let Some((line, text)) = cursor.line() {
+        if text.is_empty() {
+            continue;
+        }
+        let Some((key, value)) = entry(text) else {
+            return Err(Fault::line(line, format!("\"{}\"", shown(text)), ENTRY));
+        };
+        let begun = open.as_ref().is_some_and(|object| !object.kind.is_empty());
+        if key == "ObjectType" && begun {
+            objects.extend(open.take());
+        }
+        let object = open.get_or_insert_with(|| Object { line, ..Object::default() });
+        match key.as_str() {
+            "ObjectType" if is_kind(&value) => object.kind = value,
+            "ObjectType" => {
+                let found = format!("ObjectType \"{}\"", shown(value.as_bytes()));
+                return Err(Fault::line(line, found, "expected Scene, Group, Tube or another type of MetaIO"));
+            }
+            "NObjects" if object.kind == "Scene" => {
+                let wrong = || Fault::line(line, format!("NObjects \"{value}\""), "expected a whole number");
+                stated = Some((line, value.parse::<usize>().map_err(|_| wrong())?));
+                open = None;
+            }
+            "Points" if object.is_tube() => {
+                object.points = read_points(object, &mut cursor, line)?;
+                object.fields.insert(key, (line, value));
+                objects.extend(open.take());
+            }
+            "Points" => {
+                cursor.skip_to_object();
+                objects.extend(open.take());
+            }
+            "EndGroup" => objects.extend(open.take()),
+            _ => _ = object.fields.insert(key, (line, value)),
+        }
+    }
+    objects.extend(open.filter(|object| object.kind != "Scene"));
+    let unfinished = objects.iter().find(|object| object.is_tube() && object.field("Points").is_none());
+    if let Some(object) = unfinished {
+        let accepted = "expected PointDim, NPoints and Points; is the file cut off?";
+        return Err(Fault::line(object.line, "a tube without Points", accepted));
+    }
+    match stated {
+        Some((line, stated)) if stated != objects.len() => {
+            let found = format!("NObjects = {stated}, but {} are there", objects.len());
+            Err(Fault::line(line, found, "expected as many objects as are stated; is the file cut off?"))
+        }
+        _ => Ok(objects),
+    }
+}
+
+/// Whether MetaIO knows a type of objects.
+fn is_kind(name: &str) -> bool {
+    let containers = matches!(name, "Scene" | "Group" | "AffineTransform" | "Transform" | "Image");
+    let shapes = matches!(name, "Tube" | "TubeGraph" | "Line" | "Contour" | "Surface" | "Mesh" | "FEMObject" | "Landmark");
+    containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
+}
+
+fn entry(text: &[u8]) -> Option<(String, String)> {
+    let at = text.iter().position(|b| *b == b'=')?;
+    let word = |part: &[u8]| String::from_utf8_lossy(part.trim_ascii()).into_owned();
+    let key = word(&text[..at]);
+    (!key.is_empty()).then(|| (key, word(&text[at + 1..])))
+}
+
+/// The beginning of a line, fit for one line of an error.
+fn shown(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(text);
+    text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
+
+/// Tubes whose points have been sorted along their longest axis.
+#[derive(Default)]
+pub struct Nearest {
+    sorted: HashMap<usize, (usize, Vec<usize>)>,
+}
+
+impl Nearest {
+    /// The point of the parent and the end of the child that are closest.
+    pub fn pair(&mut self, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
+        let (axis, sorted) = self.sorted.entry(parent.start).or_insert_with(|| sort(points, parent));
+        let x = |row: usize| points[row][*axis];
+        let mut best = (f64::INFINITY, [sorted[0], ends[0]]);
+        for end in ends {
+            let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
+            let mut consider = |row: &usize| {
+                let gap = distance(points[*row], points[end]);
+                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
+                    best = (gap, [*row, end]);
+                }
+                (x(*row) - x(end)).abs() <= best.0
+            };
+            let _ = left.iter().rev().all(&mut consider);
+            let _ = right.iter().all(consider);
+        }
+        best.1
+    }
+}
+
+/// The axis along which points extend the most, and their rows in its order.
+fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
+    let extent = |axis: usize| {
+        let x = || points[range.clone()].iter().map(|p| p[axis]);
+        x().fold(f64::NEG_INFINITY, f64::max) - x().fold(f64::INFINITY, f64::min)
+    };
+    let axis = (0..3).max_by(|a, b| extent(*a).total_cmp(&extent(*b))).unwrap_or(0);
+    let mut rows: Vec<usize> = range.collect();
+    rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
+    (axis, rows)
+}
+
+/// Names of the radius, as MetaIO knows them.
+const RADIUS: [&str; 7] = ["r", "R", "radius", "Radius", "rad", "Rad", "s"];
+/// The columns of files that do not name them.
+const USUAL: &str = "x y z r";
+
+/// A point as the file has it.
+#[derive(Clone, Copy)]
+pub struct Sample {
+    /// In units of the tube's spacing.
+    pub position: Point,
+    /// NaN where there is none.
+    pub radius: f64,
+    /// The point's own number; NaN where there is none.
+    pub id: f64,
+}
+
+/// The columns of a point that are read.
+struct Columns {
+    width: usize,
+    position: [Option<usize>; 3],
+    radius: Option<usize>,
+    id: Option<usize>,
+}
+
+impl Columns {
+    fn of(object: &Object, width: Option<usize>) -> Result<Self, Fault> {
+        let (line, names) = object.field("PointDim").unwrap_or((object.line, USUAL));
+        let names: Vec<&str> = names.split_whitespace().collect();
+        let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
+        let flat = object.field("NDims").is_some_and(|(_, n)| n == "2");
+        let position = [at(&["x", "X"]), at(&["y", "Y"]), at(&["z", "Z"])];
+        if position[..if flat { 2 } else { 3 }].contains(&None) {
+            let found = format!("PointDim \"{}\"", names.join(" "));
+            return Err(Fault::line(line, found, "expected the names of the columns, x, y, z and r among them"));
+        }
+        Ok(Self { width: width.unwrap_or(names.len()), position, radius: at(&RADIUS), id: at(&["id"]) })
+    }
+
+    /// A point from its numbers.
+    fn sample(&self, mut number: impl FnMut(usize) -> Result<f64, Fault>, line: usize) -> Result<Sample, Fault> {
+        let mut sample = Sample { position: [0.0; 3], radius: f64::NAN, id: f64::NAN };
+        for (axis, column) in self.position.iter().enumerate() {
+            let Some(column) = column else { continue };
+            sample.position[axis] = number(*column)?;
+            if !sample.position[axis].is_finite() {
+                let found = format!("{} {}", ["x", "y", "z"][axis], sample.position[axis]);
+                return Err(Fault::line(line, found, "expected a finite number"));
+            }
+        }
+        if let Some(column) = self.radius {
+            sample.radius = number(column)?;
+        }
+        if let Some(column) = self.id {
+            sample.id = number(column)?;
+        }
+        Ok(sample)
+    }
+}
+
+/// Reads the points that follow the line `Points =` of a tube.
+pub fn read_points(object: &Object, cursor: &mut Cursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
+    let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
+    let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
+    if !object.is_true("BinaryData") {
+        return read_text(object, cursor, line, count);
+    }
+    let columns = Columns::of(object, None)?;
+    if object.is_true("CompressedData") {
+        return Err(Fault::line(
+            line,
+            format!("{}: CompressedData = True", object.name()),
+            "expected points without compression",
+        ));
+    }
+    let size = match object.field("ElementType") {
+        None | Some((_, "MET_FLOAT")) => 4,
+        Some((_, "MET_DOUBLE")) => 8,
+        Some((line, other)) => {
+            return Err(Fault::line(line, format!("ElementType {other}"), "expected MET_FLOAT or MET_DOUBLE"));
+        }
+    };
+    let big = object.is_true("BinaryDataByteOrderMSB") || object.is_true("ElementByteOrderMSB");
+    let needed = count.saturating_mul(columns.width).saturating_mul(size);
+    let bytes = cursor.bytes(needed).map_err(|left| {
+        let found = format!("{}: {left} bytes of points, {count} points need {needed}", object.name());
+        Fault::line(line, found, "expected them all; is the file cut off?")
+    })?;
+    let rows = bytes.chunks_exact(columns.width * size);
+    rows.map(|row| columns.sample(|column| Ok(NumberType::Real.value(&row[column * size..][..size], big)), line)).collect()
+}
+
+/// Points as text, one a line.
+fn read_text(object: &Object, cursor: &mut Cursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
+    let named = object.field("PointDim").is_some();
+    let mut columns = if named { Some(Columns::of(object, None)?) } else { None };
+    let mut samples = Vec::new();
+    while samples.len() < count {
+        let Some((at, text)) = cursor.peek().filter(|(_, text)| !text.contains(&b'=')) else { break };
+        cursor.line();
+        if text.is_empty() {
+            continue;
+        }
+        let text = String::from_utf8_lossy(text);
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let columns = match &columns {
+            Some(columns) => columns,
+            None => columns.insert(Columns::of(object, Some(words.len().max(4)))?),
+        };
+        if words.len() != columns.width {
+            let accepted = if named { format!("expected {}, as in PointDim", columns.width) } else { "expected x y z r".into() };
+            return Err(Fault::line(at, format!("{} columns", words.len()), accepted));
+        }
+        let number = |column: usize| {
+            let word = words[column];
+            word.parse().map_err(|_| Fault::line(at, format!("\"{word}\""), "expected a number"))
+        };
+        samples.push(columns.sample(number, at)?);
+    }
+    if samples.len() < count {
+        let found = format!("{}: {} points, NPoints says {count}", object.name(), samples.len());
+        return Err(Fault::line(line, found, "expected them all; is the file cut off?"));
+    }
+    Ok(samples)
+}

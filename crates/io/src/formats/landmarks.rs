@@ -1,0 +1,341 @@
+//! Landmarks in files: a CSV table, or a point list of 3D Slicer (`.mrk.json`, `.fcsv`).
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use crate::formats::tables::reader::{Row, TableReader};
+use crate::formats::tables::write::{Column, real, write_csv};
+use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
+use willis_core::error::{Fault, Place};
+use willis_core::network::Frame;
+use willis_core::network::units::{Scale, millimetres};
+use willis_core::support::geometry::Point;
+
+/// A landmark in a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedLandmark {
+    /// Its line, or the number of its control point.
+    pub place: Place,
+    /// Its label as given.
+    pub label: String,
+    /// Where, m, in the frame of the file.
+    pub position: Point,
+}
+
+/// The landmarks of a file.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LandmarkList {
+    /// In the order of the file.
+    pub landmarks: Vec<ListedLandmark>,
+    /// The frame of the positions; unknown for a table of `x,y,z`, whose axes are those of the network's file.
+    pub frame: Frame,
+    /// The format of the file.
+    pub format: LandmarkFormat,
+    /// What a person should know.
+    pub notes: Vec<String>,
+}
+
+/// A landmark to write.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MarkedPoint {
+    /// The artery that ends there (`L-ICA`), or the arteries that meet there (`L-ICA/L-M1/L-A1`).
+    pub label: String,
+    /// Where, m.
+    pub position: Point,
+    /// How probable the label is, from 0 to 1.
+    pub probability: Option<f64>,
+    /// A remark; may be empty.
+    pub description: String,
+}
+
+/// The formats in which landmarks are written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LandmarkFormat {
+    /// A table of `label,x_mm,y_mm,z_mm` in the axes of the network's file.
+    Csv,
+    /// A point list of 3D Slicer in its JSON for markups.
+    Markups,
+    /// The older point list of 3D Slicer.
+    Fcsv,
+}
+
+impl LandmarkFormat {
+    /// The format that the ending of a file's name means: `.csv`, `.json` (as in `.mrk.json`) or `.fcsv`.
+    pub fn of_path(path: &Path) -> Option<Self> {
+        match path.extension()?.to_str()?.to_lowercase().as_str() {
+            "csv" => Some(Self::Csv),
+            "json" => Some(Self::Markups),
+            "fcsv" => Some(Self::Fcsv),
+            _ => None,
+        }
+    }
+}
+
+/// Reads landmarks, in the format that the content shows.
+///
+/// A table has the columns `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of `scale`; or `label,r,a,s` or `label,l,p,s`, as 3D Slicer
+/// exports control points. Rows that begin with `#` are comments. Of markups the point lists (`Fiducial`) are read. Points whose position
+/// is not defined are left out.
+///
+/// # Errors
+///
+/// A missing column or label, a position that is not three finite numbers, another coordinate system or unit, no landmark at all.
+pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
+    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
+    let list = if text.starts_with(b"{") {
+        read_markups(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))?
+    } else if let Some(head) = FcsvHead::of(bytes)? {
+        read_fcsv(bytes, &head)?
+    } else {
+        read_table(bytes, scale)?
+    };
+    if list.landmarks.is_empty() {
+        return Err(Fault::file("no landmark", "expected a row or a control point for every landmark"));
+    }
+    Ok(list)
+}
+
+/// The list, with a note on the points that were left out.
+fn list(landmarks: Vec<ListedLandmark>, format: LandmarkFormat, frame: Frame, [undefined, doubtful]: [usize; 2]) -> LandmarkList {
+    let mut notes = Vec::new();
+    if undefined > 0 {
+        notes.push(format!("landmarks without a defined position, left out: {undefined}"));
+    }
+    if doubtful > 0 {
+        notes.push(format!("doubtful landmarks that nobody has confirmed, left out: {doubtful}"));
+    }
+    LandmarkList { landmarks, frame, format, notes }
+}
+
+fn read_table(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
+    const WHAT: &str = "label,x_mm,y_mm,z_mm";
+    // A comment has as many columns as it has commas.
+    let mut rows = TableReader::ragged(bytes)?;
+    let label = rows.column(&["label"], WHAT)?;
+    let slicer = [(["r", "a", "s"], Frame::Ras), (["l", "p", "s"], Frame::Lps)];
+    let mut found = slicer.iter().filter_map(|(names, frame)| {
+        let [x, y, z] = names.map(|name| rows.find(&[name]));
+        Some(([x?, y?, z?], *frame, Scale::default()))
+    });
+    let (place, frame, scale) = if let Some(found) = found.next() {
+        found
+    } else {
+        let axes = [["x_mm", "x"], ["y_mm", "y"], ["z_mm", "z"]];
+        let mut place = [0; 3];
+        for (at, names) in place.iter_mut().zip(axes) {
+            *at = rows.column(&names, WHAT)?;
+        }
+        (place, Frame::Unknown, *scale)
+    };
+    let defined = rows.find(&["defined"]).filter(|_| frame.is_known());
+    let probability = rows.find(&["probability"]);
+    let (mut landmarks, mut undefined, mut doubtful) = (Vec::new(), 0, 0);
+    while let Some(row) = rows.next()? {
+        if row.texts().next().is_none() || row.text(0).starts_with('#') {
+            continue;
+        }
+        if defined.is_some_and(|column| row.text(column) == "0") {
+            undefined += 1;
+            continue;
+        }
+        if probability.is_some_and(|column| row.text(column).parse().is_ok_and(|p: f64| p < SURE)) {
+            doubtful += 1;
+            continue;
+        }
+        let (place, position) = (Place::Line(row.line), row.point(place, &scale)?);
+        landmarks.push(ListedLandmark { place, label: row.text(label).to_owned(), position });
+    }
+    Ok(list(landmarks, LandmarkFormat::Csv, frame, [undefined, doubtful]))
+}
+
+/// The control points of the point lists in markups, in the frame of the first list.
+fn read_markups(bytes: &[u8]) -> Result<LandmarkList, Fault> {
+    const POINTS: &str = "expected a point list (markups of type Fiducial)";
+    let markups = markups_of(bytes)?;
+    let lists = || markups.iter().enumerate().filter(|(_, markup)| markup.kind == "Fiducial");
+    if lists().next().is_none() {
+        let mut kinds: Vec<&str> = markups.iter().map(|markup| markup.kind.as_str()).collect();
+        kinds.dedup();
+        let found = if kinds.is_empty() { "no markups".into() } else { format!("markups of type {}", kinds.join(", ")) };
+        return Err(Fault::file(found.escape_debug().to_string(), POINTS));
+    }
+    let several = lists().count() > 1;
+    let (mut landmarks, mut undefined, mut doubtful, mut first) = (Vec::new(), 0, 0, None);
+    for (row, markup) in lists() {
+        let item = || format!("markup {row} \"{}\"", markup.name().escape_debug());
+        let frame = markup.frame(item)?;
+        let of_file = *first.get_or_insert(frame);
+        let scale = unit(markup, &Scale::default(), item)?;
+        for (at, point) in markup.control_points.iter().enumerate() {
+            if !point.is_defined() {
+                undefined += 1;
+                continue;
+            }
+            if !point.is_selected() {
+                doubtful += 1;
+                continue;
+            }
+            let of = if several { format!(" of {}", item()) } else { String::new() };
+            let place = format!("control point {at}{of}");
+            let position = point.position().map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
+            let wrong = || Fault::item(&place, "no position", "expected three finite numbers");
+            let position = frame.turn(of_file, position.ok_or_else(wrong)?);
+            landmarks.push(ListedLandmark { label: point.label().to_owned(), position, place: Place::Item(place) });
+        }
+    }
+    Ok(list(landmarks, LandmarkFormat::Markups, first.unwrap_or(Frame::Lps), [undefined, doubtful]))
+}
+
+/// Landmarks below this probability are for a person to look at: they do not count until the probability is raised or taken away, or, in
+/// 3D Slicer, the point is selected.
+pub const SURE: f64 = 0.5;
+
+/// What the comments at the top of an `.fcsv` file say.
+struct FcsvHead {
+    frame: Frame,
+    /// The line of the names of the columns, from 1, and the names.
+    columns: (usize, String),
+}
+
+impl FcsvHead {
+    /// Slicer's names of the columns, for a file that does not state them.
+    const COLUMNS: &str = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
+
+    /// `None` for a file that is no `.fcsv`: one has a comment that names it, its columns or its coordinate system.
+    fn of(bytes: &[u8]) -> Result<Option<Self>, Fault> {
+        // Slicer wrote RAS before it stated the coordinate system.
+        let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
+        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        for (row, line) in bytes.split(|b| *b == b'\n').enumerate() {
+            let line = String::from_utf8_lossy(line);
+            let line = line.trim();
+            if line.is_empty() {
+                continue;
+            }
+            let Some(comment) = line.strip_prefix('#').map(str::trim) else { break };
+            is_fcsv |= comment.starts_with("Markups fiducial file") || comment.starts_with("Fiducial List file");
+            let Some((name, value)) = comment.split_once('=') else { continue };
+            let (name, value) = (name.trim(), value.trim());
+            if name.eq_ignore_ascii_case("columns") {
+                columns = Some((row + 1, value.to_owned()));
+                is_fcsv = true;
+            } else if name.eq_ignore_ascii_case("CoordinateSystem") {
+                is_fcsv = true;
+                frame = match value {
+                    "LPS" | "1" => Frame::Lps,
+                    "RAS" | "0" => Frame::Ras,
+                    other => {
+                        let found = format!("CoordinateSystem {}", other.escape_debug());
+                        return Err(Fault::line(row + 1, found, "expected LPS, RAS, 0 or 1"));
+                    }
+                };
+            }
+        }
+        let columns = columns.unwrap_or_else(|| (0, Self::COLUMNS.to_owned()));
+        Ok(is_fcsv.then_some(Self { frame, columns }))
+    }
+}
+
+fn read_fcsv(bytes: &[u8], head: &FcsvHead) -> Result<LandmarkList, Fault> {
+    // The names of the columns stand in a comment; here they are the header, in a line of their own before the first.
+    let mut text = head.columns.1.clone().into_bytes();
+    text.push(b'\n');
+    text.extend_from_slice(&crate::formats::tables::reader::uncommented(bytes));
+    let here = |fault: Fault| match fault.place {
+        Place::Line(line) => Fault { place: Place::Line(if line > 1 { line - 1 } else { head.columns.0.max(1) }), ..fault },
+        _ => fault,
+    };
+    let (mut landmarks, mut undefined) = (Vec::new(), 0);
+    let mut rows = TableReader::ragged(&text).map_err(here)?;
+    let column = |name: &str| rows.column(&[name], "an .fcsv file of 3D Slicer").map_err(here);
+    let (place, label) = ([column("x")?, column("y")?, column("z")?], column("label")?);
+    // The columns that newer versions write without naming them begin with the status: 2 is defined.
+    let status = rows.find(&["associatedNodeID"]).map(|last| last + 1);
+    let is_defined = |row: &Row<'_>| status.is_none_or(|column| matches!(row.text(column), "" | "2"));
+    while let Some(row) = rows.next().map_err(here)? {
+        if row.texts().next().is_none() {
+            continue;
+        }
+        if !is_defined(&row) {
+            undefined += 1;
+            continue;
+        }
+        let position = row.point(place, &Scale::default()).map_err(here)?;
+        landmarks.push(ListedLandmark { place: Place::Line(row.line - 1), label: row.text(label).to_owned(), position });
+    }
+    Ok(list(landmarks, LandmarkFormat::Fcsv, head.frame, [undefined, 0]))
+}
+
+/// Writes landmarks whose positions are in `frame`.
+///
+/// The table has them as they are, with columns `probability` and `description` where any landmark has one. The formats of 3D Slicer have
+/// them in LPS, with the probability in the description; positions in an unknown frame are written as they are, and called LPS.
+///
+/// # Errors
+///
+/// Those of `out`.
+pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame, landmarks: &[MarkedPoint]) -> io::Result<()> {
+    let lps = |point: &MarkedPoint| frame.turn(Frame::Lps, point.position).map(|x| real(millimetres(x)));
+    match format {
+        LandmarkFormat::Csv => write_table(out, landmarks),
+        LandmarkFormat::Markups => {
+            let markup = serde_json::to_string("landmarks")?;
+            writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [{{\"type\": \"Fiducial\", \"name\": {markup},")?;
+            writeln!(out, "\"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\", \"controlPoints\": [")?;
+            for (at, point) in landmarks.iter().enumerate() {
+                let [x, y, z] = lps(point);
+                let (label, about) = (serde_json::to_string(&point.label)?, serde_json::to_string(&point.about())?);
+                let comma = if at + 1 < landmarks.len() { "," } else { "" };
+                writeln!(
+                    out,
+                    "{{\"id\": \"{}\", \"label\": {label}, \"description\": {about}, \"position\": [{x}, {y}, {z}], \
+                     \"selected\": {}, \"positionStatus\": \"defined\"}}{comma}",
+                    at + 1,
+                    point.probability.is_none_or(|p| p >= SURE)
+                )?;
+            }
+            writeln!(out, "]}}]\n}}")?;
+            out.flush()
+        }
+        LandmarkFormat::Fcsv => {
+            writeln!(out, "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = {}", FcsvHead::COLUMNS)?;
+            let mut rows = csv::Writer::from_writer(out);
+            for (at, point) in landmarks.iter().enumerate() {
+                let ([x, y, z], id) = (lps(point), (at + 1).to_string());
+                let row = [&id, &x, &y, &z, "0", "0", "0", "1", "1", "1", "0", &point.label, &point.about(), ""];
+                rows.write_record(row)?;
+            }
+            rows.flush()
+        }
+    }
+}
+
+fn write_table(out: impl Write, landmarks: &[MarkedPoint]) -> io::Result<()> {
+    let axis = |k: usize| landmarks.iter().map(move |point| millimetres(point.position[k]));
+    let mut columns = vec![Column::text("label", landmarks.iter().map(|point| point.label.clone()))];
+    columns.extend(["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(|(k, name)| Column::real(name, axis(k))));
+    if landmarks.iter().any(|point| point.probability.is_some()) {
+        columns.push(Column::real("probability", landmarks.iter().map(|point| point.probability.unwrap_or(f64::NAN))));
+    }
+    if landmarks.iter().any(|point| !point.description.is_empty()) {
+        columns.push(Column::text("description", landmarks.iter().map(|point| point.description.clone())));
+    }
+    write_csv(out, &columns)
+}
+
+impl MarkedPoint {
+    /// A landmark without a probability or a remark.
+    pub fn new(label: impl Into<String>, position: Point) -> Self {
+        Self { label: label.into(), position, ..Self::default() }
+    }
+
+    /// The remark for a format that has no place for a probability.
+    fn about(&self) -> String {
+        let probability = self.probability.map(|p| format!("probability {}", real(p)));
+        let remark = Some(self.description.clone()).filter(|text| !text.is_empty());
+        [probability, remark].into_iter().flatten().collect::<Vec<_>>().join("; ")
+    }
+}

@@ -1,0 +1,254 @@
+//! One array of an `.npz`: its header, and its values whatever their type, byte order and order of axes.
+
+use std::io::{Cursor, Read};
+
+use ndarray::Array2;
+use py_literal::Value;
+use zip::ZipArchive;
+
+use super::matrix::NamedArray;
+use crate::formats::binary::{NumberType, word};
+use crate::formats::input::{MAX_INPUT, UnpackLimit};
+use willis_core::error::Fault;
+
+/// Values of one array at the most: 1 GiB of float64.
+const MOST_VALUES: usize = 1 << 27;
+/// No compression of zip makes more of a byte (deflate: 1032).
+const MOST_INFLATION: u64 = 1100;
+/// The header of a plain array has less than 200 bytes.
+const MOST_HEADER: usize = 4096;
+/// The values that skeleton graphs have.
+const ACCEPTED: &str = "expected float32, float64, integers, or text for labels";
+/// Brackets within one another at the most.
+const MOST_BRACKETS: usize = 6;
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Number(NumberType),
+    /// True or false, as a byte.
+    Truth,
+    /// UTF-32 text.
+    Utf32,
+    /// Bytes of ASCII text.
+    Ascii,
+}
+
+/// An array that has been read.
+#[derive(Debug, Clone)]
+pub(crate) struct Array {
+    name: String,
+    pub(crate) shape: Vec<usize>,
+    kind: Kind,
+    /// Bytes of one value.
+    size: usize,
+    big: bool,
+    fortran: bool,
+    data: Vec<u8>,
+}
+
+impl Array {
+    /// Reads a member of the archive, which takes `stored` bytes there. The size that the file states alone allocates nothing.
+    pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &UnpackLimit) -> Result<Self, Fault> {
+        let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
+        let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
+        let unreadable = || fault(format!("header {}", text.trim_end()), "expected descr, fortran_order and shape");
+        let header = Value::Dict(text.trim().parse::<Value>().ok().and_then(|v| v.as_dict().cloned()).ok_or_else(unreadable)?);
+        let entry = |key: &str| {
+            let pairs = header.as_dict()?;
+            pairs.iter().find(|(k, _)| k.as_string().is_some_and(|k| k == key)).map(|(_, value)| value)
+        };
+        let fortran = entry("fortran_order").and_then(Value::as_boolean).ok_or_else(unreadable)?;
+        let shape = entry("shape").and_then(Value::as_tuple).ok_or_else(unreadable)?;
+        let length = |n: &Value| n.as_integer().and_then(|n| n.to_string().parse::<usize>().ok());
+        let shape: Vec<usize> = shape.iter().map(length).collect::<Option<_>>().ok_or_else(unreadable)?;
+        let descr = entry("descr").ok_or_else(unreadable)?;
+        let Some(dtype) = descr.as_string().map(String::as_str).filter(|d| d.is_ascii()) else {
+            return Err(fault("structured values".into(), ACCEPTED));
+        };
+        let (order, kind, size) = (dtype.get(..1), dtype.get(1..2), dtype.get(2..).and_then(|s| s.parse::<usize>().ok()));
+        let (kind, size) = match (kind, size) {
+            (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
+            (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
+            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
+            (Some("b"), Some(size @ 1)) => (Kind::Truth, size),
+            (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
+            (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
+            (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), ACCEPTED)),
+            _ => return Err(fault(format!("values of type {dtype}"), ACCEPTED)),
+        };
+        let values = shape.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).filter(|n| *n <= MOST_VALUES);
+        let bytes = values
+            .and_then(|values| values.checked_mul(size))
+            .ok_or_else(|| fault(format!("shape {}", tuple(&shape)), &format!("expected at most {MOST_VALUES} values")))?;
+        let short = |found: usize| {
+            fault(format!("shape {} needs {bytes} bytes, the file has {found}", tuple(&shape)), "expected a whole file")
+        };
+        if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
+            return Err(short(stored as usize));
+        }
+        // Texts of no length take room too, once they are read.
+        let texts = matches!(kind, Kind::Utf32 | Kind::Ascii);
+        let least = if texts { shape.iter().product::<usize>().saturating_mul(size_of::<String>()) } else { 0 };
+        room.take(bytes.max(least)).map_err(|(found, accepted)| fault(found, accepted))?;
+        let mut data = Vec::new();
+        let whole = member.take(bytes as u64 + 1).read_to_end(&mut data);
+        whole.map_err(|e| fault(format!("cannot be read: {e}"), "expected a whole file"))?;
+        if data.len() != bytes {
+            return Err(short(data.len()));
+        }
+        Ok(Self { name: name.to_owned(), shape, kind, size, big: order == Some(">"), fortran, data })
+    }
+
+    /// How many values there are.
+    pub(crate) fn len(&self) -> usize {
+        self.shape.iter().product()
+    }
+
+    /// The rows of a table of `N` columns as numbers.
+    pub(crate) fn rows<const N: usize>(&self) -> Result<Vec<[f64; N]>, Fault> {
+        if self.shape.len() != 2 || self.shape[1] != N {
+            return Err(self.fault(format!("shape {}", tuple(&self.shape)), format!("expected a row of {N} for each")));
+        }
+        let values = self.reals()?;
+        let n = self.shape[0];
+        let at = |row: usize, column: usize| if self.fortran { column * n + row } else { row * N + column };
+        Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
+    }
+
+    /// Whether the values are whole numbers.
+    pub(crate) fn is_whole(&self) -> bool {
+        matches!(self.kind, Kind::Number(NumberType::Signed | NumberType::Unsigned))
+    }
+
+    /// All values as numbers, in the order of the file.
+    pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
+        let kind = match self.kind {
+            Kind::Number(kind) => kind,
+            Kind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
+            Kind::Utf32 | Kind::Ascii => return Err(self.fault("text", "expected numbers")),
+        };
+        Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
+    }
+
+    /// All values as text; whole numbers too, 0 being none.
+    pub(crate) fn texts(&self) -> Result<Vec<String>, Fault> {
+        if self.is_whole() {
+            let name = |x: f64| if x == 0.0 { String::new() } else { x.to_string() };
+            return Ok(self.reals()?.into_iter().map(name).collect());
+        }
+        let letters = |bytes: &[u8]| -> Option<String> {
+            let all: Option<String> = match self.kind {
+                Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
+                Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
+                Kind::Number(..) | Kind::Truth => None,
+            };
+            all.map(|text| text.trim_end_matches('\0').to_owned())
+        };
+        if self.size == 0 {
+            return Ok(vec![String::new(); self.len()]);
+        }
+        let texts: Option<Vec<String>> = self.data.chunks_exact(self.size).map(letters).collect();
+        texts.ok_or_else(|| self.fault("values that are no text".to_owned(), "expected names, or whole numbers"))
+    }
+
+    /// The type of its numbers, the bytes of each, and whether the most significant byte is first.
+    pub(crate) fn numbers(&self) -> Result<(NumberType, usize, bool), Fault> {
+        match self.kind {
+            Kind::Number(kind) => Ok((kind, self.size, self.big)),
+            Kind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
+            Kind::Utf32 | Kind::Ascii => Err(self.fault("text", "expected numbers")),
+        }
+    }
+
+    /// Whether the first axis runs fastest.
+    pub(crate) fn is_fortran(&self) -> bool {
+        self.fortran
+    }
+
+    /// The values as they are stored.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        &self.data
+    }
+
+    /// A fault of this array.
+    pub(crate) fn fault(&self, found: impl Into<String>, accepted: impl Into<String>) -> Fault {
+        Fault::item(format!("array {}", self.name), found, accepted)
+    }
+}
+
+/// The dictionary of a NumPy array in text; `None` where the bytes are something else.
+fn header(member: &mut impl Read) -> Option<String> {
+    let mut start = [0; 8];
+    member.read_exact(&mut start).ok()?;
+    let length = match (&start[..6], start[6]) {
+        (b"\x93NUMPY", 1) => {
+            let mut length = [0; 2];
+            member.read_exact(&mut length).ok()?;
+            usize::from(u16::from_le_bytes(length))
+        }
+        (b"\x93NUMPY", 2 | 3) => {
+            let mut length = [0; 4];
+            member.read_exact(&mut length).ok()?;
+            u32::from_le_bytes(length) as usize
+        }
+        _ => return None,
+    };
+    let mut text = vec![0; Some(length).filter(|length| *length <= MOST_HEADER)?];
+    member.read_exact(&mut text).ok()?;
+    // The parser takes twice as long for each bracket within another: a header has two or three.
+    let (mut depth, mut deepest) = (0_usize, 0);
+    for byte in &text {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        deepest = deepest.max(depth);
+    }
+    String::from_utf8(text).ok().filter(|_| deepest <= MOST_BRACKETS)
+}
+
+fn tuple(shape: &[usize]) -> String {
+    let lengths: Vec<String> = shape.iter().map(usize::to_string).collect();
+    format!("({})", lengths.join(", "))
+}
+
+/// Reads every array of an `.npz` as float64, in the order of the file.
+///
+/// # Errors
+///
+/// A file that is cut or damaged, or an array of something else than numbers in C order.
+pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
+    let broken = |e: &dyn std::fmt::Display| Fault::file(format!("a broken archive ({e})"), "expected arrays of NumPy (.npz)");
+    let mut archive = ZipArchive::new(Cursor::new(bytes)).map_err(|e| broken(&e))?;
+    // Counts of samples may be zeros throughout: they unpack to any times their size.
+    let room = UnpackLimit::of(usize::MAX, MAX_INPUT);
+    let mut arrays = Vec::with_capacity(archive.len());
+    for at in 0..archive.len() {
+        let member = archive.by_index(at).map_err(|e| broken(&e))?;
+        let name = member.name().trim_end_matches(".npy").to_owned();
+        let stored = member.compressed_size();
+        let array = Array::read(&name, member, stored, &room)?;
+        if array.fortran && array.shape.len() > 1 {
+            return Err(Fault::item(format!("array {name}"), "in Fortran order", "expected C order"));
+        }
+        arrays.push(NamedArray { name, values: array.reals()?, shape: array.shape });
+    }
+    Ok(arrays)
+}
+
+/// Reads an n x n matrix of any real type.
+///
+/// # Errors
+///
+/// Another shape or type, or a file that is cut.
+pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
+    let array = Array::read("A", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), MAX_INPUT))?;
+    if array.shape != [n, n] {
+        let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
+        return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
+    }
+    let values = array.reals()?;
+    let at = |row: usize, column: usize| if array.fortran { column * n + row } else { row * n + column };
+    Ok(Array2::from_shape_fn((n, n), |(row, column)| values[at(row, column)]))
+}

@@ -1,0 +1,270 @@
+//! A skeleton graph as NumPy arrays in one `.npz`: `coords`, `edges`, `radii`, and `labels` and `lengths` where there are any.
+
+use std::io::{self, Cursor, Seek, Write};
+
+use ndarray::{Array1, Array2};
+use ndarray_npy::{WritableElement, WriteNpyExt};
+use zip::write::SimpleFileOptions;
+use zip::{CompressionMethod, ZipArchive, ZipWriter};
+
+use super::array::Array;
+use crate::formats::companions::add_straight;
+use crate::formats::input::UnpackLimit;
+use crate::formats::polylines::positions;
+use crate::formats::polylines::{centerlines, is_straight, radii_of_points, skeleton};
+use crate::formats::read::{Content, ReadOptions};
+use willis_core::error::Fault;
+use willis_core::network::centerlines::{Centerlines, is_radius};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Frame, Network, Node};
+use willis_core::support::geometry::Point;
+
+/// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
+const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
+/// Likewise the radii.
+const RADII: [&str; 2] = ["radii", "radius"];
+/// The array that states the frame of the coordinates.
+const FRAME: &str = "frame";
+const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) and radii (N) or (M)";
+
+/// Reads a skeleton graph: `coords` (N, 3), `edges` (M, 2) of rows of `coords`, `radii`, and where they are there `labels`
+/// and `lengths`. Any number of bytes a value, either byte order, either order of axes; stored or deflated.
+///
+/// - N radii are those of the points. The edges are then links of centerlines.
+/// - M radii are those of the edges. With `lengths` (M) every edge is one observed vessel; without, the edges are
+///   links of centerlines, and each point takes the mean of its links, weighted by length, which keeps ∫ r dz over all of
+///   them. Where N = M the radii are those of the points, unless there are lengths.
+/// - M `labels` (text, or whole numbers other than 0) name the edges; N name the points, and an edge takes the name on which
+///   its two points agree.
+///
+/// Missing radii (NaN, 0) of points are interpolated along the vessel; no radii at all is an error unless radii are optional.
+///
+/// # Errors
+///
+/// A broken archive, another kind of `.npz` (a sparse matrix), Python objects, an array that is missing or whose shape or
+/// type is another, a row that `coords` lacks, a position that is not finite.
+pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
+    let (scale, radius_optional) = (&options.scale, options.is_radius_optional());
+    let room = UnpackLimit::of(bytes.len(), options.max_input);
+    let mut archive = Archive::open(bytes, &room)?;
+    if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
+        return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
+    }
+    let coords = archive.first(&COORDS)?.ok_or_else(|| archive.lacks("coords"))?;
+    let edges = archive.first(&["edges"])?.ok_or_else(|| archive.lacks("edges"))?;
+    let radii = archive.first(&RADII)?;
+    if radii.is_none() && !radius_optional {
+        return Err(Fault::file(
+            format!("no array radii among {}", archive.names.join(", ")),
+            "expected radii, or give `default_radius`",
+        ));
+    }
+    let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
+    let lengths = archive.first(&["lengths"])?;
+    // An array of another program that happens to have this name says nothing.
+    let words = archive.first(&[FRAME]).ok().flatten().and_then(|array| array.texts().ok()).unwrap_or_default();
+    let frame = words.first().map_or(Frame::Unknown, |word| Frame::of_word(word));
+    let mut points: Vec<Point> = Vec::new();
+    for (row, position) in coords.rows::<3>()?.into_iter().enumerate() {
+        if position.iter().any(|x| !x.is_finite()) {
+            return Err(coords.fault(format!("row {row} is {position:?}"), "expected finite numbers"));
+        }
+        points.push(scale.position(position));
+    }
+    let links = links(&edges, points.len())?;
+    let (n, m) = (points.len(), links.len());
+    if m == 0 {
+        return Err(edges.fault("no edges", "expected a row for every edge"));
+    }
+    let label = |link: usize| match &labels {
+        None => String::new(),
+        Some((_, names)) if names.len() == m => names[link].clone(),
+        Some((_, names)) => {
+            let [a, b] = links[link].map(|end| &names[end as usize]);
+            if a == b { a.clone() } else { String::new() }
+        }
+    };
+    if let Some((array, names)) = labels.as_ref().filter(|(_, names)| names.len() != m && names.len() != n) {
+        return Err(array.fault(format!("{} values", names.len()), format!("expected {m}, one an edge, or {n}, one a point")));
+    }
+    let sizes = match &radii {
+        None => vec![f64::NAN; n],
+        Some(array) => array.reals()?.into_iter().map(|r| scale.length(r)).collect(),
+    };
+    if let Some(array) = radii.filter(|array| array.len() != n && array.len() != m) {
+        return Err(array.fault(format!("{} values", array.len()), format!("expected {n}, one a point, or {m}, one an edge")));
+    }
+    if let Some(array) = lengths.filter(|_| sizes.len() == m) {
+        let lengths = array.reals()?;
+        if lengths.len() != m {
+            return Err(array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")));
+        }
+        let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.length(x)).collect();
+        let mut network = vessels(&points, &links, &sizes, &lengths, (label, radius_optional))?;
+        network.frame = frame;
+        return Ok((Content::Vessels(network), Vec::new()));
+    }
+    if sizes.len() == n {
+        return Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), Vec::new()));
+    }
+    let note = "radii are those of edges: each point takes the mean of its edges over length".to_owned();
+    let sizes = radii_of_points(&points, &links, &sizes);
+    Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), vec![note]))
+}
+
+/// The edges as vessels.
+fn vessels(
+    points: &[Point],
+    links: &[[u32; 2]],
+    radii: &[f64],
+    lengths: &[f64],
+    (label, radius_optional): (impl Fn(usize) -> String, bool),
+) -> Result<Network, Fault> {
+    let mut network = Network::new();
+    for (row, point) in points.iter().enumerate() {
+        network.add_node(Node { id: row.to_string(), position: Some(*point), ..Node::default() });
+    }
+    for (row, ends) in links.iter().enumerate() {
+        let item = |found: &str, accepted: &str| Fault::item(format!("edge {row}"), found, accepted);
+        let radius = Some(radii[row]).filter(|r| is_radius(*r));
+        if radius.is_none() && !radius_optional {
+            return Err(item("no valid radius", "expected a positive radius, or give `default_radius`"));
+        }
+        add_straight(&mut network, ends.map(|end| end as usize), lengths[row], radius.unwrap_or(f64::NAN), &label(row))
+            .ok_or_else(|| item("no positive length", "expected a positive length"))?;
+    }
+    Ok(network)
+}
+
+/// The rows of `edges`, all of which must be points.
+fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
+    if !edges.is_whole() {
+        return Err(edges.fault("values that are not whole numbers", "expected an integer type"));
+    }
+    let mut links = Vec::new();
+    for (row, ends) in edges.rows::<2>()?.into_iter().enumerate() {
+        if let Some(end) = ends.iter().find(|end| !(**end >= 0.0 && **end < points as f64)) {
+            let found = format!("row {row} names point {end}");
+            return Err(edges.fault(found, format!("expected rows of coords, 0 to {}", points.saturating_sub(1))));
+        }
+        links.push(ends.map(|end| end as u32));
+    }
+    Ok(links)
+}
+
+/// An open `.npz`.
+struct Archive<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    room: &'a UnpackLimit,
+    names: Vec<String>,
+}
+
+impl<'a> Archive<'a> {
+    fn open(bytes: &'a [u8], room: &'a UnpackLimit) -> Result<Self, Fault> {
+        let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+        let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();
+        Ok(Self { zip, room, names })
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|known| known == name)
+    }
+
+    fn lacks(&self, name: &str) -> Fault {
+        let names = if self.names.is_empty() { "nothing".to_owned() } else { self.names.join(", ") };
+        Fault::file(format!("no array {name} among {names}"), ACCEPTED)
+    }
+
+    /// The array under the first of the names that is there.
+    fn first(&mut self, names: &[&str]) -> Result<Option<Array>, Fault> {
+        let Some((row, name)) =
+            names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
+        else {
+            return Ok(None);
+        };
+        let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
+        let member = self.zip.by_index(row).map_err(broken)?;
+        let stored = member.compressed_size();
+        Array::read(name, member, stored, self.room).map(Some)
+    }
+}
+
+/// Writes `coords` (N, 3) and `edges` (M, 2), the nodes first in their order, and the other arrays as
+/// [`read_skeleton_npz`] takes them, mm.
+///
+/// Where a vessel has points between its nodes, the edges link points and `radii` (N) are theirs. Where none has, every edge
+/// is a vessel, `radii` (M) and `lengths` (M) are the vessels'. `labels` (M) is left out where no vessel has one, `frame` (1) where it
+/// is not known.
+///
+/// # Errors
+///
+/// A node without a position; two vessels that points cannot distinguish (`InvalidInput`); the writer's own.
+pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
+    let mut zip = ZipWriter::new(out);
+    let names: Vec<&str> = if is_straight(network) {
+        let points = positions(network)?;
+        let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+        write(&mut zip, "coords", &coords(points.iter()))?;
+        write(&mut zip, "edges", &edges(&links))?;
+        write(&mut zip, "radii", &network.vessels().map(|(_, v)| millimetres(v.radius)).collect::<Array1<f64>>())?;
+        write(&mut zip, "lengths", &network.vessels().map(|(_, v)| millimetres(v.length)).collect::<Array1<f64>>())?;
+        network.vessels().map(|(_, v)| v.label.as_str()).collect()
+    } else {
+        let found = skeleton(network)?;
+        write(&mut zip, "coords", &coords(found.points.iter().map(|p| &p.position)))?;
+        write(&mut zip, "edges", &edges(&found.links))?;
+        write(&mut zip, "radii", &found.points.iter().map(|p| millimetres(p.radius)).collect::<Array1<f64>>())?;
+        found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
+    };
+    texts(&mut zip, "labels", &names)?;
+    texts(&mut zip, FRAME, &network.frame.name().map_or(vec![], |name| vec![name]))?;
+    zip.finish().map_err(io::Error::other)?.flush()
+}
+
+fn coords<'a>(points: impl ExactSizeIterator<Item = &'a Point>) -> Array2<f64> {
+    let n = points.len();
+    let values: Vec<f64> = points.flatten().map(|x| millimetres(*x)).collect();
+    Array2::from_shape_vec((n, 3), values).unwrap_or_default()
+}
+
+fn edges(links: &[[usize; 2]]) -> Array2<i64> {
+    let values: Vec<i64> = links.iter().flatten().map(|row| *row as i64).collect();
+    Array2::from_shape_vec((links.len(), 2), values).unwrap_or_default()
+}
+
+fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {
+    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated).large_file(true);
+    zip.start_file(format!("{name}.npy"), options).map_err(io::Error::other)
+}
+
+fn write<T: WritableElement, D: ndarray::Dimension>(
+    zip: &mut ZipWriter<impl Write + Seek>,
+    name: &str,
+    array: &ndarray::Array<T, D>,
+) -> io::Result<()> {
+    start(zip, name)?;
+    array.write_npy(zip).map_err(io::Error::other)
+}
+
+/// Text as NumPy's `<U`: UTF-32 of equal length, which no element type of a fixed size can be.
+fn texts(zip: &mut ZipWriter<impl Write + Seek>, name: &str, labels: &[&str]) -> io::Result<()> {
+    let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+    if longest == 0 {
+        return Ok(());
+    }
+    start(zip, name)?;
+    let mut header = format!("{{'descr': '<U{longest}', 'fortran_order': False, 'shape': ({},), }}", labels.len());
+    // The values begin at a multiple of 64.
+    let padded = (10 + header.len() + 1).next_multiple_of(64) - 10;
+    header.extend(std::iter::repeat_n(' ', padded - header.len() - 1).chain(['\n']));
+    zip.write_all(b"\x93NUMPY\x01\x00")?;
+    zip.write_all(&(header.len() as u16).to_le_bytes())?;
+    zip.write_all(header.as_bytes())?;
+    for label in labels {
+        let letters = label.chars().map(u32::from).chain(std::iter::repeat(0)).take(longest);
+        let bytes: Vec<u8> = letters.flat_map(u32::to_le_bytes).collect();
+        zip.write_all(&bytes)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,144 @@
+//! A network as lines of points, and as one graph of points and links, for the formats that hold these.
+
+use std::collections::HashSet;
+use std::io;
+
+use petgraph::unionfind::UnionFind;
+
+use willis_core::network::centerlines::Centerlines;
+use willis_core::network::{Network, Node, PathPoint, Vessel};
+use willis_core::support::geometry::{Point, distance};
+
+/// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.
+pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
+    let mut widest = vec![f64::NAN; network.node_count()];
+    for (ends, vessel) in network.vessels() {
+        for end in ends {
+            widest[end] = widest[end].max(vessel.radius);
+        }
+    }
+    let point = |((position, node), widest): ((Point, &Node), f64)| PathPoint {
+        position,
+        radius: node.radius.unwrap_or(widest),
+        id: None,
+    };
+    Ok(positions(network)?.into_iter().zip(network.nodes()).zip(widest).map(point).collect())
+}
+
+/// The position of each node, m.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`).
+pub(crate) fn positions(network: &Network) -> io::Result<Vec<Point>> {
+    let missing = |node: &Node| io::Error::new(io::ErrorKind::InvalidInput, format!("node {} has no position", node.id));
+    network.nodes().map(|node| node.position.ok_or_else(|| missing(node))).collect()
+}
+
+/// Every vessel from node to node: along its path, or straight where it has none.
+pub(crate) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
+    let at = node_points(network)?;
+    let line = |([a, b], vessel): ([usize; 2], &Vessel)| {
+        let inner = between(&vessel.path, at[a].position, at[b].position, true);
+        [at[a]].into_iter().chain(inner).chain([at[b]]).collect()
+    };
+    Ok(network.vessels().map(line).collect())
+}
+
+/// The points of a network, nodes first, and the rows of each vessel's from node to node.
+pub(crate) fn cells(network: &Network) -> io::Result<(Vec<PathPoint>, Vec<Vec<i64>>)> {
+    let mut points = node_points(network)?;
+    let mut lines = Vec::with_capacity(network.vessel_count());
+    for ([a, b], vessel) in network.vessels() {
+        let mut line = vec![a as i64];
+        for point in between(&vessel.path, points[a].position, points[b].position, true) {
+            line.push(points.len() as i64);
+            points.push(point);
+        }
+        line.push(b as i64);
+        lines.push(line);
+    }
+    Ok((points, lines))
+}
+
+/// The points of a path between its two nodes, without the nodes themselves; from the last to the first unless `forward`.
+pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
+    let mut points = path.to_vec();
+    if !forward {
+        points.reverse();
+    }
+    if points.last().is_some_and(|p| distance(p.position, to) <= 0.0) {
+        points.pop();
+    }
+    if points.first().is_some_and(|p| distance(p.position, from) <= 0.0) {
+        points.remove(0);
+    }
+    points
+}
+
+/// The centerlines of a network as one graph of points: first its nodes, then the points between them.
+pub(crate) struct Skeleton {
+    pub(crate) points: Vec<PathPoint>,
+    pub(crate) links: Vec<[usize; 2]>,
+    /// The vessel of each link.
+    pub(crate) vessel: Vec<usize>,
+}
+
+/// Whether every vessel is known by its two nodes alone, so that each is one link.
+pub(crate) fn is_straight(network: &Network) -> bool {
+    network.vessels().all(|(_, vessel)| vessel.path.is_empty())
+}
+
+/// The points and links of a network, vessel by vessel.
+///
+/// # Errors
+///
+/// A node without a position; a vessel without points between two nodes that another such vessel joins, or from a node to
+/// itself, which a reader could not distinguish (`InvalidInput`).
+pub(crate) fn skeleton(network: &Network) -> io::Result<Skeleton> {
+    let (points, lines) = cells(network)?;
+    let mut out = Skeleton { points, links: Vec::new(), vessel: Vec::new() };
+    let mut joined = HashSet::new();
+    for (row, line) in lines.iter().enumerate() {
+        let [a, b] = network.ends(row);
+        let inner = line.len() - 2;
+        let void = if a == b { inner < 2 } else { inner == 0 && !joined.insert([a.min(b), a.max(b)]) };
+        if void {
+            let why = "has no points of its own between nodes that are one, or joined by another such vessel";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{} {why}", network.vessel_name(row))));
+        }
+        out.links.extend(line.windows(2).map(|pair| [pair[0] as usize, pair[1] as usize]));
+        out.vessel.resize(out.links.len(), row);
+    }
+    Ok(out)
+}
+
+/// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand,
+/// so that coincident points are merged only where they belong to different parts.
+pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], label: impl Fn(usize) -> String) -> Centerlines {
+    let mut parts = UnionFind::<u32>::new(points.len());
+    for [a, b] in links {
+        parts.union(*a, *b);
+    }
+    let mut lines = Centerlines::default();
+    for (row, (point, radius)) in points.iter().zip(radii).enumerate() {
+        lines.add_point(*point, *radius, row as u64, parts.find(row as u32));
+    }
+    for (row, link) in links.iter().enumerate().filter(|(_, [a, b])| a != b) {
+        lines.add_link(*link, &label(row));
+    }
+    lines
+}
+
+/// The radius of each point from those of its links: their mean over length, which keeps ∫ r dz over the whole skeleton.
+pub(crate) fn radii_of_points(points: &[Point], links: &[[u32; 2]], radii: &[f64]) -> Vec<f64> {
+    let mut sums = vec![(0.0, 0.0); points.len()];
+    for ([a, b], radius) in links.iter().zip(radii).filter(|(_, r)| willis_core::network::centerlines::is_radius(**r)) {
+        let length = distance(points[*a as usize], points[*b as usize]);
+        for end in [*a, *b] {
+            let (sum, of) = &mut sums[end as usize];
+            (*sum, *of) = (*sum + length * radius, *of + length);
+        }
+    }
+    sums.into_iter().map(|(sum, of)| if of > 0.0 { sum / of } else { f64::NAN }).collect()
+}

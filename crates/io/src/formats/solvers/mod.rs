@@ -1,0 +1,179 @@
+//! Writes a network with its conditions for solvers in time: svZeroDSolver (lumped) and openBF (one-dimensional).
+
+mod openbf;
+mod svzerod;
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::f64::consts::PI;
+use std::io;
+
+pub use openbf::write_openbf;
+pub use svzerod::write_svzerod;
+
+use willis_core::flow::WallLaw;
+use willis_core::flow::state::BLOOD_DENSITY;
+use willis_core::network::{Condition, Network, Vessel};
+
+/// A network with vessels along the way from inlets to outlets, and what holds at their ends.
+struct Directed<'a> {
+    network: &'a Network,
+    /// By row the node where the vessel begins and that where it ends.
+    turned: Vec<[usize; 2]>,
+    /// By node its vessels.
+    at: Vec<Vec<usize>>,
+    /// A vessel to which no inlet leads, if there is one.
+    unfed: Option<usize>,
+    /// By row C' = dA/dP of the wall, as it is stated, else by Olufsen's law, m²/Pa.
+    distensibility: Vec<f64>,
+}
+
+impl<'a> Directed<'a> {
+    /// Turns the vessels so that each node between them has one that comes and one that goes: the shortest way from each inlet to an end, or to
+    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned.
+    ///
+    /// # Errors
+    ///
+    /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
+    fn of(network: &'a Network) -> io::Result<Self> {
+        let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
+        let mut at = vec![Vec::new(); network.node_count()];
+        for (row, (ends, _)) in network.vessels().enumerate() {
+            if ends[0] == ends[1] {
+                return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
+            }
+            for node in ends {
+                at[node].push(row);
+            }
+        }
+        let enters = |node: usize| match network.node(node).condition {
+            Some(Condition::Flow(flow)) => flow > 0.0,
+            Some(Condition::Pressure(pressure)) => {
+                pressure > 0.0 && network.node(node).role != Some(willis_core::network::Role::Outlet)
+            }
+            _ => false,
+        };
+        let stated: Vec<usize> = (0..network.node_count()).filter(|node| network.node(*node).condition.is_some()).collect();
+        if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {
+            return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
+        }
+        let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
+        if inlets.is_empty() {
+            return Err(refused("no node states an inlet; state conditions in the file".to_owned()));
+        }
+        let mut way =
+            Ways { network, at: &at, turned: vec![None; network.vessel_count()], reached: Vec::new(), is_target: Vec::new() };
+        way.is_target = (0..network.node_count()).map(|node| at[node].len() == 1 && !enters(node)).collect();
+        for inlet in inlets {
+            way.reach(inlet);
+            way.lead_on(inlet);
+        }
+        let mut place = 0;
+        while place < way.reached.len() {
+            way.lead_on(way.reached[place]);
+            place += 1;
+        }
+        // What no blood reaches begins where it does in the file, unless that is a free end.
+        let as_it_stands = |row: usize| {
+            let [a, b] = network.ends(row);
+            if at[a].len() == 1 { [b, a] } else { [a, b] }
+        };
+        let unfed = way.turned.iter().position(Option::is_none);
+        let turned = way.turned.into_iter().enumerate();
+        let ends = turned.map(|(row, ends)| ends.unwrap_or_else(|| as_it_stands(row))).collect();
+        let wall = |row: usize| {
+            let vessel = network.vessel(row);
+            let law = if vessel.wall.is_some() { WallLaw::Stated } else { WallLaw::OLUFSEN };
+            let given = law.compliance(vessel.radius, vessel.wall, BLOOD_DENSITY, &network.vessel_name(row));
+            given.map_err(|error| refused(error.to_string()))
+        };
+        let distensibility = (0..network.vessel_count()).map(wall).collect::<io::Result<_>>()?;
+        Ok(Self { network, turned: ends, at, unfed, distensibility })
+    }
+
+    /// The condition of a free end; `None` of an inner node, a flow of zero of an end that states nothing.
+    fn condition(&self, node: usize) -> Option<Condition> {
+        (self.at[node].len() == 1).then(|| self.network.node(node).condition.unwrap_or(Condition::Flow(0.0)))
+    }
+
+    /// R1 (Pa s/m³) of a terminal resistance at the end of a vessel: as the node states it, else the wave impedance √(ρ/(A C')) of the
+    /// vessel, as in `willis simulate --pulse`; at most the resistance.
+    fn proximal(&self, node: usize, resistance: f64, row: usize) -> f64 {
+        let matched = (BLOOD_DENSITY / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
+        self.network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
+    }
+}
+
+/// Ways along the vessels while they are found.
+struct Ways<'a> {
+    network: &'a Network,
+    at: &'a [Vec<usize>],
+    /// By row where the vessel begins and ends, once it lies on a way.
+    turned: Vec<Option<[usize; 2]>>,
+    /// The nodes on ways, in the order in which they were reached.
+    reached: Vec<usize>,
+    /// By node whether a way may end there: on another way, or where blood leaves.
+    is_target: Vec<bool>,
+}
+
+impl Ways<'_> {
+    fn reach(&mut self, node: usize) {
+        self.reached.push(node);
+        self.is_target[node] = true;
+    }
+
+    /// Turns every vessel at a node on a way that is not turned yet, with a way behind it.
+    fn lead_on(&mut self, from: usize) {
+        for row in self.at[from].iter().copied() {
+            if self.turned[row].is_some() {
+                continue;
+            }
+            for [begins, row, stops] in self.way(from, row) {
+                self.turned[row] = Some([begins, stops]);
+                if !self.is_target[stops] {
+                    self.reach(stops);
+                }
+            }
+        }
+    }
+
+    /// The shortest way by a vessel to a target, as node, row and node for each vessel from the last to the first. From where there is none the way
+    /// is that vessel alone: blood comes back by itself, and what follows finds this way.
+    fn way(&self, from: usize, first: usize) -> Vec<[usize; 3]> {
+        let other = |row: usize, node: usize| {
+            let [a, b] = self.network.ends(row);
+            if a == node { b } else { a }
+        };
+        let mut came: HashMap<usize, (usize, usize)> = HashMap::from([(other(first, from), (from, first))]);
+        let mut next = vec![other(first, from)];
+        let mut place = 0;
+        while place < next.len() {
+            let mut node = next[place];
+            place += 1;
+            if self.is_target[node] {
+                let mut way = Vec::new();
+                loop {
+                    let (before, row) = came[&node];
+                    way.push([before, row, node]);
+                    if row == first {
+                        return way;
+                    }
+                    node = before;
+                }
+            }
+            for row in self.at[node].iter().copied().filter(|row| *row != first && self.turned[*row].is_none()) {
+                let to = other(row, node);
+                if let Entry::Vacant(free) = came.entry(to) {
+                    free.insert((node, row));
+                    next.push(to);
+                }
+            }
+        }
+        vec![[from, first, other(first, from)]]
+    }
+}
+
+/// The cross-section of a vessel, m².
+fn area(vessel: &Vessel) -> f64 {
+    PI * vessel.radius * vessel.radius
+}

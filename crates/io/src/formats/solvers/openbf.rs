@@ -1,0 +1,87 @@
+//! openBF's YAML: each vessel as an elastic tube, in SI units.
+
+use std::io::{self, Write};
+
+use super::{Directed, area};
+use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
+use willis_core::flow::state::BLOOD_DENSITY;
+use willis_core::network::{Condition, Network, Wall, Windkessel};
+
+/// Walls that are not stated have a thickness of this share of the radius.
+const THICKNESS: f64 = 0.1;
+/// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
+const LEAST: f64 = 1e-3;
+
+/// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
+/// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
+///
+/// The keys of openBF changed with version 2: up to 1.5, which has several inlets, `project name`, `convergence tolerance` (%) and an
+/// `inlet` at its vessel are read; from 2 on `project_name`, `convergence_tolerance` (mmHg) and the one `inlet_file` of node 1. The file has both,
+/// and each version passes over those of the other. Nodes where blood enters come first.
+///
+/// # Errors
+///
+/// As [`write_svzerod`](super::write_svzerod); a vessel to which no inlet leads, an outlet of fixed pressure or
+/// flow that is not zero (`InvalidInput`).
+pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
+    let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+    let ends = Directed::of(network)?;
+    let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
+    if let Some(row) = ends.unfed {
+        return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
+    }
+    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins(node);
+    let mut number = vec![0; network.node_count()];
+    let (inner, first): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| !is_inlet(*node));
+    for (place, node) in first.into_iter().chain(inner).enumerate() {
+        number[node] = place + 1;
+    }
+    writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
+    writeln!(out, "blood:\n  rho: {BLOOD_DENSITY:?}\n  mu: {BLOOD_VISCOSITY:?}")?;
+    writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
+    writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
+    writeln!(out, "network:")?;
+    let mut inlets = 0;
+    for (row, [begins, stops]) in ends.turned.iter().enumerate() {
+        let vessel = network.vessel(row);
+        let thickness = match vessel.wall {
+            Some(Wall::Elastic { thickness, .. }) => thickness,
+            _ => THICKNESS * vessel.radius,
+        };
+        // A JSON string is a YAML string; two vessels may have one label.
+        let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
+        writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
+        writeln!(out, "    L: {:?}\n    R0: {:?}", vessel.length, vessel.radius)?;
+        // A wall that keeps its volume has C' = (3/2) A r/(Eh).
+        let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];
+        writeln!(out, "    E: {:?}\n    h0: {thickness:?}", stiffness / thickness)?;
+        if let Some(condition) = ends.condition(*begins) {
+            inlets += 1;
+            let quantity = if matches!(condition, Condition::Pressure(_)) { "P" } else { "Q" };
+            writeln!(out, "    inlet: {quantity}\n    inlet file: inlet-{inlets}.dat\n    inlet number: {inlets}")?;
+        }
+        match ends.condition(*stops) {
+            None => {}
+            Some(Condition::Resistance { resistance, venous }) => {
+                let compliance = network.node(*stops).windkessel.compliance.unwrap_or(Windkessel::TIME_CONSTANT / resistance);
+                let least = LEAST * resistance;
+                let proximal = ends.proximal(*stops, resistance, row).clamp(least, resistance - least);
+                let distal = resistance - proximal;
+                writeln!(out, "    outlet: wk3\n    R1: {proximal:?}\n    R2: {distal:?}\n    Cc: {compliance:?}")?;
+                if venous != 0.0 {
+                    writeln!(out, "    Pout: {venous:?}")?;
+                }
+            }
+            // Its ends without a Windkessel reflect by a coefficient: 1 where nothing passes, -1 where the pressure stays at rest.
+            Some(Condition::Flow(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: 1.0")?,
+            Some(Condition::Pressure(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: -1.0")?,
+            Some(Condition::Pressure(_) | Condition::Flow(_)) => {
+                let node = &network.node(*stops).id;
+                return refused(format!(
+                    "node {node} is an outlet of fixed pressure or flow; openBF has resistances, ground and closed ends"
+                ));
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,375 @@
+//! SWC: one centerline point a line, each linked to its parent; the type column holds the labels.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::io::{self, BufRead, Write};
+
+use crate::formats::polylines::{between, node_points};
+use crate::formats::tables::reader::plural;
+use crate::formats::tables::write::real;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::{Centerlines, is_radius};
+use willis_core::network::units::{Scale, millimetres};
+use willis_core::network::{Frame, Network, PathPoint, Role, cycles};
+
+const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
+const ROW: &str = "expected 7 (id type x y z radius parent)";
+
+/// A parent still to be found: the line that names it, and its id.
+type Parent = Option<(usize, u64)>;
+
+/// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
+///
+/// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be
+/// repaired along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child
+/// point: the name that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are
+/// no labels where all are the same, or where only the first and last points of trees have one. A comment `SPACE=RAS` or `SPACE=LPS`
+/// states the frame.
+///
+/// # Errors
+///
+/// A line with fewer than seven columns, a value that is no number, a coordinate or radius that is not finite, an id that comes
+/// twice, a parent that does not exist or that descends from its child; a file without points.
+pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut lines = Centerlines::default();
+    let mut parents: Vec<Parent> = Vec::new();
+    let mut row_of = HashMap::new();
+    let mut line_of = Vec::new();
+    let mut wide = None;
+    let (mut types, mut names) = (Vec::new(), TypeNames::default());
+    for (at, line) in input.split(b'\n').enumerate() {
+        let (at, line) = (at + 1, line.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?);
+        let line = String::from_utf8_lossy(&line);
+        let line = line.trim_start_matches('\u{feff}');
+        let text = line.split('#').next().unwrap_or_default();
+        let words: Vec<&str> = text.split_whitespace().collect();
+        if words.is_empty() {
+            names.read(line);
+            lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
+            continue;
+        }
+        let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
+            return Err(Fault::line(at, plural(words.len(), "column"), ROW));
+        };
+        if words.len() > COLUMNS.len() {
+            wide.get_or_insert((at, words.len()));
+        }
+        let id = index(id, at, 0)?
+            .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
+        let kind = code(number(kind, at, 1)?);
+        let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
+        for (axis, value) in position.iter().enumerate() {
+            if !value.is_finite() {
+                return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
+            }
+        }
+        match row_of.entry(id) {
+            Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
+            Entry::Occupied(slot) => {
+                let first = line_of[*slot.get() as usize];
+                return Err(Fault::line(at, format!("id {id} is that of line {first} too"), "expected every id once"));
+            }
+        };
+        let number_of_radius = number(radius, at, 5)?;
+        if !number_of_radius.is_finite() {
+            return Err(Fault::line(at, format!("radius {radius}"), "expected a finite number (0 for a missing radius)"));
+        }
+        let radius = scale.length(number_of_radius);
+        lines.ids.push(id);
+        types.push(kind);
+        lines.points.push(scale.position(position));
+        lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
+        parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
+        line_of.push(at);
+    }
+    if lines.points.is_empty() {
+        return Err(Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)"));
+    }
+    let mut up = Vec::with_capacity(parents.len());
+    for (row, parent) in parents.iter().enumerate() {
+        let Some((at, id)) = parent else {
+            up.push(None);
+            continue;
+        };
+        let Some(parent) = row_of.get(id) else {
+            return Err(Fault::line(*at, format!("parent {id} does not exist"), "expected the id of a point, or -1"));
+        };
+        lines.links.push([*parent, row as u32]);
+        up.push(Some(*parent as usize));
+    }
+    lines.strand = trees(&up).map_err(|row| {
+        let found = format!("point {} is its own ancestor", lines.ids[row]);
+        Fault::line(line_of[row], found, "expected a tree; links that close loops go into the file of `loops`")
+    })?;
+    name_links(&mut lines, &types, &names);
+    let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
+    Ok((lines, notes.into_iter().collect()))
+}
+
+/// The number of each point's tree, in the order of the first points; the row of a point on a cycle where there is one.
+fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
+    const NEW: u32 = u32::MAX;
+    const OPEN: u32 = u32::MAX - 1;
+    let mut tree = vec![NEW; up.len()];
+    let mut count = 0;
+    for start in 0..up.len() {
+        let mut visited = Vec::new();
+        let mut at = Some(start);
+        let number = loop {
+            match at {
+                None => {
+                    count += 1;
+                    break count - 1;
+                }
+                Some(row) if tree[row] == OPEN => return Err(row),
+                Some(row) if tree[row] != NEW => break tree[row],
+                Some(row) => {
+                    tree[row] = OPEN;
+                    visited.push(row);
+                    at = up[row];
+                }
+            }
+        };
+        for row in visited {
+            tree[row] = number;
+        }
+    }
+    Ok(tree)
+}
+
+fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {
+    word.parse().map_err(|_| Fault::line(line, format!("{} \"{word}\"", COLUMNS[column]), "expected a number"))
+}
+
+/// A whole number, perhaps written as `1.0`; `None` for a negative one.
+fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
+    if let Ok(id) = word.parse() {
+        return Ok(Some(id));
+    }
+    match word.parse::<f64>() {
+        Ok(x) if x.fract() == 0.0 && x.abs() < 9e15 => Ok((x >= 0.0).then_some(x as u64)),
+        _ => Err(Fault::line(line, format!("{} \"{word}\"", COLUMNS[column]), "expected a whole number")),
+    }
+}
+
+/// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
+pub fn is_forest(network: &Network) -> bool {
+    cycles(network) == 0
+}
+
+/// Writes a network as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres. Returns the id
+/// pairs of the links that close loops, which SWC cannot hold: none for a forest.
+///
+/// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
+/// its widest vessel; one that has none of either is written with 0. The type of a point is the label of the vessel that leads
+/// to it, as [`read_swc`] takes it.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`), or the writer's own.
+pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
+    let at = node_points(network)?;
+    let mut vessels_at = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate() {
+        vessels_at[ends[0]].push((row, ends[1]));
+        vessels_at[ends[1]].push((row, ends[0]));
+    }
+    title(&mut out, network.frame)?;
+    let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
+    types.write(&mut out)?;
+    writeln!(out, "# id type x y z radius parent")?;
+    let mut used = 0_u64;
+    let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
+        used += 1;
+        let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+        let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
+        match parent {
+            None => writeln!(out, "{used} {kind} {x} {y} {z} {radius} -1")?,
+            Some(parent) => writeln!(out, "{used} {kind} {x} {y} {z} {radius} {parent}")?,
+        }
+        Ok(used)
+    };
+    let mut id_of = vec![None; network.node_count()];
+    let (mut done, mut loops) = (vec![false; network.vessel_count()], Vec::new());
+    let inlets = (0..network.node_count()).filter(|n| network.node(*n).role == Some(Role::Inlet));
+    for root in inlets.chain(0..network.node_count()) {
+        if id_of[root].is_some() {
+            continue;
+        }
+        let root_id = write(&at[root], 0, None)?;
+        id_of[root] = Some(root_id);
+        let mut open = vec![(root, root_id)];
+        while let Some((node, node_id)) = open.pop() {
+            for (row, next) in &vessels_at[node] {
+                if std::mem::replace(&mut done[*row], true) {
+                    continue;
+                }
+                let inner =
+                    between(&network.vessel(*row).path, at[node].position, at[*next].position, network.ends(*row)[0] == node);
+                let kind = types.code(&network.vessel(*row).label);
+                let mut parent = node_id;
+                for point in &inner {
+                    parent = write(point, kind, Some(parent))?;
+                }
+                if let Some(there) = id_of[*next] {
+                    loops.push([parent, there]);
+                    continue;
+                }
+                parent = write(&at[*next], kind, Some(parent))?;
+                id_of[*next] = Some(parent);
+                open.push((*next, parent));
+            }
+        }
+    }
+    out.flush()?;
+    Ok(loops)
+}
+
+/// Writes centerlines as SWC in mm and returns the id pairs of the links that would close a loop.
+///
+/// A point's parent is the first point of the first link that ends in it; the type means the label of that link; a missing
+/// radius is 0.
+///
+/// # Errors
+///
+/// The writer's own.
+pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Result<Vec<[u64; 2]>> {
+    let mut parent = vec![None; lines.points.len()];
+    let mut loops = Vec::new();
+    let mut trees = petgraph::unionfind::UnionFind::<usize>::new(lines.points.len());
+    for (row, [a, b]) in lines.links.iter().map(|link| link.map(|p| p as usize)).enumerate() {
+        if parent[b].is_none() && trees.union(a, b) {
+            parent[b] = Some((a, row));
+        } else {
+            loops.push([lines.ids[a], lines.ids[b]]);
+        }
+    }
+    title(&mut out, lines.frame)?;
+    let types = TypeCodes::of((0..lines.links.len()).map(|row| lines.labels.of(row)));
+    types.write(&mut out)?;
+    writeln!(out, "# id type x y z radius parent")?;
+    for (point, parent) in parent.iter().enumerate() {
+        let [x, y, z] = lines.points[point].map(millimetres);
+        let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
+        match parent {
+            Some((parent, row)) => {
+                let (kind, parent) = (types.code(lines.labels.of(*row)), lines.ids[*parent]);
+                writeln!(out, "{} {kind} {x} {y} {z} {radius} {parent}", lines.ids[point])?;
+            }
+            None => writeln!(out, "{} 0 {x} {y} {z} {radius} -1", lines.ids[point])?,
+        }
+    }
+    out.flush()?;
+    Ok(loops)
+}
+
+/// The first line: the units, and the frame where it is known.
+fn title(mut out: impl Write, frame: Frame) -> io::Result<()> {
+    let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
+    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")
+}
+
+/// The first code for a label that is no whole number; the specification and its users have meanings for those below.
+const FIRST_FREE: u64 = 16;
+/// Whole numbers above are not exact in every reader.
+const LARGEST: f64 = 9e15;
+
+/// The labels that the comments of a file give to its types.
+#[derive(Debug, Default)]
+pub(crate) struct TypeNames(BTreeMap<u64, String>);
+
+impl TypeNames {
+    /// Reads a comment line `# label CODE NAME`; ignores others.
+    pub fn read(&mut self, line: &str) {
+        let Some(words) = line.trim().strip_prefix('#').and_then(|l| l.trim_start().strip_prefix("label ")) else { return };
+        if let Some((code, name)) = words.trim().split_once(char::is_whitespace)
+            && let Ok(code) = code.parse()
+        {
+            self.0.insert(code, name.trim().to_owned());
+        }
+    }
+}
+
+/// The label code in a type column; 0 for none.
+pub(crate) fn code(kind: f64) -> u64 {
+    if kind.fract() == 0.0 && (1.0..LARGEST).contains(&kind) { kind as u64 } else { 0 }
+}
+
+/// Gives every link (parent, child) the label that the type of its child means.
+pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNames) {
+    if names.0.is_empty() && !are_labels(lines, types) {
+        return;
+    }
+    for row in 0..lines.links.len() {
+        match types[lines.links[row][1] as usize] {
+            0 => {}
+            code => match names.0.get(&code) {
+                Some(name) => lines.labels.set(row, name),
+                None => lines.labels.set(row, &code.to_string()),
+            },
+        }
+    }
+}
+
+/// Whether types that no comment names are labels: not if all are the same, nor if only the first and last points of
+/// trees have one, which are then landmarks (iCafe).
+fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
+    let child = |link: &[u32; 2]| types[link[1] as usize];
+    let Some(first) = lines.links.first().map(child) else { return false };
+    if lines.links.iter().all(|link| child(link) == first) {
+        return false;
+    }
+    let mut linked = vec![[false; 2]; types.len()];
+    for [parent, child] in &lines.links {
+        linked[*parent as usize][1] = true;
+        linked[*child as usize][0] = true;
+    }
+    let mut inner = linked.iter().zip(types).filter(|(linked, _)| **linked == [true, true]).peekable();
+    inner.peek().is_none() || inner.any(|(_, code)| *code != 0)
+}
+
+/// The type numbers that stand for labels in a file.
+pub(crate) struct TypeCodes(BTreeMap<String, u64>);
+
+impl TypeCodes {
+    /// Codes for labels: whole numbers as they are, the others from 16 on in order of appearance.
+    pub fn of<'a>(labels: impl Iterator<Item = &'a str>) -> Self {
+        let mut codes: BTreeMap<String, u64> = BTreeMap::new();
+        let mut words = Vec::new();
+        let mut taken = BTreeSet::new();
+        for label in labels.map(single_line).filter(|label| !label.is_empty()) {
+            match label.parse::<u64>() {
+                Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
+                    taken.insert(whole);
+                    codes.insert(label, whole);
+                }
+                _ => {
+                    if codes.insert(label.clone(), 0).is_none() {
+                        words.push(label);
+                    }
+                }
+            }
+        }
+        let mut free = (FIRST_FREE..).filter(|code| !taken.contains(code));
+        for (word, code) in words.into_iter().zip(&mut free) {
+            codes.insert(word, code);
+        }
+        Self(codes)
+    }
+
+    /// The type for a label; 0 for none.
+    pub fn code(&self, label: &str) -> u64 {
+        self.0.get(&single_line(label)).copied().unwrap_or(0)
+    }
+
+    /// Writes the label of each type, in their order.
+    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
+        let by_code: BTreeMap<u64, &String> = self.0.iter().map(|(label, code)| (*code, label)).collect();
+        by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))
+    }
+}
+
+/// A label on one line, without blanks around it.
+pub(crate) fn single_line(label: &str) -> String {
+    label.replace(char::is_control, " ").trim().to_owned()
+}

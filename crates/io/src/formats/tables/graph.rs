@@ -1,0 +1,387 @@
+//! A graph as CSV: a table of edges and a table of nodes, and the columns that GraphML shares with them.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+
+use crate::formats::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
+use crate::formats::attributes::records::Records;
+use crate::formats::attributes::{self, COMPLIANCE, PROXIMAL, nodes};
+use crate::formats::input::checksum;
+use crate::formats::read::ReadOptions;
+use crate::formats::tables::conditions::VENOUS;
+use crate::formats::tables::reader::{TableReader, columns, delimiter};
+use crate::formats::tables::write::{Column, Values, real, write_csv};
+use willis_core::error::Fault;
+use willis_core::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
+use willis_core::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
+use willis_core::support::geometry::{Point, distance, norm_squared};
+
+/// The columns that may hold the names of nodes.
+const NAMES: [&str; 2] = ["node", "id"];
+const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
+
+/// The nodes of a table, and the row of each by the name that the edges use.
+#[derive(Debug, Clone)]
+pub struct NodeTable {
+    pub(crate) nodes: Vec<Node>,
+    pub(crate) row_of: HashMap<String, usize>,
+}
+
+/// Whether a line is the header of a table of edges.
+pub(crate) fn is_header(line: &str) -> bool {
+    let columns: Vec<&str> = line.split(delimiter(line)).map(|column| column.trim().trim_matches('"')).collect();
+    ENDS.iter().any(|ends| ends.iter().all(|end| columns.contains(end)))
+}
+
+/// Reads a table of nodes: `node` (the name in the table of edges), `id`, and the attributes of GraphML nodes.
+///
+/// # Errors
+///
+/// A table without `node` and `id`, a name or id that comes twice, an attribute that is wrong.
+pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
+    let (header, records) = table(bytes)?;
+    let Some(key) = NAMES.into_iter().find(|key| header.iter().any(|h| h == key)) else {
+        return Err(Fault::line(1, columns(&header), "expected a column node or id"));
+    };
+    let mut row_of = HashMap::with_capacity(records.len());
+    let mut ids = Vec::with_capacity(records.len());
+    for (row, record) in records.iter().enumerate() {
+        let Some(name) = record.text(key) else {
+            return Err(Fault::line(record.line, format!("no {key}"), "expected the name of a node"));
+        };
+        ids.push(record.text("id").unwrap_or(name));
+        if row_of.insert(name.to_owned(), row).is_some() {
+            return Err(Fault::line(record.line, format!("{key} {name} comes twice"), "expected every node once"));
+        }
+    }
+    Ok(NodeTable { nodes: nodes(&ids, &records, scale)?, row_of })
+}
+
+/// Reads a table of edges: `node_a,node_b` (or `source,target`) and the attributes of GraphML edges; returns also what
+/// notes for the user. Without a table of nodes, nodes come in the order of their first edge, positioned by
+/// `ax_mm,ay_mm,az_mm` and `bx_mm,by_mm,bz_mm` where there are such columns.
+///
+/// # Errors
+///
+/// A table without the two columns or without rows, a node that is missing in the table of nodes, an attribute that is wrong.
+pub fn read_csv_edges(
+    bytes: &[u8],
+    table_of_nodes: Option<NodeTable>,
+    options: &ReadOptions,
+) -> Result<(Network, Vec<String>), Fault> {
+    let (header, records) = table(bytes)?;
+    let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
+        let accepted = if header.iter().any(|column| column == "node") {
+            "these are nodes; give the table of edges, with columns node_a,node_b or source,target"
+        } else {
+            "expected a table of edges with columns node_a,node_b or source,target"
+        };
+        return Err(Fault::line(1, columns(&header), accepted));
+    };
+    let given = table_of_nodes.is_some();
+    let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
+    // Without a table of nodes: the name of each node, and the edge and the end that give its position.
+    let mut made: Vec<&str> = Vec::new();
+    let mut placed: Vec<Option<(usize, usize)>> = Vec::new();
+    let mut rows = Vec::with_capacity(records.len());
+    for (row, record) in records.iter().enumerate() {
+        let mut both = [0; 2];
+        for (side, (end, column)) in both.iter_mut().zip(ends).enumerate() {
+            let Some(name) = record.text(column) else {
+                return Err(Fault::line(record.line, format!("edge {row}: no {column}"), "expected the name of a node"));
+            };
+            *end = match row_of.get(name) {
+                Some(node) => *node,
+                None if given => {
+                    let wrong = format!("edge {row}: {column} {name} is not in the table of nodes");
+                    return Err(Fault::line(record.line, wrong, "expected a name of its column node"));
+                }
+                None => {
+                    made.push(name);
+                    placed.push(None);
+                    row_of.insert(name.to_owned(), made.len() - 1);
+                    made.len() - 1
+                }
+            };
+            if given && placed.len() <= *end {
+                placed.resize(*end + 1, None);
+            }
+            if let Some(place @ None) = placed.get_mut(*end) {
+                *place = END_POSITION_COLUMNS[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
+            }
+        }
+        rows.push(both);
+    }
+    if rows.is_empty() {
+        return Err(Fault::file("no edges", "expected a row for every edge"));
+    }
+    if given {
+        same_places(&found, &places(&records, &placed), &records, &placed, &options.scale)?;
+    }
+    let mut network = Network::new();
+    for node in if given { found } else { nodes(&made, &places(&records, &placed), &options.scale)? } {
+        network.add_node(node);
+    }
+    let notes = vessels(&mut network, &rows, &records, options)?;
+    Ok((network, notes))
+}
+
+/// How far a node may lie from where the table of edges has it, as a share of the size of the network: tables may be rounded.
+const SAME_PLACE: f64 = 1e-3;
+
+/// Refuses a table of nodes that has nodes elsewhere than the table of edges: it is of another network.
+fn same_places(
+    nodes: &[Node],
+    places: &Records,
+    edges: &Records,
+    placed: &[Option<(usize, usize)>],
+    scale: &Scale,
+) -> Result<(), Fault> {
+    let names: Vec<&str> = nodes.iter().take(placed.len()).map(|node| &*node.id).collect();
+    let stated = attributes::nodes(&names, places, scale)?;
+    let all = || nodes.iter().filter_map(|node| node.position);
+    let size = |axis: usize| {
+        let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
+        high - low
+    };
+    let most = SAME_PLACE * norm_squared([0, 1, 2].map(size)).sqrt();
+    for ((node, there), place) in nodes.iter().zip(&stated).zip(placed) {
+        let (Some(here), Some(there), Some((row, side))) = (node.position, there.position, place) else { continue };
+        if distance(here, there) > most {
+            let mm = |p: Point| p.map(|x| real(millimetres(x))).join(" ");
+            let end = END_POSITION_COLUMNS[*side][0].trim_end_matches("x_mm");
+            let found =
+                format!("edge {row}: node {} lies at {} here and at {} in the table of nodes", node.id, mm(there), mm(here));
+            let accepted =
+                format!("expected the table of nodes of this network, or a table without {end}x_mm, {end}y_mm, {end}z_mm");
+            return Err(Fault::line(edges.get(*row).line, found, accepted));
+        }
+    }
+    Ok(())
+}
+
+/// The position of each node, from the columns of one end of an edge.
+fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
+    let mut nodes = Records::named(&POSITION_COLUMNS);
+    for place in placed {
+        let edge = place.map(|(row, side)| (edges.get(row), END_POSITION_COLUMNS[side]));
+        nodes.begin(edge.map_or(0, |(record, _)| record.line));
+        for (axis, column) in edge.iter().flat_map(|(_, columns)| columns.iter().enumerate()) {
+            if let Some(text) = edge.and_then(|(record, _)| record.text(column)) {
+                nodes.put(axis, text);
+            }
+        }
+    }
+    nodes
+}
+
+/// Writes a network as the two tables that [`read_csv_nodes`] and [`read_csv_edges`] take, with every attribute of GraphML:
+/// the nodes with their ids and conditions, the vessels in their order, each with its points.
+///
+/// # Errors
+///
+/// The writers' own.
+pub fn write_csv_graph(mut nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
+    let (node_columns, mut vessel_columns) = graph_columns(network);
+    vessel_columns.extend(points_column(network));
+    let mut table = Vec::new();
+    write_csv(&mut table, &node_columns)?;
+    let checksum = checksum_of_pair(&table);
+    let in_first_row = (0..network.vessel_count()).map(|row| if row == 0 { checksum.clone() } else { String::new() });
+    vessel_columns.push(Column::text(PAIR, in_first_row));
+    nodes.write_all(&table)?;
+    write_csv(edges, &vessel_columns)
+}
+
+/// The column of a table of edges with the checksum of its table of nodes, in the first row.
+const PAIR: &str = "nodes_sha256";
+
+/// The first 16 digits of the SHA-256 of a table of nodes.
+pub(crate) fn checksum_of_pair(nodes: &[u8]) -> String {
+    checksum(nodes).chars().take(16).collect()
+}
+
+/// The checksum that a table of edges states of its table of nodes.
+pub(crate) fn stated_checksum(edges: &[u8]) -> Option<String> {
+    let mut rows = TableReader::open(edges).ok()?;
+    let column = rows.find(&[PAIR])?;
+    let row = rows.next().ok()??;
+    row.texts().find(|(at, _)| *at == column).map(|(_, text)| text.to_owned())
+}
+
+/// Whether a column is read.
+pub(crate) fn is_wanted(name: &str) -> bool {
+    let own = [&NAMES[..], ENDS.as_flattened(), END_POSITION_COLUMNS.as_flattened()];
+    attributes::is_wanted(name) || name == PAIR || own.iter().any(|names| names.contains(&name))
+}
+
+/// The header and the rows of a file; of the rows only the columns that are read.
+fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
+    let mut rows = TableReader::open(bytes)?;
+    let header = rows.header().to_vec();
+    let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
+    let mut records = Records::named(&header);
+    while let Some(row) = rows.next()? {
+        records.begin(row.line);
+        for (column, text) in row.texts().filter(|(column, _)| wanted[*column]) {
+            records.put(column, text);
+        }
+    }
+    Ok((header, records))
+}
+
+/// The columns with the position of a node.
+pub(crate) const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+/// The columns with the positions of the two ends of a vessel.
+pub const END_POSITION_COLUMNS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
+
+/// One coordinate of a position, mm; NaN without one.
+pub fn axis(position: Option<Point>, axis: usize) -> f64 {
+    position.map_or(f64::NAN, |p| millimetres(p[axis]))
+}
+
+/// The columns of nodes.csv. `role` by node, `pressure` in Pa.
+pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
+    let nodes = || network.nodes();
+    let place = |of_axis: usize| Column::real(POSITION_COLUMNS[of_axis], nodes().map(|n| axis(n.position, of_axis)));
+    vec![
+        Column::whole("node", 0..network.node_count()),
+        Column::text("id", nodes().map(|n| n.id.clone())),
+        place(0),
+        place(1),
+        place(2),
+        Column::real("radius_mm", nodes().map(|n| n.radius.map_or(f64::NAN, millimetres))),
+        Column::text("label", nodes().map(|n| n.label.clone())),
+        Column::text("role", role.iter().map(|r| r.map_or("", Role::name).to_owned())),
+        Column::real("pressure_mmHg", pressure.iter().map(|p| p.map_or(f64::NAN, mmhg))),
+        Column::whole("component", component.iter().copied()),
+    ]
+}
+
+/// The columns with the terminal resistances and flows of the nodes, as a graph file stores boundary conditions; columns without
+/// any value are left out.
+pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
+    let figure = |of: fn(Condition) -> Option<f64>| conditions.iter().map(move |c| c.and_then(of).unwrap_or(f64::NAN));
+    let resistance = |c| if let Condition::Resistance { resistance, .. } = c { Some(mmhg_s_per_ml(resistance)) } else { None };
+    let venous = |c| if let Condition::Resistance { venous, .. } = c { Some(mmhg(venous)).filter(|p| *p != 0.0) } else { None };
+    let flow = |c| if let Condition::Flow(flow) = c { Some(ml_per_min(flow)) } else { None };
+    let mut columns = vec![
+        Column::real("resistance_mmHg_s_per_mL", figure(resistance)),
+        Column::real(VENOUS, figure(venous)),
+        Column::real("flow_mL_per_min", figure(flow)),
+    ];
+    columns.retain(has_values);
+    columns
+}
+
+/// The columns with the parts of the Windkessels of nodes; columns without any value are left out.
+pub fn windkessel_columns(windkessels: &[Windkessel]) -> Vec<Column> {
+    let figure = |of: fn(&Windkessel) -> Option<f64>| windkessels.iter().map(move |w| of(w).unwrap_or(f64::NAN));
+    let columns = [
+        Column::real(PROXIMAL, figure(|w| w.proximal.map(mmhg_s_per_ml))),
+        Column::real(COMPLIANCE, figure(|w| w.compliance.map(ml_per_mmhg))),
+    ];
+    columns.into_iter().filter(has_values).collect()
+}
+
+/// The columns with the walls of vessels; columns without any value are left out.
+pub fn wall_columns(network: &Network) -> Vec<Column> {
+    let figure = |of: fn(Wall) -> Option<f64>| network.vessels().map(move |(_, v)| v.wall.and_then(of).unwrap_or(f64::NAN));
+    let columns = [
+        Column::real(SPEED, figure(|wall| if let Wall::Speed(speed) = wall { Some(speed) } else { None })),
+        Column::real(
+            YOUNG,
+            figure(|wall| if let Wall::Elastic { young, .. } = wall { Some(in_megapascals(young)) } else { None }),
+        ),
+        Column::real(
+            THICKNESS,
+            figure(|wall| if let Wall::Elastic { thickness, .. } = wall { Some(millimetres(thickness)) } else { None }),
+        ),
+    ];
+    columns.into_iter().filter(has_values).collect()
+}
+
+/// Whether a column of numbers has any.
+fn has_values(column: &Column) -> bool {
+    matches!(&column.values, Values::Real(v) if v.iter().any(|x| !x.is_nan()))
+}
+
+/// The column that says which conditions were found, where any was.
+pub fn found_column(found: &[bool]) -> Option<Column> {
+    found.contains(&true).then(|| Column::text("found", found.iter().map(bool::to_string)))
+}
+
+/// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
+pub fn vessel_columns(network: &Network) -> Vec<Column> {
+    let end = |which: usize, of_axis: usize| {
+        let place = network.vessels().map(|(ends, _)| axis(network.node(ends[which]).position, of_axis));
+        Column::real(END_POSITION_COLUMNS[which][of_axis], place)
+    };
+    vec![
+        Column::whole("edge", 0..network.vessel_count()),
+        Column::whole("node_a", network.vessels().map(|(ends, _)| ends[0])),
+        Column::whole("node_b", network.vessels().map(|(ends, _)| ends[1])),
+        end(0, 0),
+        end(0, 1),
+        end(0, 2),
+        end(1, 0),
+        end(1, 1),
+        end(1, 2),
+        Column::text("label", network.vessels().map(|(_, v)| v.label.clone())),
+        Column::text("origin", network.vessels().map(|(_, v)| v.origin.name().to_owned())),
+        Column::real("length_mm", network.vessels().map(|(_, v)| millimetres(v.length))),
+        Column::real("radius_mm", network.vessels().map(|(_, v)| millimetres(v.radius))),
+    ]
+}
+
+/// The columns of nodes and of vessels with every attribute that the graph readers read, except the vessels' points.
+pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
+    let pressure = |condition: &Option<Condition>| match condition {
+        Some(Condition::Pressure(p)) => Some(*p),
+        _ => None,
+    };
+    let roles: Vec<Option<Role>> = network.nodes().map(|n| n.role).collect();
+    let conditions: Vec<Option<Condition>> = network.nodes().map(|n| n.condition).collect();
+    let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
+    let mut nodes = node_columns(network, &roles, &pressures, &fragments(network, |_, _| true).of_node);
+    nodes.extend(condition_columns(&conditions));
+    nodes.extend(found_column(&network.nodes().map(|n| n.found).collect::<Vec<_>>()));
+    let mut vessels = vessel_columns(network);
+    vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
+    if network.vessels().any(|(_, v)| v.resistance.is_some()) {
+        let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
+        vessels.push(Column::real("resistance_mmHg_s_per_mL", stated));
+    }
+    vessels.extend(wall_columns(network));
+    nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel).collect::<Vec<_>>()));
+    if network.vessels().any(|(_, v)| v.certain) {
+        vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
+    }
+    if network.nodes().any(|n| n.root_score.is_some()) {
+        nodes.push(Column::real("alone", network.nodes().map(|n| n.root_score.unwrap_or(f64::NAN))));
+    }
+    if network.vessels().any(|(_, v)| v.evidence.is_some()) {
+        let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, of));
+        vessels.push(Column::real("probability", figure(|e| e.probability)));
+        vessels.push(Column::real("hangs_a", figure(|e| e.attached[0])));
+        vessels.push(Column::real("hangs_b", figure(|e| e.attached[1])));
+        vessels.push(Column::real("continues_a", figure(|e| e.continuation_odds[0])));
+        vessels.push(Column::real("continues_b", figure(|e| e.continuation_odds[1])));
+    }
+    (nodes, vessels)
+}
+
+/// The column with the centerline points of the vessels, where any vessel has some.
+pub(crate) fn points_column(network: &Network) -> Option<Column> {
+    let any = network.vessels().any(|(_, v)| !v.path.is_empty());
+    any.then(|| Column::text("points", network.vessels().map(|(_, v)| points(&v.path))))
+}
+
+/// A path as the attribute `points`, mm: `x y z r;x y z r`.
+pub(crate) fn points(path: &[PathPoint]) -> String {
+    let point = |p: &PathPoint| {
+        let [x, y, z] = p.position.map(|x| real(millimetres(x)));
+        format!("{x} {y} {z} {}", real(millimetres(p.radius)))
+    };
+    path.iter().map(point).collect::<Vec<_>>().join(";")
+}

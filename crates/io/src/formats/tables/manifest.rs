@@ -1,0 +1,110 @@
+//! The manifest of a study: a table with a row for each subject, its input and the options that are its own.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+use super::reader::TableReader;
+use willis_core::error::Fault;
+use willis_core::support::suggestions::did_you_mean;
+
+/// The options that a subject may have of its own, by the names of the command line, with `_` for `-`; whether each names a file.
+const OPTIONS: [(&str, bool); 18] = [
+    ("units", false),
+    ("spacing", false),
+    ("radius_array", false),
+    ("radius", false),
+    ("default_radius", false),
+    ("loops", true),
+    ("level", false),
+    ("radius_from", false),
+    ("box", false),
+    ("landmarks", true),
+    ("labels", false),
+    ("bc", true),
+    ("inlet", false),
+    ("outlet", false),
+    ("flow", false),
+    ("outlets", false),
+    ("mask", true),
+    ("image", true),
+];
+/// The columns that name a subject.
+const NAMES: [&str; 3] = ["subject", "participant_id", "subject_id"];
+const INPUT: &str = "input";
+
+/// A row of a manifest.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ManifestRow {
+    /// Its line, from 1.
+    pub line: usize,
+    /// What the subject is called, where the table says so.
+    pub subject: Option<String>,
+    /// Its input.
+    pub input: PathBuf,
+    /// Its own options, by name and value.
+    pub options: Vec<(String, String)>,
+}
+
+/// A manifest.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Manifest {
+    /// Its rows, one at least.
+    pub rows: Vec<ManifestRow>,
+    /// The columns that are no options.
+    pub others: Vec<String>,
+}
+
+/// Reads a manifest from a table of comma-, semicolon- or tab-separated values; `None` for a table without a column `input`.
+///
+/// Further columns are `subject` (or `participant_id`, as in the `participants.tsv` of BIDS) and options of the command line under their
+/// names. Paths are relative to `folder`, that of the table, but for those that begin with `{}` or `{dir}`. An empty value, or `n/a`, is
+/// none.
+///
+/// # Errors
+///
+/// A row without an input, a subject that comes twice, a column whose name is nearly that of an option, no row.
+pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Manifest>, Fault> {
+    let mut rows = TableReader::ragged(bytes)?;
+    let Some(input) = rows.find(&[INPUT]) else { return Ok(None) };
+    let name = rows.find(&NAMES);
+    let (mut options, mut others) = (Vec::new(), Vec::new());
+    for (at, column) in rows.header().iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
+        let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
+        if let Some(option) = OPTIONS.iter().find(|(option, _)| *option == plain) {
+            options.push((at, *option));
+            continue;
+        }
+        let meant = did_you_mean(&plain, OPTIONS.iter().map(|(option, _)| *option).chain(NAMES));
+        if !meant.is_empty() {
+            let known: Vec<&str> = OPTIONS.iter().map(|(option, _)| *option).collect();
+            let accepted = format!("{meant}options of a subject are {}", known.join(", "));
+            return Err(Fault::line(rows.header_line(), format!("column \"{column}\""), accepted));
+        }
+        others.push(column.clone());
+    }
+    let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
+    let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty() && text != "n/a");
+    let (mut found, mut lines) = (Vec::new(), HashMap::new());
+    while let Some(row) = rows.next()? {
+        if row.texts().next().is_none() || row.text(0).starts_with('#') {
+            continue;
+        }
+        let Some(path) = value(row.text(input)) else {
+            return Err(Fault::line(row.line, "no input", "expected the file of the subject in the column input"));
+        };
+        let subject = name.and_then(|column| value(row.text(column)));
+        if let Some(first) = subject.as_ref().and_then(|subject| lines.insert(subject.to_lowercase(), row.line)) {
+            let found = format!("subject \"{}\", as on line {first}", subject.unwrap_or_default());
+            return Err(Fault::line(row.line, found, "expected every subject once"));
+        }
+        let own = options.iter().filter_map(|(at, (option, is_file))| {
+            let text = value(row.text(*at))?;
+            Some(((*option).to_owned(), if *is_file { placed(&text).display().to_string() } else { text }))
+        });
+        found.push(ManifestRow { line: row.line, subject, input: placed(&path), options: own.collect() });
+    }
+    if found.is_empty() {
+        return Err(Fault::file("no subject", "expected a row for every subject"));
+    }
+    Ok(Some(Manifest { rows: found, others }))
+}

@@ -1,0 +1,57 @@
+//! Finds the columns of an input that are not read, such as the results of an earlier run.
+
+use std::path::Path;
+
+use super::graph::{self, END_POSITION_COLUMNS};
+use super::reader::TableReader;
+use crate::formats::attributes;
+use crate::formats::format::Format;
+use crate::formats::input::stream_of;
+use crate::formats::read::{ReadOptions, bytes_of};
+use crate::formats::vtk::polydata;
+use crate::formats::xml::{Events, Step, Tag};
+use willis_core::error::Fault;
+
+/// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
+fn is_structure(name: &str) -> bool {
+    let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
+    rows || END_POSITION_COLUMNS.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
+}
+
+/// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
+/// file of another format, or one that cannot be read again.
+pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
+    let mut names: Vec<String> = match format {
+        Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
+        Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
+        Format::Csv => bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec())),
+        _ => None,
+    }
+    .unwrap_or_default();
+    let is_read = |name: &str| match format {
+        Format::Vtp => polydata::is_wanted(name, &ReadOptions::default()),
+        Format::Csv => graph::is_wanted(name),
+        _ => attributes::is_wanted(name),
+    };
+    let mut seen = std::collections::HashSet::new();
+    names.retain(|name| !is_structure(name) && !is_read(name) && seen.insert(name.clone()));
+    names
+}
+
+/// An attribute of every XML element of one name, up to the first element called `end`.
+fn named(path: &Path, (element, attribute): (&str, &str), end: &str) -> Option<Vec<String>> {
+    let mut events = Events::new(stream_of(path).ok()?);
+    let mut names = Vec::new();
+    let mut add = |tag: &Tag| -> Result<bool, Fault> {
+        if tag.name() == element {
+            names.extend(tag.attribute(attribute)?.map(|name| name.trim().to_owned()));
+        }
+        Ok(tag.name() != end)
+    };
+    while let Some(step) = events.next().ok()? {
+        if step == Step::Start && !add(events.tag()).ok()? {
+            break;
+        }
+    }
+    Some(names)
+}

@@ -1,0 +1,150 @@
+//! Named columns over the nodes or vessels of a network, and their CSV: each number with the digits that bring it back.
+
+use std::borrow::Cow;
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// A named column with one value per row.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Column {
+    /// The header, with its unit (`length_mm`).
+    pub name: Cow<'static, str>,
+    /// The values by row.
+    pub values: Values,
+}
+
+/// The values of a column. A missing number is NaN and is written as an empty field.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Values {
+    /// Numbers, written with the digits that give the same bits again.
+    Real(Vec<f64>),
+    /// Whole numbers.
+    Integer(Vec<i64>),
+    /// Text.
+    Text(Vec<String>),
+}
+
+impl Column {
+    /// A column of numbers; NaN is missing.
+    pub fn real(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = f64>) -> Self {
+        Self { name: name.into(), values: Values::Real(values.collect()) }
+    }
+
+    /// A column of whole numbers.
+    pub fn whole(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = usize>) -> Self {
+        Self { name: name.into(), values: Values::Integer(values.map(|v| v as i64).collect()) }
+    }
+
+    /// A column of text.
+    pub fn text(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = String>) -> Self {
+        Self { name: name.into(), values: Values::Text(values.collect()) }
+    }
+}
+
+impl Values {
+    /// How many rows there are.
+    pub fn len(&self) -> usize {
+        match self {
+            Self::Real(values) => values.len(),
+            Self::Integer(values) => values.len(),
+            Self::Text(values) => values.len(),
+        }
+    }
+
+    /// Whether there is no row.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The value of a row as text; empty for a missing number.
+    pub fn text(&self, row: usize) -> String {
+        let mut text = String::new();
+        self.put(row, &mut text);
+        text
+    }
+
+    /// Replaces `text` by the value of a row.
+    pub(crate) fn put(&self, row: usize, text: &mut String) {
+        text.clear();
+        // Writing to a string cannot fail.
+        let _ = match self {
+            Self::Real(values) => put_real(values[row], text),
+            Self::Integer(values) => write!(text, "{}", values[row]),
+            Self::Text(values) => text.write_str(&values[row]),
+        };
+    }
+}
+
+/// The shortest text that gives the same number again; empty for NaN.
+pub(crate) fn real(x: f64) -> String {
+    let mut text = String::new();
+    let _ = put_real(x, &mut text);
+    text
+}
+
+/// Adds the text that [`real`] gives.
+fn put_real(x: f64, text: &mut String) -> std::fmt::Result {
+    if x.is_nan() {
+        Ok(())
+    } else if x == 0.0 || x.is_infinite() || (1e-5..1e16).contains(&x.abs()) {
+        write!(text, "{x}")
+    } else {
+        write!(text, "{x:e}")
+    }
+}
+
+/// Checks that every column has one value for each of `rows`.
+pub(crate) fn check_rows(columns: &[Column], rows: usize) -> io::Result<()> {
+    for column in columns {
+        if column.values.len() != rows {
+            let found = format!("column {} has {} values for {rows} rows", column.name, column.values.len());
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, found));
+        }
+    }
+    Ok(())
+}
+
+/// Writes columns of equal length as CSV with `\n` line ends; NaN is an empty field, infinity is `inf`.
+///
+/// # Errors
+///
+/// Columns of different lengths (`InvalidInput`), or the writer's own.
+pub fn write_csv(out: impl Write, columns: &[Column]) -> io::Result<()> {
+    write_table(out, b',', columns)
+}
+
+/// The same with another delimiter.
+pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) -> io::Result<()> {
+    let rows = columns.first().map_or(0, |c| c.values.len());
+    check_rows(columns, rows)?;
+    let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
+    if !columns.is_empty() {
+        csv.write_record(columns.iter().map(|c| &*c.name))?;
+    }
+    for row in 0..rows {
+        for column in columns {
+            match &column.values {
+                Values::Text(texts) => csv.write_field(escape_formula(&texts[row]).as_bytes())?,
+                values => csv.write_field(values.text(row))?,
+            }
+        }
+        csv.write_record(None::<&[u8]>)?;
+    }
+    csv.flush()
+}
+
+/// Whether a spreadsheet would take a text for a formula, leading apostrophes aside.
+fn is_formula(text: &str) -> bool {
+    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+}
+
+/// The text for a table cell. Text that a spreadsheet would take for a formula gets a leading apostrophe, which
+/// [`unescape_formula`] removes.
+pub fn escape_formula(text: &str) -> Cow<'_, str> {
+    if is_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
+}
+
+/// The text that [`escape_formula`] wrote.
+pub(crate) fn unescape_formula(text: &str) -> &str {
+    text.strip_prefix('\'').filter(|text| is_formula(text)).unwrap_or(text)
+}

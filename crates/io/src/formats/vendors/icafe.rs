@@ -1,0 +1,204 @@
+//! iCafe: labels the branches of a traced SWC file with the arteries that Feature_Vessel.csv in the same folder names.
+
+use std::path::Path;
+
+use crate::formats::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
+use crate::formats::format::Format;
+use crate::formats::input::{bytes_within, content_within};
+use crate::formats::read::{Content, ReadOptions, without_mark};
+use crate::formats::swc::read_swc;
+use crate::formats::tables::reader::TableReader;
+use willis_core::error::{Fault, Result};
+use willis_core::network::Labels;
+use willis_core::network::centerlines::Centerlines;
+use willis_core::network::units::{LengthUnit, Scale};
+use willis_core::support::geometry::Point;
+
+/// Bytes of Image_info.txt at the most.
+const MOST_IMAGE: u64 = 1 << 20;
+/// The arteries by `VesselType`; the first is none.
+const ARTERIES: [&str; 23] = [
+    "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
+    "R-VA", "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
+];
+/// Both files have six significant digits, so equal positions differ by less than this.
+const DIGITS: f64 = 1e-5;
+
+/// A row of Feature_Vessel.csv.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TracedVessel {
+    /// The usual name of the artery, `VesselType` in digits where it has none; empty for type 0.
+    pub label: String,
+    /// Its first and last point, m.
+    pub ends: [Point; 2],
+    /// How many points it has.
+    pub points: Option<usize>,
+}
+
+/// Whether a header line is that of Feature_Vessel.csv.
+pub(crate) fn is_header(columns: &[&str]) -> bool {
+    ["VesselType", "StartPointPositionX", "EndPointPositionX"].iter().all(|name| columns.contains(name))
+}
+
+/// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
+pub(crate) fn image_spacing(tracing: &Path) -> Option<f64> {
+    let text = bytes_within(&find_image_info(tracing)?, MOST_IMAGE).ok()?;
+    let text = String::from_utf8_lossy(&text);
+    let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
+    numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
+}
+
+/// Reads Feature_Vessel.csv.
+///
+/// # Errors
+///
+/// A missing column, a position that is no number, a type that is no whole number.
+pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
+    const ENDS: [[&str; 3]; 2] = [
+        ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
+        ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
+    ];
+    let mut rows = TableReader::ragged(bytes)?;
+    let line = rows.header_line();
+    let column = |name: &str| {
+        rows.find(&[name])
+            .ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE_OF_VESSELS}")))
+    };
+    let kind = column("VesselType")?;
+    let mut ends = [[0; 3]; 2];
+    for (at, name) in ends.iter_mut().flatten().zip(ENDS.iter().flatten()) {
+        *at = column(name)?;
+    }
+    let count = rows.find(&["NumPts"]);
+    let mut vessels = Vec::new();
+    while let Some(row) = rows.next()? {
+        if row.texts().next().is_none() {
+            continue;
+        }
+        let ends = [row.position(ends[0])?, row.position(ends[1])?];
+        let kind = row.real(kind)?;
+        if !(kind >= 0.0 && kind.fract() == 0.0) {
+            return Err(Fault::line(row.line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
+        }
+        vessels.push(TracedVessel {
+            label: ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
+            ends: ends.map(|end| scale.position(end)),
+            points: count.and_then(|column| row.text(column).parse().ok()),
+        });
+    }
+    Ok(vessels)
+}
+
+/// Labels the links of a tracing read by [`crate::formats::swc::read_swc`] with the vessels that run along them, and removes all other
+/// labels, since the types of iCafe's points are landmarks. Returns the number of vessels found; if that is 0, nothing changes.
+///
+/// A vessel is the path within one tree between points at its two ends; where several ends coincide, the path with its number of
+/// points, and among those the first that no other vessel has.
+pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usize {
+    let mut up = vec![None; lines.points.len()];
+    for (row, [parent, child]) in lines.links.iter().enumerate() {
+        up[*child as usize] = Some((*parent as usize, row));
+    }
+    let mut by_x: Vec<usize> = (0..lines.points.len()).collect();
+    by_x.sort_by(|a, b| lines.points[*a][0].total_cmp(&lines.points[*b][0]));
+    let at = |p: Point| {
+        let near = |a: f64, b: f64| (a - b).abs() <= DIGITS * a.abs().max(b.abs());
+        let slack = 2.0 * DIGITS * p[0].abs();
+        let from = by_x.partition_point(|row| lines.points[*row][0] < p[0] - slack);
+        let close = by_x[from..].iter().take_while(|row| lines.points[**row][0] <= p[0] + slack);
+        let mut rows: Vec<usize> =
+            close.copied().filter(|row| (0..3).all(|axis| near(lines.points[*row][axis], p[axis]))).collect();
+        rows.sort_unstable();
+        rows
+    };
+    let mut labels = Labels::default();
+    let mut taken = vec![false; lines.links.len()];
+    let mut named = 0;
+    for vessel in vessels {
+        let [starts, ends] = vessel.ends.map(at);
+        let mut best: Option<([usize; 2], Vec<usize>)> = None;
+        for start in &starts {
+            for end in ends.iter().filter(|end| lines.strand[**end] == lines.strand[*start]) {
+                let path = path_between(&up, *start, *end);
+                let (Some(first), wrong) = (path.first(), vessel.points.is_some_and(|n| n != path.len() + 1)) else { continue };
+                let key = [usize::from(wrong), usize::from(taken[*first])];
+                if best.as_ref().is_none_or(|(known, _)| key < *known) {
+                    best = Some((key, path));
+                }
+            }
+        }
+        if let Some((_, path)) = best {
+            named += 1;
+            for link in path {
+                taken[link] = true;
+                labels.set(link, &vessel.label);
+            }
+        }
+    }
+    if named > 0 {
+        lines.labels = labels;
+    }
+    named
+}
+
+/// The links between two points of one tree.
+fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
+    let depth = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).count();
+    let (mut a, mut b, mut deep_a, mut deep_b) = (a, b, depth(a), depth(b));
+    let (mut head, mut tail) = (Vec::new(), Vec::new());
+    while a != b {
+        let (point, links, deep) =
+            if deep_a >= deep_b { (&mut a, &mut head, &mut deep_a) } else { (&mut b, &mut tail, &mut deep_b) };
+        let Some((parent, link)) = up[*point] else { return Vec::new() };
+        links.push(link);
+        (*point, *deep) = (parent, *deep - 1);
+    }
+    head.extend(tail.into_iter().rev());
+    head
+}
+
+/// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it.
+pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
+    let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
+    let mut format = Format::Swc;
+    if let Some(table) = find_table_of_vessels(path)
+        && let Some(note) = name_vessels(&mut lines, &content_within(&table, options.max_input)?, &table, &options.scale)?
+    {
+        format = Format::ICafe;
+        notes.push(note);
+    }
+    notes.extend(spacing_note(path, &options.scale));
+    Ok((format, Content::Centerlines(lines), notes))
+}
+
+/// Reads the one tracing in the folder of a table of vessels.
+pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
+    let here = |fault: Fault| fault.in_file(path);
+    let tracing = find_tracing(path).map_err(here)?;
+    let traced = content_within(&tracing, options.max_input)?;
+    let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
+    notes.push(format!("the points are those of {}", tracing.display()));
+    let wrong = || {
+        Fault::file(
+            "none of its vessels begins and ends at points of the tracing",
+            "expected a table and a tracing of the same image",
+        )
+    };
+    notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
+    notes.extend(spacing_note(&tracing, &options.scale));
+    Ok((Content::Centerlines(lines), notes))
+}
+
+/// Labels a tracing by its table of vessels; `None` if the table belongs to another tracing.
+fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Scale) -> Result<Option<String>> {
+    let vessels = read_traced_vessels(without_mark(bytes), scale).map_err(|fault| fault.in_file(table))?;
+    let named = name_stretches(lines, &vessels);
+    let note = || format!("labels are those of {}: {named} of its {} vessels are in the tracing", table.display(), vessels.len());
+    Ok((named > 0).then(note))
+}
+
+/// A note on the voxel spacing that iCafe states for a tracing, if lengths are not read as voxels.
+fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
+    let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
+    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units` voxel `spacing` {spacing}"))
+}

@@ -1,0 +1,270 @@
+//! 3D Slicer markups: curves of control points, the radius a measurement at each.
+
+use std::io::{self, Write};
+
+use serde::Deserialize;
+use serde_json::Value;
+
+use crate::formats::polylines::polylines;
+use crate::formats::read::ReadOptions;
+use crate::formats::tables::write::real;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::{Centerlines, is_radius};
+use willis_core::network::units::{LengthUnit, Scale, millimetres};
+use willis_core::network::{Frame, Network};
+use willis_core::support::geometry::Point;
+
+/// The usual names of the radius, the first one first; letters of either case.
+const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
+const CURVES: &str = "expected markups of type Curve, ClosedCurve or Line";
+
+#[derive(Deserialize)]
+struct File {
+    markups: Option<Vec<Markup>>,
+}
+
+/// One markup: a curve, a line, a list of points.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::formats) struct Markup {
+    /// Its type.
+    #[serde(rename = "type", default)]
+    pub(in crate::formats) kind: String,
+    name: Option<String>,
+    coordinate_system: Option<Value>,
+    coordinate_units: Option<Value>,
+    /// Its points.
+    #[serde(default)]
+    pub(in crate::formats) control_points: Vec<ControlPoint>,
+    #[serde(default)]
+    measurements: Vec<Measurement>,
+}
+
+/// A point of a markup.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(in crate::formats) struct ControlPoint {
+    label: Option<String>,
+    position: Option<Vec<Option<f64>>>,
+    position_status: Option<String>,
+    selected: Option<bool>,
+}
+
+impl Markup {
+    /// Its name, empty where it has none.
+    pub(in crate::formats) fn name(&self) -> &str {
+        self.name.as_deref().unwrap_or_default().trim()
+    }
+
+    /// The frame of its positions, LPS where it states none; Slicer's older files say 0 for RAS and 1 for LPS.
+    pub(in crate::formats) fn frame(&self, item: impl Fn() -> String) -> Result<Frame, Fault> {
+        let Some(system) = &self.coordinate_system else { return Ok(Frame::Lps) };
+        let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
+        match text.as_str() {
+            "LPS" | "1" => Ok(Frame::Lps),
+            "RAS" | "0" => Ok(Frame::Ras),
+            other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
+        }
+    }
+}
+
+impl ControlPoint {
+    /// Its label, empty where it has none.
+    pub(in crate::formats) fn label(&self) -> &str {
+        self.label.as_deref().unwrap_or_default().trim()
+    }
+
+    /// Whether a person has set it; a file may keep the place of a point that is not set.
+    pub(in crate::formats) fn is_defined(&self) -> bool {
+        self.position_status.as_deref().is_none_or(|status| status == "defined")
+    }
+
+    /// Whether it counts: willis writes what is to be looked at first as not selected.
+    pub(in crate::formats) fn is_selected(&self) -> bool {
+        self.selected != Some(false)
+    }
+
+    /// Its three numbers.
+    pub(in crate::formats) fn position(&self) -> Option<Point> {
+        match self.position.as_deref()? {
+            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
+            _ => None,
+        }
+    }
+}
+
+/// The markups of a file.
+///
+/// # Errors
+///
+/// Text that is not JSON of this kind.
+pub(in crate::formats) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault> {
+    let file: File = serde_json::from_slice(bytes).map_err(|error| {
+        let text = error.to_string();
+        let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
+        Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
+    })?;
+    file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))
+}
+
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Measurement {
+    #[serde(default)]
+    name: String,
+    control_point_values: Option<Vec<Option<f64>>>,
+}
+
+/// Reads the Curve, ClosedCurve and Line markups of a file, their control points as they stand; returns also notes for the user.
+///
+/// Positions are in LPS, as in Slicer's VTK and ITK files; in those given in RAS, x and y change sign. The radius is the
+/// measurement `Radius` at the control points, as SlicerVMTK's ExtractCenterline stores it, or the one that
+/// `options.radius_array` names. Points whose position is not defined are left out. A curve's name is its label, its number in
+/// the file its strand; points are numbered from 0.
+///
+/// # Errors
+///
+/// Text that is not JSON of this kind, another coordinate system or unit, a position that is not three numbers, a measurement
+/// with more or fewer values than points, a curve without radii unless they are optional, a file without curves.
+pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let markups = markups_of(bytes)?;
+    let mut lines = Centerlines::default();
+    let (mut undefined, mut flipped, mut others) = (0, 0, Vec::new());
+    for (row, markup) in markups.iter().enumerate() {
+        if !["Curve", "ClosedCurve", "Line"].contains(&markup.kind.as_str()) {
+            others.push(markup.kind.as_str());
+            continue;
+        }
+        let called = markup.name();
+        let item = || format!("markup {row} \"{}\"", called.escape_debug());
+        let frame = markup.frame(item)?;
+        flipped += usize::from(frame == Frame::Ras);
+        if markup.coordinate_system.is_some() {
+            lines.frame = Frame::Lps;
+        }
+        let scale = unit(markup, &options.scale, item)?;
+        let radii = radii(markup, options, item)?;
+        let first = lines.points.len() as u32;
+        for (at, point) in markup.control_points.iter().enumerate() {
+            if point.position_status.as_deref().is_some_and(|status| status == "undefined") {
+                undefined += 1;
+                continue;
+            }
+            let position = point.position().map(|p| frame.turn(Frame::Lps, p));
+            let position = position.map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
+            let wrong = || Fault::item(item(), format!("control point {at} without a position"), "expected three finite numbers");
+            let radius = radii.and_then(|radii| radii[at]).map_or(f64::NAN, |r| scale.length(r));
+            let radius = if is_radius(radius) { radius } else { f64::NAN };
+            let point = lines.add_point(position.ok_or_else(wrong)?, radius, u64::from(lines.points.len() as u32), row as u32);
+            if point > first {
+                lines.add_link([point - 1, point], called);
+            }
+        }
+        let last = lines.points.len() as u32;
+        if markup.kind == "ClosedCurve" && last > first + 2 {
+            lines.add_link([last - 1, first], called);
+        }
+    }
+    if others.len() == markups.len() {
+        let landmarks = if others.contains(&"Fiducial") { ", which are landmarks and no centerlines" } else { "" };
+        others.sort_unstable();
+        others.dedup();
+        let found =
+            if others.is_empty() { "no markups".into() } else { format!("markups of type {}{landmarks}", others.join(", ")) };
+        return Err(Fault::file(found.escape_debug().to_string(), CURVES));
+    }
+    if lines.points.is_empty() {
+        return Err(Fault::file("curves without points", "expected control points"));
+    }
+    let mut notes = Vec::new();
+    if flipped > 0 {
+        notes.push(format!("markups in RAS, whose x and y changed sign because positions are kept in LPS: {flipped}"));
+    }
+    if undefined > 0 {
+        notes.push(format!("control points without a defined position, left out: {undefined}"));
+    }
+    if !others.is_empty() {
+        notes.push(format!("markups that are no curves, left out: {}", others.len()));
+    }
+    Ok((lines, notes))
+}
+
+/// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.
+pub(in crate::formats) fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
+    let code = match &markup.coordinate_units {
+        None => return Ok(*scale),
+        Some(Value::Array(code)) => code.first().and_then(Value::as_str).unwrap_or_default(),
+        Some(code) => code.as_str().unwrap_or_default(),
+    };
+    let unit = match code {
+        "mm" | "" => LengthUnit::Millimetre,
+        "um" => LengthUnit::Micrometre,
+        "cm" => LengthUnit::Centimetre,
+        "m" => LengthUnit::Metre,
+        other => {
+            let found = format!("coordinateUnits {}", other.escape_debug());
+            return Err(Fault::item(item(), found, "expected mm, um, cm or m"));
+        }
+    };
+    Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
+}
+
+/// The radius at every control point of a markup; `None` without radii where they are optional.
+fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
+    let called = |name: &str| {
+        let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
+        found.find_map(|m| m.control_point_values.as_deref().map(|values| (m.name.as_str(), values)))
+    };
+    let named = options.radius_array.as_deref();
+    let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
+    match (found, named) {
+        (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
+        (Some((name, values)), _) => {
+            let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
+            Err(Fault::item(item(), found, "expected one for each control point"))
+        }
+        (None, Some(name)) => {
+            let found = format!("no measurement {name} at its control points");
+            Err(Fault::item(item(), found, "expected the one that `radius_array` names"))
+        }
+        (None, None) if options.is_radius_optional() => Ok(None),
+        (None, None) => {
+            let accepted = "expected a measurement Radius with a value for each control point, or give `default_radius`";
+            Err(Fault::item(item(), "no radius", accepted))
+        }
+    }
+}
+
+/// The published schema of the files.
+pub(in crate::formats) const SCHEMA: &str = "https://raw.githubusercontent.com/slicer/slicer/master/Modules/Loadable/Markups/Resources/Schema/markups-schema-v1.0.3.json#";
+
+/// Writes every vessel as a Curve of one markups file, its label as the name, the radius as the measurement `Radius` at the
+/// control points; LPS, millimetres. A network in RAS is turned to LPS. A vessel without a path is straight, a missing radius 0.
+///
+/// # Errors
+///
+/// A node without position (`InvalidInput`), or the writer's own.
+pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
+    writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [")?;
+    let network = &*network.in_frame(Frame::Lps);
+    for (row, points) in polylines(network)?.into_iter().enumerate() {
+        let before = if row > 0 { ",\n" } else { "" };
+        let name = serde_json::to_string(&network.vessel(row).label)?;
+        writeln!(
+            out,
+            "{before}{{\"type\": \"Curve\", \"name\": {name}, \"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\","
+        )?;
+        writeln!(out, "\"controlPoints\": [")?;
+        for (at, point) in points.iter().enumerate() {
+            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+            let comma = if at + 1 < points.len() { "," } else { "" };
+            writeln!(out, "{{\"id\": \"{}\", \"position\": [{x}, {y}, {z}]}}{comma}", at + 1)?;
+        }
+        let radius = |r: f64| if is_radius(r) { real(millimetres(r)) } else { "0".into() };
+        let radii: Vec<String> = points.iter().map(|p| radius(p.radius)).collect();
+        writeln!(out, "],\n\"measurements\": [{{\"name\": \"Radius\", \"enabled\": true, \"units\": \"mm\",")?;
+        write!(out, "\"controlPointValues\": [{}]}}]}}", radii.join(", "))?;
+    }
+    writeln!(out, "\n]\n}}")?;
+    out.flush()
+}

@@ -1,0 +1,302 @@
+//! Turns the polylines and named arrays of a VTK file into centerlines: cut lines joined, lines labelled.
+
+mod overlap;
+pub(crate) mod radius;
+
+use std::collections::HashMap;
+
+use petgraph::unionfind::UnionFind;
+
+use crate::formats::read::ReadOptions;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::Centerlines;
+use willis_core::support::geometry::{Point, box_diagonal, distance};
+
+/// The most points, cells or indices of a file: one that announces more is broken.
+pub(crate) const LIMIT: usize = 1 << 26;
+
+/// A named array with one value for each point, or for each line.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Array {
+    /// Its name, trimmed.
+    pub(crate) name: String,
+    /// Its values.
+    pub(crate) values: Values,
+}
+
+/// The values of an array.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) enum Values {
+    /// Numbers, one for each point or line.
+    Numbers(Vec<f64>),
+    /// Texts, one for each point or line.
+    Texts(Vec<String>),
+    /// Not read.
+    Unread,
+}
+
+/// Polylines with the arrays of their points and of the lines.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct PolyData {
+    /// How many points and lines of the file come before these.
+    pub(crate) before: [usize; 2],
+    /// Positions in the file's unit.
+    pub(crate) points: Vec<[f64; 3]>,
+    /// Per line where it ends in `cells`.
+    pub(crate) ends: Vec<i64>,
+    /// The points of the lines, one line after the other.
+    pub(crate) cells: Vec<i64>,
+    /// One value for each point.
+    pub(crate) point_data: Vec<Array>,
+    /// One value for each line.
+    pub(crate) line_data: Vec<Array>,
+}
+
+/// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
+pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
+    radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
+}
+
+/// A line of the file, or the rest of it after merging.
+#[derive(Debug, Clone, PartialEq)]
+struct Line {
+    /// The rows of its points.
+    points: Vec<u32>,
+    /// Per link the row of its label; 0 for none.
+    names: Vec<u32>,
+    /// Its number in the file.
+    strand: u32,
+}
+
+/// The lines of all pieces together, in m.
+#[derive(Debug, Default)]
+struct Lines {
+    at: Vec<Point>,
+    radii: Vec<f64>,
+    /// The labels of links; the first one is empty.
+    names: Vec<String>,
+    each: Vec<Line>,
+    /// Points that were merged away, each with the one that replaces it.
+    merged: Vec<[u32; 2]>,
+}
+
+/// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also notes for the user.
+///
+/// # Errors
+///
+/// Lines that contradict the points, a point on a line without finite coordinates, no array of radii.
+pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
+    let mut all = Lines { names: vec![String::new()], ..Lines::default() };
+    let (mut notes, mut cut) = (Vec::new(), Vec::new());
+    let mut ids = Vec::new();
+    for piece in pieces {
+        let cells = cells(piece)?;
+        let (radii, found) = radius::radii(piece, &cells, options)?;
+        notes.extend(found.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
+        let first = all.at.len();
+        all.at.extend(piece.points.iter().map(|p| options.scale.position(*p)));
+        all.radii.extend(radii.into_iter().map(|r| options.scale.length(r)));
+        ids.extend((0..piece.points.len()).map(|point| (piece.before[0] + point) as u64));
+        let names = labels_of_lines(piece, &mut all.names);
+        let from = all.each.len();
+        for (line, cell) in cells.iter().enumerate() {
+            let points: Vec<u32> = cell.iter().map(|p| (first + p) as u32).collect();
+            let links = points.len().saturating_sub(1);
+            let strand = (piece.before[1] + line) as u32;
+            all.each.push(Line { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
+        }
+        cut.extend(tracts_of_lines(piece, from));
+    }
+    notes.extend(join_tracts(&mut all, cut));
+    notes.extend(overlap::merge(&mut all));
+    Ok((build(&all, &ids), notes))
+}
+
+/// The points of each line, checked.
+fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
+    let count = piece.points.len();
+    let mut start = 0;
+    let mut out = Vec::with_capacity(piece.ends.len());
+    for (line, end) in piece.ends.iter().enumerate() {
+        let name = || format!("line {}", piece.before[1] + line);
+        let cell = usize::try_from(*end).ok().and_then(|end| piece.cells.get(start..end));
+        let cell = cell.ok_or_else(|| Fault::item(name(), format!("offset {end} after {start}"), "expected rising offsets"))?;
+        start += cell.len();
+        let check = |point: &i64| {
+            let row = usize::try_from(*point).ok().filter(|p| *p < count).ok_or_else(|| {
+                Fault::item(name(), format!("point {point}"), format!("expected a point from 0 to {}", count.saturating_sub(1)))
+            })?;
+            let [x, y, z] = piece.points[row];
+            if ![x, y, z].into_iter().all(f64::is_finite) {
+                let (point, found) = (piece.before[0] + row, format!("coordinates {x} {y} {z}"));
+                return Err(Fault::item(format!("point {point}"), found, "expected finite numbers"));
+            }
+            Ok(row)
+        };
+        out.push(cell.iter().map(check).collect::<Result<_, _>>()?);
+    }
+    Ok(out)
+}
+
+fn build(all: &Lines, ids: &[u64]) -> Centerlines {
+    let mut out = Centerlines::default();
+    let mut row_of: HashMap<u32, u32> = HashMap::new();
+    for line in &all.each {
+        let mut before = None;
+        for (n, point) in line.points.iter().enumerate() {
+            let p = *point as usize;
+            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], line.strand));
+            if let Some(before) = before.replace(row).filter(|before| *before != row) {
+                out.add_link([before, row], &all.names[line.names[n - 1] as usize]);
+            }
+        }
+    }
+    // Lines that share points are one tree, as it is in SWC.
+    let mut trees = UnionFind::<u32>::new(out.points.len());
+    for [a, b] in &out.links {
+        trees.union(*a, *b);
+    }
+    out.strand = trees.into_labeling();
+    let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
+    out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
+    out
+}
+
+// VMTK's `GroupIds`, SimVascular's `BranchId` and `BifurcationId` and BraVa's `Vessel Ids` number the pieces of a tree. They say
+// how the pieces are connected, which the lines say already, and not which vessel each is: they are no labels.
+
+/// The usual names of such arrays, letters only, the first one first.
+const NAMES: [&str; 8] =
+    ["label", "labels", "vesselname", "vessellabel", "segmentname", "anatomicallabel", "anatomicalname", "name"];
+/// What CoW_Centerline_Extraction means by its numbers (`extract_cow_variant_from_graph.py`).
+const CIRCLE: [(i64, &str); 13] = [
+    (1, "BA"),
+    (2, "R-PCA"),
+    (3, "L-PCA"),
+    (4, "R-ICA"),
+    (5, "R-MCA"),
+    (6, "L-ICA"),
+    (7, "L-MCA"),
+    (8, "R-Pcom"),
+    (9, "L-Pcom"),
+    (10, "Acom"),
+    (11, "R-ACA"),
+    (12, "L-ACA"),
+    (15, "3rd-A2"),
+];
+/// Arrays that show a file to be of that program.
+const CIRCLE_RADII: [&str; 2] = ["ce_radius", "mis_radius"];
+
+fn letters_only(name: &str) -> String {
+    name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
+}
+
+/// Per line the row of its label among `names`, to which new ones are added; empty without labels. Whole numbers become text.
+fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
+    let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
+    let circle = CIRCLE_RADII.iter().any(|name| has(name));
+    let texts = NAMES.iter().find_map(|usual| {
+        let mut arrays = piece.line_data.iter().filter(|array| letters_only(&array.name) == *usual);
+        arrays.find_map(|array| texts(array, circle))
+    });
+    let mut row_of: HashMap<String, u32> = names.iter().cloned().zip(0..).collect();
+    let mut row = |text: String| {
+        *row_of.entry(text).or_insert_with_key(|text| {
+            names.push(text.clone());
+            names.len() as u32 - 1
+        })
+    };
+    texts.into_iter().flatten().map(|text| row(text.trim().to_owned())).collect()
+}
+
+fn texts(array: &Array, circle: bool) -> Option<Vec<String>> {
+    let name = |number: &f64| {
+        let number = *number as i64;
+        let known = CIRCLE.iter().find(|(n, _)| *n == number).filter(|_| circle);
+        match known {
+            Some((_, name)) => (*name).to_owned(),
+            None if circle && number == 0 => String::new(),
+            None => number.to_string(),
+        }
+    };
+    match &array.values {
+        Values::Texts(texts) => Some(texts.clone()),
+        Values::Numbers(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Some(numbers.iter().map(name).collect()),
+        _ => None,
+    }
+}
+
+const CENTERLINE: &str = "CenterlineIds";
+const TRACT: &str = "TractIds";
+const GROUP: &str = "GroupIds";
+/// Consecutive pieces share a position; within this fraction of the bounding box.
+const TOUCH: f64 = 1e-6;
+
+/// A piece of a line that `vmtkbranchextractor` cut.
+struct Tract {
+    centerline: i64,
+    order: i64,
+    group: i64,
+    line: usize,
+}
+
+/// The tracts of a piece of the file whose lines start at `from`; none without VMTK's arrays.
+fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
+    let numbers = |name: &str| {
+        piece.line_data.iter().find_map(|Array { name: found, values }| match values {
+            Values::Numbers(values) if found == name => Some(values),
+            _ => None,
+        })
+    };
+    let (Some(lines), Some(tracts), Some(groups)) = (numbers(CENTERLINE), numbers(TRACT), numbers(GROUP)) else {
+        return Vec::new();
+    };
+    let rows = lines.iter().zip(tracts).zip(groups).enumerate();
+    rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, order: *t as i64, group: *g as i64, line: from + row }).collect()
+}
+
+/// Joins the pieces again when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); a note says how many.
+fn join_tracts(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
+    tracts.sort_by_key(|t| (t.group, t.centerline));
+    if !tracts.windows(2).any(|t| t[0].group == t[1].group && t[0].centerline != t[1].centerline) {
+        return None;
+    }
+    tracts.sort_by_key(|t| (t.centerline, t.order, t.line));
+    let reach = TOUCH * box_diagonal(all.each.iter().flat_map(|l| &l.points).map(|p| all.at[*p as usize]));
+    let near = |a: Option<&u32>, b: Option<&u32>| {
+        a.zip(b).is_some_and(|(a, b)| distance(all.at[*a as usize], all.at[*b as usize]) <= reach)
+    };
+    let mut joined: Vec<Line> = Vec::new();
+    let pieces = tracts.len();
+    let mut first_of_line = true;
+    for (n, tract) in tracts.iter().enumerate() {
+        let mut next = std::mem::replace(&mut all.each[tract.line], Line { points: Vec::new(), names: Vec::new(), strand: 0 });
+        let fresh = n == 0 || tracts[n - 1].centerline != tract.centerline;
+        if let Some(line) = joined.last_mut().filter(|_| !fresh) {
+            let meets = |p: Option<&u32>, next: &Line| near(p, next.points.first()) || near(p, next.points.last());
+            if first_of_line && !meets(line.points.last(), &next) && meets(line.points.first(), &next) {
+                reverse(line);
+            }
+            if !near(line.points.last(), next.points.first()) && near(line.points.last(), next.points.last()) {
+                reverse(&mut next);
+            }
+            if near(line.points.last(), next.points.first()) {
+                line.points.extend(&next.points[1..]);
+                line.names.extend(next.names);
+                first_of_line = false;
+                continue;
+            }
+        }
+        first_of_line = true;
+        joined.push(next);
+    }
+    let note = format!("{pieces} pieces are {} lines by their {CENTERLINE} and {TRACT}", joined.len());
+    all.each.retain(|line| !line.points.is_empty());
+    all.each.extend(joined);
+    Some(note)
+}
+
+fn reverse(line: &mut Line) {
+    line.points.reverse();
+    line.names.reverse();
+}

@@ -1,0 +1,401 @@
+//! Reads XML as a stream of elements and texts, or as a tree: no entities of its own, bounded depth; escapes text.
+
+use std::borrow::Cow;
+use std::io::{self, BufRead, Read};
+
+use quick_xml::escape::resolve_xml_entity;
+use quick_xml::events::Event;
+use quick_xml::events::attributes::{Attribute, Attributes};
+use quick_xml::{Error, Reader, XmlVersion};
+
+use willis_core::error::Fault;
+
+/// The deepest nesting of elements.
+const MOST_DEPTH: usize = 256;
+/// The most attributes of one element: each is compared with all before it.
+const MOST_ATTRIBUTES: usize = 256;
+const ACCEPTED: &str = "expected a complete XML file";
+const NO_ENTITIES: &str = "expected no entities but those of XML itself";
+
+/// What comes next in a file. An empty element has a start and an end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(in crate::formats) enum Step {
+    /// An element begins: see [`Events::tag`].
+    Start,
+    /// The innermost element ends.
+    End,
+    /// A part of the text within the innermost element, see [`Events::part`]; comments and references cut a text into parts.
+    Text,
+}
+
+/// The start of an element.
+#[derive(Debug, Clone, Default)]
+pub(in crate::formats) struct Tag {
+    /// Its line, counted from 1.
+    pub(in crate::formats) line: usize,
+    /// The text between the angle brackets.
+    content: String,
+    /// The length of the name with its prefix.
+    name_length: usize,
+}
+
+/// Reads an XML file as a stream, element by element.
+pub(in crate::formats) struct Events<R> {
+    reader: Reader<Lines<R>>,
+    buffer: Vec<u8>,
+    tag: Tag,
+    part: String,
+    depth: usize,
+    /// Whether the root element has been seen.
+    rooted: bool,
+}
+
+impl<R: BufRead> Events<R> {
+    /// At the start of a file in UTF-8.
+    pub(in crate::formats) fn new(input: R) -> Self {
+        let mut reader = Reader::from_reader(Lines::new(input));
+        reader.config_mut().expand_empty_elements = true;
+        Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
+    }
+
+    /// How many elements are open now.
+    pub(in crate::formats) fn depth(&self) -> usize {
+        self.depth
+    }
+
+    /// The last element that began.
+    pub(in crate::formats) fn tag(&self) -> &Tag {
+        &self.tag
+    }
+
+    /// The part of a text that was read last.
+    pub(in crate::formats) fn part(&self) -> &str {
+        &self.part
+    }
+
+    /// Reads the next start, end or text; `None` at the end of a well-formed file.
+    ///
+    /// # Errors
+    ///
+    /// XML that is not well-formed, a document type with declarations, a reference to an entity other than the five
+    /// of XML, elements nested too deeply or with too many attributes.
+    pub(in crate::formats) fn next(&mut self) -> Result<Option<Step>, Fault> {
+        loop {
+            self.buffer.clear();
+            let line = self.reader.get_ref().passed + 1;
+            let broken = |what: &dyn std::fmt::Display| Fault::line(line, format!("not well-formed XML: {what}"), ACCEPTED);
+            let inside = self.depth > 0;
+            let outside = || broken(&"text outside of the root element");
+            match self.reader.read_event_into(&mut self.buffer) {
+                Err(Error::Io(error)) => return Err(Fault::file(format!("cannot be read: {error}"), ACCEPTED)),
+                Err(Error::Encoding(_)) => return Err(Fault::line(line, "text that is not UTF-8", "expected UTF-8 text")),
+                Err(error) => return Err(broken(&error)),
+                Ok(Event::Start(tag)) => {
+                    self.tag.line = line;
+                    self.tag.name_length = tag.name().into_inner().len();
+                    self.tag.content.clear();
+                    self.tag.content.push_str(&tag);
+                    return self.start().map(|()| Some(Step::Start));
+                }
+                Ok(Event::End(_)) => {
+                    self.depth -= 1;
+                    return Ok(Some(Step::End));
+                }
+                Ok(Event::Text(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
+                Ok(Event::CData(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
+                Ok(Event::GeneralRef(name)) if inside => {
+                    self.part.clear();
+                    match name.resolve_char_ref().map_err(|error| broken(&error))? {
+                        Some(c) => self.part.push(c),
+                        None => self.part.push_str(
+                            resolve_xml_entity(&name)
+                                .ok_or_else(|| Fault::line(line, format!("the entity &{};", &*name), NO_ENTITIES))?,
+                        ),
+                    }
+                }
+                Ok(Event::Text(text)) if text.trim_ascii().is_empty() => continue,
+                Ok(Event::Text(_) | Event::CData(_) | Event::GeneralRef(_)) => return Err(outside()),
+                Ok(Event::DocType(text)) if text.contains('[') => {
+                    return Err(Fault::line(line, "a document type with declarations of its own", NO_ENTITIES));
+                }
+                Ok(Event::Eof) if inside || !self.rooted => {
+                    let what = if inside { "the file ends within an element" } else { "no element" };
+                    return Err(Fault::line(
+                        line - self.reader.get_ref().trailing,
+                        format!("not well-formed XML: {what}"),
+                        ACCEPTED,
+                    ));
+                }
+                Ok(Event::Eof) => return Ok(None),
+                Ok(Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::Empty(_) | Event::DocType(_)) => continue,
+            }
+            return match self.part.bytes().find(|b| is_forbidden(*b)) {
+                None => Ok(Some(Step::Text)),
+                Some(byte) => Err(broken(&format!("character {byte} in a text"))),
+            };
+        }
+    }
+
+    /// Checks the element that begins.
+    fn start(&mut self) -> Result<(), Fault> {
+        let fault = |what: String, accepted: &str| Fault::line(self.tag.line, what, accepted);
+        if self.depth == 0 && self.rooted {
+            return Err(fault("not well-formed XML: a second root element".to_owned(), ACCEPTED));
+        }
+        (self.depth, self.rooted) = (self.depth + 1, true);
+        if self.depth > MOST_DEPTH {
+            return Err(fault(format!("more than {MOST_DEPTH} elements within one another"), "expected fewer"));
+        }
+        for (count, attribute) in Attributes::new(&self.tag.content, self.tag.name_length).enumerate() {
+            if count == MOST_ATTRIBUTES {
+                return Err(fault(format!("an element with more than {MOST_ATTRIBUTES} attributes"), "expected fewer"));
+            }
+            attribute.map_err(|error| fault(format!("not well-formed XML: {error}"), ACCEPTED))?;
+        }
+        Ok(())
+    }
+
+    /// Goes on to the next element within the one at `depth`; false at the end of that one.
+    pub(in crate::formats) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
+        while self.depth >= depth {
+            match self.next()? {
+                Some(Step::Start) => return Ok(true),
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(false)
+    }
+
+    /// Skips the rest of the innermost element; `seen` is called for every element within it.
+    pub(in crate::formats) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
+        self.text(seen, &mut String::new())
+    }
+
+    /// Reads the text directly within the innermost element into `out`, up to its end; `seen` is called for every
+    /// element within it.
+    pub(in crate::formats) fn text(
+        &mut self,
+        mut seen: impl FnMut(&Tag) -> Result<(), Fault>,
+        out: &mut String,
+    ) -> Result<(), Fault> {
+        out.clear();
+        let depth = self.depth;
+        while self.depth >= depth {
+            match self.next()? {
+                Some(Step::Text) if self.depth == depth => out.push_str(&self.part),
+                Some(Step::Start) => seen(&self.tag)?,
+                Some(_) => {}
+                None => break,
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Tag {
+    /// Its name without prefix.
+    pub(in crate::formats) fn name(&self) -> &str {
+        self.content[..self.name_length].rsplit(':').next().unwrap_or_default()
+    }
+
+    /// The value of an attribute, its references resolved.
+    ///
+    /// # Errors
+    ///
+    /// A reference to another entity than the five of XML, or to a character that XML forbids.
+    pub(in crate::formats) fn attribute(&self, name: &str) -> Result<Option<Cow<'_, str>>, Fault> {
+        self.raw().find(|a| a.key.as_ref() == name).map(|a| self.value(&a)).transpose()
+    }
+
+    /// All attributes by name.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Tag::attribute`].
+    pub(in crate::formats) fn attributes(&self) -> Result<Vec<(String, String)>, Fault> {
+        self.raw().map(|a| Ok((a.key.into_inner().to_owned(), self.value(&a)?.into_owned()))).collect()
+    }
+
+    /// The attributes, which were checked when the element began.
+    fn raw(&self) -> impl Iterator<Item = Attribute<'_>> {
+        let mut all = Attributes::new(&self.content, self.name_length);
+        all.with_checks(false);
+        all.flatten()
+    }
+
+    fn value<'a>(&self, attribute: &Attribute<'a>) -> Result<Cow<'a, str>, Fault> {
+        let name = attribute.key.into_inner();
+        let value = attribute
+            .normalized_value(XmlVersion::Implicit1_0)
+            .map_err(|error| Fault::line(self.line, format!("attribute {name}: {error}"), NO_ENTITIES))?;
+        match value.bytes().find(|b| is_forbidden(*b)) {
+            None => Ok(value),
+            Some(byte) => Err(Fault::line(self.line, format!("attribute {name}: character {byte}"), ACCEPTED)),
+        }
+    }
+}
+
+/// Whether XML forbids a character.
+fn is_forbidden(byte: u8) -> bool {
+    byte < b' ' && !b"\t\n\r".contains(&byte)
+}
+
+/// A text that counts its line ends while it is read.
+pub(crate) struct Lines<R> {
+    inner: R,
+    /// Line ends read so far.
+    pub(crate) passed: usize,
+    /// Those since the last byte that is no blank.
+    pub(crate) trailing: usize,
+}
+
+impl<R> Lines<R> {
+    /// At the start of a text.
+    pub(crate) fn new(inner: R) -> Self {
+        Self { inner, passed: 0, trailing: 0 }
+    }
+}
+
+impl<R: BufRead> Read for Lines<R> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        self.inner.read(out)
+    }
+}
+
+impl<R: BufRead> BufRead for Lines<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.inner.fill_buf()
+    }
+
+    fn consume(&mut self, amount: usize) {
+        let passed = self.inner.fill_buf().unwrap_or_default();
+        let passed = &passed[..amount.min(passed.len())];
+        let ends = |part: &[u8]| part.iter().fold(0, |sum, b| sum + usize::from(*b == b'\n'));
+        let all = ends(passed);
+        self.passed += all;
+        match passed.iter().rposition(|b| !b.is_ascii_whitespace()) {
+            Some(last) => self.trailing = ends(&passed[last..]),
+            None => self.trailing += all,
+        }
+        self.inner.consume(amount);
+    }
+}
+
+/// The most elements of a file that is read as a tree.
+const MOST_ELEMENTS: usize = 1 << 18;
+
+/// An element with all that is in it.
+#[derive(Debug)]
+pub(in crate::formats) struct Element {
+    /// Its name without prefix.
+    pub(in crate::formats) name: String,
+    /// The name of the element around it; empty for the root.
+    pub(in crate::formats) within: String,
+    /// The text directly within it.
+    pub(in crate::formats) text: String,
+    attributes: Vec<(String, String)>,
+    children: Vec<Element>,
+}
+
+impl Element {
+    /// The root element of a file.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Events::next`], or more elements than any file has.
+    pub(in crate::formats) fn root(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut events = Events::new(bytes);
+        // The innermost open element is the last one; a closed one goes to the element around it.
+        let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
+        while let Some(step) = events.next()? {
+            match step {
+                Step::Start => {
+                    let tag = events.tag();
+                    count += 1;
+                    if count > MOST_ELEMENTS {
+                        return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
+                    }
+                    let within = open.last().map(|parent| parent.name.clone()).unwrap_or_default();
+                    let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
+                    open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });
+                }
+                Step::End => match (open.pop(), open.last_mut()) {
+                    (Some(closed), Some(parent)) => parent.children.push(closed),
+                    (closed, _) => root = closed,
+                },
+                Step::Text => {
+                    if let Some(element) = open.last_mut() {
+                        element.text.push_str(events.part());
+                    }
+                }
+            }
+        }
+        // A stream without a root element ends in a fault.
+        root.ok_or_else(|| Fault::file("no element", "expected a complete XML file"))
+    }
+
+    /// Its child elements.
+    pub(in crate::formats) fn children(&self) -> impl Iterator<Item = &Self> {
+        self.children.iter()
+    }
+
+    /// Its child elements with a name.
+    pub(in crate::formats) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
+        self.children.iter().filter(move |child| child.name == name)
+    }
+
+    /// An attribute; empty when there is none.
+    pub(in crate::formats) fn attribute(&self, name: &str) -> &str {
+        self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
+    }
+}
+
+/// The local name of the root element and the text of its start tag, if the bytes look like XML.
+pub(crate) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
+    let mut rest = bytes.trim_ascii_start();
+    loop {
+        let end: &[u8] = match rest {
+            [b'<', b'?', ..] => b"?>",
+            [b'<', b'!', b'-', b'-', ..] => b"-->",
+            // The declarations of a document type are in brackets.
+            [b'<', b'!', ..] if find(rest, b"[") < find(rest, b">") && find(rest, b"[").is_some() => b"]>",
+            [b'<', b'!', ..] => b">",
+            [b'<', ..] => break,
+            _ => return None,
+        };
+        rest = rest.get(find(rest, end)? + end.len()..)?.trim_ascii_start();
+    }
+    let tag = rest.get(1..find(rest, b">").unwrap_or(rest.len()))?;
+    let name = tag.split(|b| b.is_ascii_whitespace() || *b == b'/').next()?;
+    let name = name.rsplit(|b| *b == b':').next()?;
+    Some((std::str::from_utf8(name).ok()?, std::str::from_utf8(tag).ok()?))
+}
+
+/// The first place of `needle`.
+pub(crate) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
+    bytes.windows(needle.len()).position(|w| w == needle)
+}
+
+/// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.
+pub fn escape(text: &str) -> Cow<'_, str> {
+    let is_plain = |c: char| !matches!(c, '&' | '<' | '>' | '"' | '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}');
+    if text.chars().all(is_plain) {
+        return text.into();
+    }
+    let mut out = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '&' => out.push_str("&amp;"),
+            '<' => out.push_str("&lt;"),
+            '>' => out.push_str("&gt;"),
+            '"' => out.push_str("&quot;"),
+            '\t' => out.push_str("&#9;"),
+            '\n' => out.push_str("&#10;"),
+            '\r' => out.push_str("&#13;"),
+            '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
+            c => out.push(c),
+        }
+    }
+    out.into()
+}

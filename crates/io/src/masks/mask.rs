@@ -1,0 +1,107 @@
+//! A segmentation mask: a class for every voxel, and where the voxels are.
+
+use super::partial::Walls;
+use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+
+/// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
+pub type Affine = [[f64; 4]; 3];
+
+/// A class for every voxel of an image; 0 is background.
+#[derive(Debug, Clone)]
+pub struct Mask {
+    /// Voxels along the three axes of the image; the first runs fastest.
+    pub shape: [usize; 3],
+    /// The class of each voxel.
+    pub classes: Vec<u8>,
+    /// Where the centre of each voxel is, mm.
+    pub affine: Affine,
+    /// The voxels that lie inside vessels in part, where that is known.
+    pub walls: Option<Walls>,
+}
+
+impl Mask {
+    /// The length of a voxel along each axis, mm.
+    pub fn spacing(&self) -> [f64; 3] {
+        [0, 1, 2].map(|axis| norm_squared(self.column(axis)).sqrt())
+    }
+
+    /// The volume of a voxel, mm³.
+    pub fn voxel_volume(&self) -> f64 {
+        dot(self.column(0), cross(self.column(1), self.column(2))).abs()
+    }
+
+    /// The step of one voxel along an axis, mm.
+    pub fn column(&self, axis: usize) -> Point {
+        [0, 1, 2].map(|row| self.affine[row][axis])
+    }
+
+    /// The position of a voxel, or of a place between voxels, mm.
+    pub fn position(&self, voxel: Point) -> Point {
+        self.affine.map(|[a, b, c, d]| a * voxel[0] + b * voxel[1] + c * voxel[2] + d)
+    }
+
+    /// The same mask with its axes in the order and the direction of the scanner's frame, as close as whole turns bring them, so that
+    /// a result does not depend on how the file orders its axes.
+    #[must_use]
+    pub fn in_scanner_order(self) -> Self {
+        // The new axes 0, 1, 2 are the scanner's z, y, x: the last one varies slowest, as in the arrays that nibabel makes.
+        let by_direction = axes_by_direction(&self.affine);
+        let source = [2, 1, 0].map(|direction| by_direction[direction]);
+        let flipped = [0, 1, 2].map(|axis| self.affine[2 - axis][source[axis]] < 0.0);
+        if source == [0, 1, 2] && flipped == [false; 3] {
+            return self;
+        }
+        let shape = source.map(|axis| self.shape[axis]);
+        let strides = [1, self.shape[0], self.shape[0] * self.shape[1]];
+        // Index into the old voxels: where the new origin is, and a step along each new axis.
+        let step =
+            [0, 1, 2].map(|axis| if flipped[axis] { -(strides[source[axis]] as isize) } else { strides[source[axis]] as isize });
+        let start: usize = (0..3).filter(|axis| flipped[*axis]).map(|axis| (shape[axis] - 1) * strides[source[axis]]).sum();
+        let mut classes = Vec::with_capacity(self.classes.len());
+        for z in 0..shape[2] as isize {
+            for y in 0..shape[1] as isize {
+                let row = start as isize + z * step[2] + y * step[1];
+                classes.extend((0..shape[0] as isize).map(|x| self.classes[(row + x * step[0]) as usize]));
+            }
+        }
+        let affine = self.affine.map(|row| {
+            let sign = [0, 1, 2].map(|axis| if flipped[axis] { -1.0 } else { 1.0 });
+            let origin =
+                (0..3).filter(|axis| flipped[*axis]).map(|axis| row[source[axis]] * (shape[axis] - 1) as f64).sum::<f64>();
+            [sign[0] * row[source[0]], sign[1] * row[source[1]], sign[2] * row[source[2]], row[3] + origin]
+        });
+        let walls = self.walls.map(|mut walls| {
+            for (voxel, _) in &mut walls.voxels {
+                let mut row = *voxel as usize;
+                let old = self.shape.map(|length| {
+                    let at = row % length;
+                    row /= length;
+                    at
+                });
+                let new = [0, 1, 2].map(|axis| {
+                    let at = old[source[axis]];
+                    if flipped[axis] { shape[axis] - 1 - at } else { at }
+                });
+                *voxel = ((new[2] * shape[1] + new[1]) * shape[0] + new[0]) as u32;
+            }
+            walls.voxels.sort_unstable_by_key(|(voxel, _)| *voxel);
+            walls
+        });
+        Self { shape, classes, affine, walls }
+    }
+}
+
+/// The image's axis that runs along x, along y and along z the most, each taken once: of the six ways the one with the largest sum of
+/// cosines.
+fn axes_by_direction(affine: &Affine) -> [usize; 3] {
+    const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+    let length = [0, 1, 2].map(|axis| norm_squared([affine[0][axis], affine[1][axis], affine[2][axis]]).sqrt());
+    let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
+    let mut best = WAYS[0];
+    for way in &WAYS[1..] {
+        if along(way) > along(&best) + 1e-9 {
+            best = *way;
+        }
+    }
+    best
+}

@@ -1,0 +1,405 @@
+//! Centerlines of a mask: smooth lines along the skeleton's branches, with the radius of the lumen around them.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use super::distance::distances;
+use super::foreground::Foreground;
+use super::lumen::{nearest_seeds, volumes};
+use super::mask::Mask;
+use super::skeleton::{Branch, Skeleton, skeleton};
+use super::thinning::thin;
+use willis_core::network::Frame;
+use willis_core::network::centerlines::Centerlines;
+use willis_core::network::units::metres;
+use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
+
+/// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
+const SMOOTH: f64 = 2.5;
+/// How far smoothing moves a point: half the diagonal of a voxel, in voxels. The vessel passes through the voxel.
+const FARTHEST: f64 = 0.866;
+/// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
+/// little.
+const WIDEST: f64 = 1.5;
+/// The weights reach this many standard deviations.
+const REACH: f64 = 3.0;
+
+/// What the radius of a centerline point is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RadiusFrom {
+    /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length, those
+    /// at the wall by the part of them that is inside where that is known.
+    #[default]
+    Area,
+    /// The distance from the skeleton to the nearest voxel outside.
+    Distance,
+    /// The radius of the largest sphere inside: that distance, less half a voxel.
+    Inscribed,
+}
+
+impl RadiusFrom {
+    /// The word for it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Area => "area",
+            Self::Distance => "distance",
+            Self::Inscribed => "inscribed",
+        }
+    }
+}
+
+/// Centerlines made of a mask.
+#[derive(Debug, Clone)]
+pub struct Traced {
+    /// The centerlines, m, in the scanner's frame. Labels are the numbers of the classes where the mask has several.
+    pub lines: Centerlines,
+    /// The voxels that they were traced in.
+    pub lumen: Foreground,
+    /// Spurs that were removed.
+    pub spurs: usize,
+    /// Specks: components of the mask too small for a line.
+    pub specks: usize,
+}
+
+/// The centerlines of a mask; `None` for a mask without vessels, or one too large to index.
+pub fn trace(mask: &Mask, radius_from: RadiusFrom) -> Option<Traced> {
+    let vessels = Foreground::of(mask)?;
+    let thinned = thin(&vessels);
+    let depths = depths_of(&thinned, &distances(&vessels, mask.spacing()));
+    let mut graph = skeleton(&vessels, &thinned);
+    let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
+    let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
+    let lines = tracer.lines(&graph, radius_from);
+    Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks })
+}
+
+/// The distances of the skeleton's voxels alone; the others are as many as the mask is large.
+fn depths_of(thinned: &[u32], distances: &[f64]) -> Vec<f64> {
+    thinned.iter().map(|row| distances[*row as usize]).collect()
+}
+
+struct Tracer<'a> {
+    mask: &'a Mask,
+    vessels: &'a Foreground,
+    /// The skeleton's voxels, rising, and the distance of each to the background.
+    thinned: &'a [u32],
+    depths: Vec<f64>,
+}
+
+/// A branch in space: one point for each voxel, the nodes first and last. Lengths in mm.
+struct Line {
+    points: Vec<Point>,
+    /// The length of the stretch that each point stands for.
+    lengths: Vec<f64>,
+    /// The volume of the lumen nearest to it, mm³.
+    volumes: Vec<f64>,
+    /// The distance to the background.
+    depths: Vec<f64>,
+}
+
+/// Where a voxel of the graph is.
+#[derive(Debug, Clone, Copy)]
+enum Place {
+    Node(usize),
+    /// A branch and one of its points.
+    Point(usize, usize),
+}
+
+impl Tracer<'_> {
+    /// The side of a cube as large as a voxel, mm.
+    fn step(&self) -> f64 {
+        self.mask.voxel_volume().cbrt()
+    }
+
+    fn at(&self, voxel: u32) -> Point {
+        self.mask.position(self.vessels.voxel(voxel as usize).map(|index| index as f64))
+    }
+
+    fn class(&self, voxel: u32) -> u8 {
+        let ([x, y, z], shape) = (self.vessels.voxel(voxel as usize), self.mask.shape);
+        self.mask.classes[(z * shape[1] + y) * shape[0] + x]
+    }
+
+    fn depth(&self, voxel: u32) -> f64 {
+        let depth = self.thinned.binary_search(&voxel).map_or(0.0, |at| self.depths[at]);
+        // A mask without any background says nothing about widths.
+        if depth.is_finite() { depth } else { 0.0 }
+    }
+
+    /// The middle of a node.
+    fn middle(&self, node: &[u32]) -> Point {
+        let sum = node
+            .iter()
+            .map(|voxel| self.vessels.voxel(*voxel as usize))
+            .fold([0; 3], |sum, at| [0, 1, 2].map(|k| sum[k] + at[k]));
+        self.mask.position(sum.map(|total| total as f64 / node.len() as f64))
+    }
+
+    fn widest(&self, node: &[u32]) -> f64 {
+        node.iter().map(|voxel| self.depth(*voxel)).fold(0.0, f64::max)
+    }
+
+    /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.
+    fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
+        let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
+        let mut length = 0.0;
+        let mut line: Vec<Point> = branch.voxels.iter().map(|voxel| self.at(*voxel)).collect();
+        if branch.ends[0] != junction {
+            line.reverse();
+        }
+        let ends = [self.middle(&graph.nodes[junction]), self.middle(&graph.nodes[tip])];
+        let mut before = ends[0];
+        for point in line.iter().chain([&ends[1]]) {
+            length += distance(before, *point);
+            before = *point;
+        }
+        let own = self.widest(&graph.nodes[tip]);
+        (length + own - self.widest(&graph.nodes[junction])) / (2.0 * own)
+    }
+
+    fn lines(&self, graph: &Skeleton, radius_from: RadiusFrom) -> Centerlines {
+        let mut lines: Vec<Line> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
+        let step = self.step();
+        for line in &mut lines {
+            let smoothed = smooth(&line.points);
+            line.points = line.points.iter().zip(smoothed).map(|(from, to)| self.held(*from, to)).collect();
+        }
+        let degrees = graph.degrees();
+        let at_border = self.fill(graph, &degrees, &mut lines);
+        let mut out = Centerlines { frame: Frame::Ras, ..Centerlines::default() };
+        let mut classes = self.mask.classes.iter().filter(|class| **class > 0);
+        let first = classes.next();
+        let several = classes.any(|class| Some(class) != first);
+        let mut row_of = vec![u32::MAX; graph.nodes.len()];
+        for (strand, (branch, line)) in graph.branches.iter().zip(&lines).enumerate() {
+            let radii = match radius_from {
+                RadiusFrom::Area => line.radii(step),
+                RadiusFrom::Distance => line.depths.clone(),
+                RadiusFrom::Inscribed => line.depths.iter().map(|depth| depth - step / 2.0).collect(),
+            };
+            let mut before: Option<u32> = None;
+            let last = line.points.len() - 1;
+            for (n, (point, radius)) in line.points.iter().zip(radii).enumerate() {
+                let node = if n == 0 { Some(branch.ends[0]) } else { (n == last).then_some(branch.ends[1]) };
+                let known = node.map(|node| row_of[node]).filter(|row| *row != u32::MAX);
+                let row = known.unwrap_or_else(|| {
+                    let id = out.points.len() as u64;
+                    out.add_point(point.map(metres), metres(radius), id, strand as u32)
+                });
+                if let Some(node) = node {
+                    row_of[node] = row;
+                    out.at_border.extend(at_border[node].then_some(out.ids[row as usize]));
+                    out.radii[row as usize] = out.radii[row as usize].max(metres(radius));
+                }
+                if let Some(before) = before {
+                    let voxel = branch.voxels.get((n - 1).min(branch.voxels.len().saturating_sub(1)));
+                    let voxel = voxel.copied().unwrap_or(graph.nodes[branch.ends[1]][0]);
+                    let class = self.class(voxel).to_string();
+                    out.add_link([before, row], if several { &class } else { "" });
+                }
+                before = Some(row);
+            }
+        }
+        out
+    }
+
+    /// A smoothed point, no further from where it was than [`FARTHEST`].
+    fn held(&self, from: Point, to: Point) -> Point {
+        let by = sub(to, from);
+        let along = |axis: usize| {
+            let column = self.mask.column(axis);
+            dot(by, column) / dot(column, column)
+        };
+        let voxels = (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt();
+        if voxels > FARTHEST { lerp(from, to, FARTHEST / voxels) } else { to }
+    }
+
+    fn line(&self, graph: &Skeleton, branch: &Branch) -> Line {
+        let [first, last] = branch.ends.map(|end| &graph.nodes[end]);
+        let inner = branch.voxels.iter();
+        let points = std::iter::once(self.middle(first)).chain(inner.clone().map(|v| self.at(*v))).chain([self.middle(last)]);
+        let depths = std::iter::once(self.widest(first)).chain(inner.map(|v| self.depth(*v))).chain([self.widest(last)]);
+        let count = branch.voxels.len() + 2;
+        Line { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
+    }
+
+    /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen. Draws ends
+    /// at the border of the image out to it.
+    /// Returns whether each node is a free end whose lumen reaches the border of the image.
+    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) -> Vec<bool> {
+        let mut at_border = vec![false; graph.nodes.len()];
+        // Every voxel of the graph with where it is: a node, or a point of a branch.
+        let mut seeds: Vec<(u32, Place)> = Vec::new();
+        for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| degrees[*node] > 0) {
+            seeds.extend(voxels.iter().map(|voxel| (*voxel, Place::Node(node))));
+        }
+        for (row, branch) in graph.branches.iter().enumerate() {
+            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, Place::Point(row, n + 1))));
+        }
+        seeds.sort_unstable_by_key(|(voxel, _)| *voxel);
+        seeds.dedup_by_key(|(voxel, _)| *voxel);
+        let voxels: Vec<u32> = seeds.iter().map(|(voxel, _)| *voxel).collect();
+        let nearest = nearest_seeds(self.mask, self.vessels, &voxels);
+        let mut of_node = vec![0.0; graph.nodes.len()];
+        // The lumen around a free end, beyond it along the line.
+        let mut beyond = vec![0.0; graph.nodes.len()];
+        let mut direction: Vec<Option<(Point, Point)>> = vec![None; graph.nodes.len()];
+        for (branch, line) in graph.branches.iter().zip(&*lines) {
+            let n = line.points.len();
+            let far = |at: usize| line.points[at.min(n - 1)];
+            let span = (2.0 * SMOOTH) as usize + 1;
+            let ends = [(far(0), far(span)), (far(n - 1), far((n - 1).saturating_sub(span)))];
+            for (end, (tip, inside)) in branch.ends.into_iter().zip(ends) {
+                if degrees[end] == 1 {
+                    direction[end] = Some((tip, unit(sub(tip, inside))));
+                }
+            }
+        }
+        for (place, seed, volume) in volumes(self.mask, self.vessels, &voxels, &nearest) {
+            match seeds[seed as usize].1 {
+                Place::Point(row, point) => lines[row].volumes[point] += volume,
+                Place::Node(node) => {
+                    // A voxel that the end divides lies in part beyond it.
+                    let voxel = self.vessels.voxel_at(place);
+                    let at = self.mask.position(voxel.map(|index| index as f64));
+                    let share = direction[node].map_or(0.0, |(tip, to)| {
+                        let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
+                        (dot(sub(at, tip), to) / width + 0.5).clamp(0.0, 1.0)
+                    });
+                    let is_border =
+                        (0..3).any(|axis| [false, true].iter().any(|forward| self.vessels.is_last(voxel, axis, *forward)));
+                    at_border[node] |= is_border && self.vessels.contains(place) && direction[node].is_some();
+                    beyond[node] += volume * share;
+                    of_node[node] += volume * (1.0 - share);
+                }
+            }
+        }
+        for line in &mut *lines {
+            line.measure();
+        }
+        // The lumen at a junction belongs to the vessels that meet there, in the shares of their cross-sections.
+        let mut shares: Vec<Vec<(usize, bool, f64)>> = vec![Vec::new(); graph.nodes.len()];
+        for (row, branch) in graph.branches.iter().enumerate() {
+            let line = &lines[row];
+            let inside = |from_last: bool| {
+                let n = line.depths.len();
+                let at = (n / 2).min(4);
+                let depth = line.depths[if from_last { n - 1 - at } else { at }];
+                (depth * depth).max(f64::MIN_POSITIVE)
+            };
+            shares[branch.ends[0]].push((row, false, inside(false)));
+            shares[branch.ends[1]].push((row, true, inside(true)));
+        }
+        for (node, shares) in shares.iter().enumerate() {
+            let all: f64 = shares.iter().map(|(.., share)| share).sum();
+            for (row, is_last, share) in shares {
+                let line = &mut lines[*row];
+                let end = if *is_last { line.volumes.len() - 1 } else { 0 };
+                line.volumes[end] += (of_node[node] + beyond[node]) * share / all;
+            }
+        }
+        let step = self.step();
+        for (branch, line) in graph.branches.iter().zip(lines) {
+            for (is_last, end) in [(false, branch.ends[0]), (true, branch.ends[1])] {
+                let Some((tip, to)) = direction[end] else { continue };
+                let n = line.points.len();
+                // As far as the volume beyond the end goes in a lumen as wide as behind it.
+                let behind: Vec<usize> = if is_last { (0..n - 1).rev().collect() } else { (1..n).collect() };
+                let near = &behind[..behind.len().min((2.0 * SMOOTH) as usize + 1)];
+                let (volume, length) = near.iter().fold((0.0, 0.0), |(v, l), at| (v + line.volumes[*at], l + line.lengths[*at]));
+                let area = if volume > 0.0 { volume / length } else { PI * step * step / 4.0 };
+                let at = if is_last { n - 1 } else { 0 };
+                let out = beyond[end] / area;
+                line.lengths[at] += out;
+                if at_border[end] {
+                    // Where the vessel goes on outside the image, so does its line up to there.
+                    line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
+                }
+            }
+        }
+        at_border
+    }
+}
+
+impl Line {
+    /// The length that each point stands for: half of the way to its neighbours.
+    fn measure(&mut self) {
+        self.lengths.fill(0.0);
+        for n in 1..self.points.len() {
+            let half = distance(self.points[n - 1], self.points[n]) / 2.0;
+            self.lengths[n - 1] += half;
+            self.lengths[n] += half;
+        }
+    }
+
+    /// The radius of a circle with the area of the lumen: weighted volume over weighted length, the weights as wide as the lumen.
+    fn radii(&self, step: f64) -> Vec<f64> {
+        let mut along = 0.0;
+        let mut at = Vec::with_capacity(self.points.len());
+        for n in 0..self.points.len() {
+            along += if n > 0 { distance(self.points[n - 1], self.points[n]) } else { 0.0 };
+            at.push(along);
+        }
+        let n = self.points.len();
+        (0..n)
+            .map(|here| {
+                let wide = self.depths[here].max(2.0 * step);
+                let (mut volume, mut length) = (0.0, 0.0);
+                let mut add = |other: usize| {
+                    let apart = (at[other] - at[here]) / wide;
+                    let weight = (-0.5 * apart * apart).exp();
+                    volume += weight * self.volumes[other];
+                    length += weight * self.lengths[other];
+                    apart.abs() < REACH
+                };
+                let _ = (here..n).all(&mut add);
+                let _ = (0..here).rev().all(&mut add);
+                let most = if self.depths[here] > 0.0 { WIDEST * self.depths[here] } else { f64::INFINITY };
+                (volume / length / PI).sqrt().min(most)
+            })
+            .collect()
+    }
+}
+
+/// The line with each point moved to the weighted mean of those around it; beyond an end the line is turned about it, so that ends stay.
+///
+/// The weights are twice a Gaussian less the Gaussian of two such smoothings, so that curves up to the third order stay where they are: a
+/// mean alone cuts bends short.
+fn smooth(points: &[Point]) -> Vec<Point> {
+    let n = points.len() as isize;
+    // On a short line no further than it is long, so that the turned line is as long as the weights reach.
+    let once = SMOOTH.min((n - 1).max(1) as f64 / (REACH * std::f64::consts::SQRT_2));
+    let twice = once * std::f64::consts::SQRT_2;
+    let reach = (REACH * twice) as isize;
+    let gaussian = |k: isize, spread: f64| (-0.5 * (k as f64 / spread).powi(2)).exp() / spread;
+    let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, once) - gaussian(k, twice)).collect();
+    let total: f64 = weights.iter().sum();
+    let turned = |k: isize, about: isize| {
+        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
+        [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis])
+    };
+    let at = |k: isize| {
+        if k < 0 {
+            turned(k, 0)
+        } else if k >= n {
+            turned(k, n - 1)
+        } else {
+            points[k as usize]
+        }
+    };
+    (0..n)
+        .map(|here| {
+            if here == 0 || here == n - 1 {
+                return points[here as usize];
+            }
+            let mut sum = [0.0; 3];
+            for (k, weight) in (here - reach..).zip(&weights) {
+                let point = at(k);
+                (0..3).for_each(|axis| sum[axis] += weight * point[axis]);
+            }
+            sum.map(|x| x / total)
+        })
+        .collect()
+}

@@ -1,0 +1,214 @@
+//! Output that appears complete or not at all: written next to its place, flushed to the disk, then renamed.
+
+use std::fs;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use super::in_progress::{InProgress, UNFINISHED, clear_dead_runs, has_checkpoint, is_in_progress, sync_folder, write_error};
+use super::lock::is_own_folder;
+use super::own_files::{entries, foreign_file};
+use super::target::{check_file_size, check_vacant};
+use crate::output::files::DiskFile;
+use willis_core::error::{Error, Result};
+
+/// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
+///
+/// # Errors
+///
+/// The system refuses.
+pub fn clear_leftovers(folder: &Path) -> Result<()> {
+    clear_dead_runs(folder);
+    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path));
+    for path in left.filter(|path| !has_checkpoint(path)) {
+        fs::remove_dir_all(&path).map_err(write_error(&path))?;
+    }
+    Ok(())
+}
+
+/// An output folder being written; no other process can write it at the same time.
+#[derive(Debug)]
+pub struct StagedFolder {
+    in_progress: InProgress,
+    /// Files that stay if the run ends before the folder is complete.
+    kept: Mutex<Vec<PathBuf>>,
+}
+
+impl StagedFolder {
+    /// Checks, before the work begins, that a run may write to `target`. Removes what a killed run left of it.
+    ///
+    /// # Errors
+    ///
+    /// It exists and `force` is off, it holds files that willis did not write, or another process is writing it.
+    pub fn check(target: &Path, force: bool) -> Result<()> {
+        Self::check_target(target, force)?;
+        check_file_size(target)?;
+        InProgress::check(target)
+    }
+
+    fn check_target(target: &Path, force: bool) -> Result<()> {
+        check_vacant(target, force)?;
+        match foreign_file(target).filter(|_| target.exists()) {
+            None => Ok(()),
+            Some(path) => {
+                let accepted =
+                    format!("`force` replaces only a folder of an earlier run, and {} is not one of its files", path.display());
+                Err(Error::parameter("output", target.display(), accepted))
+            }
+        }
+    }
+
+    /// Removes the folder of an earlier run in one step.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFolder::check`] with `force`, or the system refuses.
+    pub fn remove(target: &Path) -> Result<()> {
+        Self::check_target(target, true)?;
+        let in_progress = InProgress::new(target)?;
+        // Under this name it is not moved back.
+        fs::rename(in_progress.target(), in_progress.new_path()).map_err(write_error(target))
+    }
+
+    /// Starts a folder that will replace `target`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFolder::check`], or the folder cannot be made.
+    pub fn new(target: &Path, force: bool) -> Result<Self> {
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
+        // Another process may have written it before it released the lock.
+        Self::check_target(target, force)?;
+        fs::create_dir(in_progress.new_path()).map_err(write_error(target))?;
+        Ok(Self { in_progress, kept: Mutex::default() })
+    }
+
+    /// Where to write until then.
+    pub fn path(&self) -> PathBuf {
+        self.in_progress.new_path()
+    }
+
+    /// The path of a file that stays if the run ends early, so that a later run can continue from it.
+    pub fn keep(&self, name: &str) -> PathBuf {
+        let path = self.in_progress.kept(name);
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).push(path.clone());
+        path
+    }
+
+    /// Whether a file is a checkpoint of this run.
+    pub fn is_kept(&self, path: &Path) -> bool {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner).iter().any(|kept| kept == path)
+    }
+
+    /// The folder with the checkpoints.
+    pub fn checkpoint_folder(&self) -> &Path {
+        self.in_progress.folder()
+    }
+
+    /// Moves the folder to its place, with the earlier one set aside until then, and removes the checkpoints.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses; the earlier folder then stays as it was.
+    pub fn commit(self) -> Result<()> {
+        sync_all(&self.path())?;
+        self.in_progress.put()?;
+        for path in self.kept.into_inner().unwrap_or_else(PoisonError::into_inner) {
+            // One that stays is used only by the same run again.
+            let _ = fs::remove_file(path);
+        }
+        Ok(())
+    }
+}
+
+/// Flushes the names in a folder and below it to the disk; the contents are there already.
+fn sync_all(folder: &Path) -> Result<()> {
+    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| path.is_dir()) {
+        sync_all(&path)?;
+    }
+    sync_folder(folder)
+}
+
+/// An output file being written; no other process can write it at the same time.
+#[derive(Debug)]
+pub struct StagedFile {
+    in_progress: InProgress,
+}
+
+impl StagedFile {
+    /// Checks, before the work begins, that a run may write to `target`. Removes what a killed run left of it.
+    ///
+    /// # Errors
+    ///
+    /// It exists and `force` is off, it is a folder, or another process is writing it.
+    pub fn check(target: &Path, force: bool) -> Result<()> {
+        Self::check_target(target, force)?;
+        InProgress::check(target)
+    }
+
+    fn check_target(target: &Path, force: bool) -> Result<()> {
+        if target.is_dir() {
+            return Err(Error::parameter("output", target.display(), "is a folder; expected a file name"));
+        }
+        check_vacant(target, force)
+    }
+
+    /// Starts a file that will replace `target`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::check`], or the file cannot be made.
+    pub fn new(target: &Path, force: bool) -> Result<Self> {
+        Self::check_target(target, force)?;
+        let in_progress = InProgress::new(target)?;
+        Self::check_target(target, force)?;
+        Ok(Self { in_progress })
+    }
+
+    /// Where to write until then.
+    pub fn path(&self) -> PathBuf {
+        self.in_progress.new_path()
+    }
+
+    /// Moves the file to its place.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses; an earlier file then stays as it was.
+    pub fn commit(self) -> Result<()> {
+        self.in_progress.put()
+    }
+}
+
+/// Writes a file that replaces an earlier one completely or not at all.
+///
+/// # Errors
+///
+/// As [`write_file`]; the earlier one then stays.
+pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    let unfinished = path.with_extension(UNFINISHED);
+    // What a killed run left of it, or a link that somebody put there.
+    let _ = fs::remove_file(&unfinished);
+    let written = write_file(&unfinished, fill).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
+    if written.is_err() {
+        // It may be the file that filled the disk.
+        let _ = fs::remove_file(&unfinished);
+    }
+    written?;
+    sync_folder(path.parent().unwrap_or(Path::new(".")))
+}
+
+/// Writes a new file through a buffer and flushes it to the disk; an error names the file.
+///
+/// # Errors
+///
+/// The error of the system or of `fill`, with the path.
+pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    let write = || -> std::io::Result<()> {
+        let mut out = BufWriter::new(DiskFile::create_new(path)?);
+        fill(&mut out)?;
+        out.into_inner()?.finish()
+    };
+    write().map_err(write_error(path))
+}

@@ -1,0 +1,112 @@
+//! Writes files so that every write error is reported; JSON in and out.
+
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::path::Path;
+
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+use crate::formats::bytes_of;
+use crate::output::atomic::write_file;
+use crate::output::names::RECORD;
+use willis_core::error::{Fault, Result};
+
+/// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which
+/// finish what they began in any case, then report no second error.
+#[derive(Debug)]
+pub struct DiskFile {
+    file: File,
+    fault: Option<io::Error>,
+    /// Where the next byte would go, and how long the file would be.
+    at: u64,
+    length: u64,
+}
+
+impl DiskFile {
+    /// A new empty file in place of one that is there, or of a link, which is not followed.
+    pub fn create_new(path: &Path) -> io::Result<Self> {
+        match std::fs::remove_file(path) {
+            Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
+            _ => {}
+        }
+        Ok(Self { file: File::create_new(path)?, fault: None, at: 0, length: 0 })
+    }
+
+    /// Flushes the file to the disk, or returns the first error.
+    pub fn finish(self) -> io::Result<()> {
+        match self.fault {
+            None => self.file.sync_all(),
+            Some(fault) => Err(fault),
+        }
+    }
+}
+
+impl Write for DiskFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut written = bytes.len();
+        if self.fault.is_none() {
+            match self.file.write(bytes) {
+                Err(e) if e.kind() == io::ErrorKind::Interrupted => return Err(e),
+                Err(e) => self.fault = Some(e),
+                Ok(0) if !bytes.is_empty() => self.fault = Some(io::ErrorKind::WriteZero.into()),
+                Ok(n) => written = n,
+            }
+        }
+        self.at += written as u64;
+        self.length = self.length.max(self.at);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl Seek for DiskFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let at = match to {
+            SeekFrom::Start(at) => Some(at),
+            SeekFrom::Current(by) => self.at.checked_add_signed(by),
+            SeekFrom::End(by) => self.length.checked_add_signed(by),
+        };
+        let at = at.ok_or(io::ErrorKind::InvalidInput)?;
+        if self.fault.is_none()
+            && let Err(e) = self.file.seek(SeekFrom::Start(at))
+        {
+            self.fault = Some(e);
+        }
+        self.at = at;
+        Ok(at)
+    }
+}
+
+/// Writes a value as JSON for people to read.
+///
+/// # Errors
+///
+/// As [`write_file`].
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    write_file(path, |out| {
+        serde_json::to_writer_pretty(&mut *out, value)?;
+        out.write_all(b"\n")
+    })
+}
+
+/// Writes the record of a run into its folder.
+///
+/// # Errors
+///
+/// As [`write_file`].
+pub fn write_record(folder: &Path, record: &impl Serialize) -> Result<()> {
+    write_json(&folder.join(RECORD), record)
+}
+
+/// Reads a value from JSON; `expected` describes the file for the error.
+///
+/// # Errors
+///
+/// The file cannot be read, or holds no such value; the error names it.
+pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> {
+    serde_json::from_slice(&bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
+}

@@ -1,0 +1,172 @@
+//! The lock of a hidden folder, and what may be trusted in a folder that others can write to: only what this user made, never a link.
+
+use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
+use std::io::{self, Read, Seek, Write};
+use std::path::{Path, PathBuf};
+use std::thread::sleep;
+use std::time::Duration;
+
+use willis_core::error::Error;
+
+/// The name of the file that is locked.
+pub const LOCK: &str = "lock";
+/// How often a lock is tried, which another process may hold only for a moment, to clean up.
+pub const TRIES: usize = 25;
+const BETWEEN: Duration = Duration::from_millis(20);
+/// The longest number of a process.
+const DIGITS: u64 = 20;
+
+/// Why a lock was not taken.
+pub enum LockError {
+    /// Another process holds it; its number where that is known.
+    Busy(String),
+    /// A path that this user did not make: a link, a device, another user's file.
+    Foreign(PathBuf),
+    /// The error of the system.
+    System(io::Error),
+}
+
+impl LockError {
+    /// The error for an output.
+    pub fn of(self, target: &Path) -> Error {
+        match self {
+            Self::Busy(process) => {
+                let accepted = format!("another willis{process} is writing there; wait for it, or choose another `output`");
+                Error::parameter("output", target.display(), accepted)
+            }
+            Self::Foreign(path) => {
+                let path = path.display();
+                let accepted = format!("{path} is a link, a device or another user's; remove it, or choose another `output`");
+                Error::parameter("output", target.display(), accepted)
+            }
+            Self::System(source) => Error::Write { path: target.to_owned(), source },
+        }
+    }
+}
+
+/// Creates a folder that only this user may look into, and takes its lock, which ends with the process, however that ends.
+pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
+    let path = folder.join(LOCK);
+    let mut process = String::new();
+    for at in 0..tries {
+        make_own(folder)?;
+        let mut file = match open(&path) {
+            // The folder was removed in this moment.
+            Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
+            // A link, or a pipe that nobody reads.
+            Err(_) if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) => return Err(LockError::Foreign(path)),
+            opened => opened.map_err(LockError::System)?,
+        };
+        if !file.metadata().is_ok_and(|about| about.is_file() && is_only_name(&about)) || !is_of_one_user(&file, folder) {
+            return Err(LockError::Foreign(path));
+        }
+        match file.try_lock() {
+            Ok(()) if is_at(&file, &path) => {
+                // For users; the lock works without it.
+                let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
+                return Ok(file);
+            }
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                process.clear();
+                let _ = file.rewind().and_then(|()| file.take(DIGITS).read_to_string(&mut process));
+                sleep(BETWEEN);
+            }
+            // A file system without locks is no reason to stop.
+            Err(TryLockError::Error(_)) => return Ok(file),
+        }
+    }
+    let is_number = !process.is_empty() && process.bytes().all(|b| b.is_ascii_digit());
+    Err(LockError::Busy(if is_number { format!(" (process {process})") } else { String::new() }))
+}
+
+/// Whether a path is a folder that this user made, and not a link to one.
+pub fn is_own_folder(path: &Path) -> bool {
+    fs::symlink_metadata(path).is_ok_and(|about| about.is_dir() && is_own(&about, path))
+}
+
+/// Creates a folder for this user alone, with the folders above it as they are usually made; one that is there must be this user's.
+fn make_own(folder: &Path) -> Result<(), LockError> {
+    if let Some(parent) = folder.parent().filter(|parent| !parent.as_os_str().is_empty()) {
+        fs::create_dir_all(parent).map_err(LockError::System)?;
+    }
+    match private().create(folder) {
+        Err(e) if e.kind() == io::ErrorKind::AlreadyExists => match fs::symlink_metadata(folder) {
+            // It was removed in this moment, and is made by the next try.
+            Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+            _ if is_own_folder(folder) => Ok(()),
+            _ => Err(LockError::Foreign(folder.to_owned())),
+        },
+        // The parent was removed in this moment, by the run that had made it.
+        Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
+        made => made.map_err(LockError::System),
+    }
+}
+
+fn private() -> DirBuilder {
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "other systems have no mode"))]
+    let mut builder = DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    builder
+}
+
+/// Opens or creates a lock, through no link and without waiting for a pipe's other end.
+fn open(path: &Path) -> io::Result<File> {
+    let mut options = File::options();
+    options.read(true).write(true).create(true).truncate(false);
+    #[cfg(unix)]
+    std::os::unix::fs::OpenOptionsExt::custom_flags(&mut options, libc::O_NOFOLLOW | libc::O_NONBLOCK);
+    options.open(path)
+}
+
+/// Whether what is at `path` was made by the user that this process makes files as. That is asked of the file system itself, by a file
+/// without a name in the same folder: on network drives and in containers it may not be the user that the process runs as.
+#[cfg(unix)]
+fn is_own(about: &Metadata, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let probe = tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
+    probe.is_ok_and(|probe| probe.uid() == about.uid())
+}
+
+#[cfg(not(unix))]
+fn is_own(_: &Metadata, _: &Path) -> bool {
+    true
+}
+
+/// Whether a file and the folder that it is in belong to one user.
+#[cfg(unix)]
+fn is_of_one_user(file: &File, folder: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    file.metadata().ok().zip(fs::symlink_metadata(folder).ok()).is_some_and(|(file, folder)| file.uid() == folder.uid())
+}
+
+#[cfg(not(unix))]
+fn is_of_one_user(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// Whether a file has no second name, under which it may be another user's or another program's; one that was just removed has none.
+#[cfg(unix)]
+fn is_only_name(about: &Metadata) -> bool {
+    std::os::unix::fs::MetadataExt::nlink(about) <= 1
+}
+
+#[cfg(not(unix))]
+fn is_only_name(_: &Metadata) -> bool {
+    true
+}
+
+/// Whether an open file is still the one at a path: its last holder may have removed it.
+#[cfg(unix)]
+fn is_at(file: &File, path: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let same = |a: &Metadata, b: &Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
+    file.metadata().ok().zip(fs::symlink_metadata(path).ok()).is_some_and(|(a, b)| same(&a, &b))
+}
+
+#[cfg(not(unix))]
+fn is_at(_: &File, path: &Path) -> bool {
+    path.exists()
+}

@@ -1,0 +1,321 @@
+//! The features of a pair of points by what the image shows between them: along the straight line and along the cheapest path.
+//!
+//! Contrast is brightness above the background, as a share of that of the vessels at the two ends. All are dimensionless.
+
+use std::collections::BTreeMap;
+
+use ndarray::Array2;
+
+use super::ahead::{Ahead, MOST_COST, MOST_MET};
+use super::path::{Between, CheapestPath, across, cheapest_path};
+use crate::candidates::features::Extraction;
+use crate::candidates::joins::rivals::Pairs;
+use willis_core::support::boosted_trees::stored;
+use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
+use willis_core::support::in_order;
+use willis_core::support::statistics::quantile;
+use willis_io::masks::{Level, Scene};
+
+/// What the image stage sees, by name; `score` is that of the second pass.
+pub const IMAGE_FEATURES: [&str; 38] = [
+    "score",
+    "score_margin_near",
+    "score_margin_far",
+    "log_gap_spacings",
+    "log_gap_widths",
+    "noise",
+    "typical_contrast",
+    "dimmer_end",
+    "step_of_ends",
+    "line_least",
+    "line_quarter",
+    "line_mean",
+    "line_noise_mean",
+    "line_ring_least",
+    "line_ring_mean",
+    "line_inside",
+    "path_cost",
+    "path_cost_least",
+    "path_least",
+    "path_quarter",
+    "path_mean",
+    "path_noise_least",
+    "path_noise_quarter",
+    "path_noise_mean",
+    "path_ring_least",
+    "path_ring_quarter",
+    "path_ring_mean",
+    "path_ring_noise",
+    "path_tortuosity",
+    "path_inside",
+    "path_widest_dip",
+    "met_rank",
+    "met_cost",
+    "met_margin",
+    "cost_margin_near",
+    "cost_margin_far",
+    "contrast_margin_near",
+    "contrast_margin_far",
+];
+
+/// Places on a line or path lie so many spacings apart.
+const STEP: f64 = 0.5;
+/// Around it the ring lies so many spacings outside the narrower end.
+const RING: f64 = 1.75;
+const RING_PLACES: usize = 8;
+/// Both ends of a line are left out as far as their radius, but no more than this share of it.
+const TRIM: f64 = 0.3;
+/// The contrast of a pair is at least this share of the typical one.
+const LEAST_CONTRAST: f64 = 0.2;
+/// A place with less contrast than this is part of a dip.
+const DIP: f64 = 0.4;
+/// Pairs with a lower score (log-odds) than this are judged without the image: they would have to be a thousand times as probable.
+const LEAST_SCORE: f64 = -7.0;
+/// Added to the cost of the way to a vessel met, before its logarithm.
+const LEAST_COST: f64 = 0.01;
+/// Bounds of a margin, and its value where there is no rival.
+const MOST_MARGIN: f64 = 8.0;
+
+/// What the image shows between the points of pairs, before any score.
+pub struct ImageTable {
+    /// Per pair its features but those of scores and rivals; `None` where the image ends.
+    rows: Vec<Option<Seen>>,
+    /// Per pair the cheapest path, or the way to the vessel met.
+    paths: Vec<Option<CheapestPath>>,
+    /// The first of the pairs that were found in the image.
+    first_met: usize,
+}
+
+/// What one pair shows.
+#[derive(Clone, Copy)]
+struct Seen {
+    values: [f64; BETWEEN],
+    /// ln of the cost of the path as a share of that of a straight line of background.
+    cost: f64,
+    /// Mean contrast of the path.
+    contrast: f64,
+}
+
+/// The features that need no score and no rival.
+const BETWEEN: usize = 31;
+
+impl ImageTable {
+    /// Measures pairs of points in an image: those that `scores` of the second pass leave possible, without scores all; and the last of them,
+    /// which were found in the image by the ways given.
+    pub fn new(scene: &Scene, e: &Extraction, pairs: &Pairs, ahead: &Ahead, ways: &[&[Point]], scores: Option<&[f64]>) -> Self {
+        let first_met = pairs.points.len() - ways.len();
+        let found = in_order(&pairs.points, |pair, points| {
+            let way = pair.checked_sub(first_met).map(|met| ways[met]);
+            let is_possible = way.is_some() || scores.is_none_or(|scores| scores[pair] >= LEAST_SCORE);
+            if is_possible { see(scene, e, *points, ahead, way) } else { (None, None) }
+        });
+        let (rows, paths) = found.into_iter().unzip();
+        Self { rows, paths, first_met }
+    }
+
+    /// Whether the image decides about a pair with this score: it shows what lies between its points, and the pair is possible or was
+    /// found in the image.
+    pub fn is_seen(&self, pair: usize, score: f64) -> bool {
+        self.rows[pair].is_some() && (score >= LEAST_SCORE || pair >= self.first_met)
+    }
+
+    /// The cheapest path of a pair from one of its points (m); `None` where nothing is seen.
+    pub fn course(&self, pair: usize, from: usize, pairs: &Pairs) -> Option<Vec<Point>> {
+        let mut points = self.paths[pair].as_ref()?.points.clone();
+        if pairs.points[pair][0] != from {
+            points.reverse();
+        }
+        Some(points)
+    }
+
+    /// A row a pair, a column one of [`IMAGE_FEATURES`], given the scores of the second pass; zeros where nothing is seen.
+    pub fn features(&self, e: &Extraction, pairs: &Pairs, scores: &[f64]) -> Array2<f32> {
+        let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let is_rival = |pair: usize| scores[pair] >= LEAST_SCORE || pair >= self.first_met;
+        for (pair, points) in pairs.points.iter().enumerate().filter(|(pair, _)| is_rival(*pair)) {
+            for point in points {
+                at.entry(*point).or_default().push(pair);
+            }
+        }
+        // What the best rival at a place leaves: free ends have rivals, other places take any number.
+        let margin = |pair: usize, point: usize, of: &dyn Fn(usize) -> Option<f64>| {
+            let own = of(pair).unwrap_or(0.0);
+            let rivals = at.get(&point).into_iter().flatten().filter(|other| **other != pair && e.end_at[point].is_some());
+            let best = rivals.filter_map(|other| of(*other)).fold(f64::NEG_INFINITY, f64::max);
+            (own - best).clamp(-MOST_MARGIN, MOST_MARGIN)
+        };
+        let mut out = Array2::zeros((pairs.points.len(), IMAGE_FEATURES.len()));
+        for (pair, seen) in self.rows.iter().enumerate() {
+            let Some(seen) = seen.as_ref().filter(|_| is_rival(pair)) else { continue };
+            let margins = |of: &dyn Fn(usize) -> Option<f64>| {
+                let [a, b] = pairs.points[pair].map(|point| margin(pair, point, of));
+                [a.min(b), a.max(b)]
+            };
+            let score = margins(&|pair| Some(scores[pair]));
+            let cost = margins(&|pair| self.rows[pair].map(|seen| -seen.cost));
+            let contrast = margins(&|pair| self.rows[pair].map(|seen| seen.contrast));
+            let values = [scores[pair]].into_iter().chain(score).chain(seen.values).chain(cost).chain(contrast);
+            for (column, x) in values.enumerate() {
+                out[[pair, column]] = stored(x);
+            }
+        }
+        out
+    }
+}
+
+/// What the image shows along a line.
+struct Along {
+    /// Contrast at places.
+    contrast: Vec<f64>,
+    /// Less that of the ring around.
+    ring: Vec<f64>,
+    /// The share of places inside vessels.
+    inside: f64,
+}
+
+fn see(
+    scene: &Scene,
+    e: &Extraction,
+    points: [usize; 2],
+    ahead: &Ahead,
+    way: Option<&[Point]>,
+) -> (Option<Seen>, Option<CheapestPath>) {
+    let h = e.spacing;
+    let ends = points.map(|p| e.position[p]);
+    let radius = points.map(|p| e.end_at[p].map_or(e.smooth.radius[p], |end| e.ends[end].radius));
+    let gap = distance(ends[0], ends[1]);
+    let own = points.map(|p| scene.contrast[p]);
+    let dimmer = own[0].min(own[1]);
+    let contrast = dimmer.clamp(LEAST_CONTRAST * scene.typical, scene.typical);
+    let levels = [ends[0], lerp(ends[0], ends[1], 0.5), ends[1]].map(|p| scene.level(p));
+    let background = levels.iter().map(|l| l.background).sum::<f64>() / 3.0;
+    let noise = levels.iter().map(|l| l.noise).sum::<f64>() / 3.0 / contrast;
+    let level = Level { background, noise };
+    let ring = radius[0].min(radius[1]) + RING * h;
+    let between = Between { ends, own: radius.map(|r| r + h), background, contrast, spacing: h };
+    let Some(line) = along(scene, &ends, radius, level, contrast, ring, h) else { return (None, None) };
+    let Some(path) = path_of(scene, &between, e, points, ahead, way) else { return (None, None) };
+    let Some(course) = along(scene, &path.points, radius, level, contrast, ring, h) else { return (None, None) };
+    let length: f64 = path.points.windows(2).map(|w| distance(w[0], w[1])).sum();
+    let cost = (path.cost / (gap / h).max(1.0)).ln();
+    let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
+    let quarter = |x: &[f64]| quantile(x, 0.25).unwrap_or(0.0);
+    let steady_noise = noise.max(1e-3);
+    let dip = longest(&course.contrast, |c| *c < DIP) as f64 * STEP;
+    let met = met(e, points, ahead);
+    let values = [
+        (gap / h + 0.1).ln(),
+        (gap / (radius[0] + radius[1])).ln(),
+        noise,
+        (scene.typical / contrast).ln(),
+        (dimmer / scene.typical).max(0.01).ln(),
+        (own[0].max(1e-3 * scene.typical) / own[1].max(1e-3 * scene.typical)).ln().abs(),
+        least(&line.contrast),
+        quarter(&line.contrast),
+        mean(&line.contrast),
+        mean(&line.contrast) / steady_noise,
+        least(&line.ring),
+        mean(&line.ring),
+        line.inside,
+        cost,
+        path.cost.max(1e-3).ln(),
+        least(&course.contrast),
+        quarter(&course.contrast),
+        mean(&course.contrast),
+        least(&course.contrast) / steady_noise,
+        quarter(&course.contrast) / steady_noise,
+        mean(&course.contrast) / steady_noise,
+        least(&course.ring),
+        quarter(&course.ring),
+        mean(&course.ring),
+        mean(&course.ring) / steady_noise,
+        (length / gap.max(h)).ln(),
+        course.inside,
+        dip,
+        met.0,
+        met.1,
+        met.2,
+    ];
+    (Some(Seen { values, cost, contrast: mean(&course.contrast) }), Some(path))
+}
+
+/// The cheapest path, or the way by which the pair was found.
+fn path_of(
+    scene: &Scene,
+    between: &Between,
+    e: &Extraction,
+    points: [usize; 2],
+    ahead: &Ahead,
+    way: Option<&[Point]>,
+) -> Option<CheapestPath> {
+    let Some(way) = way else { return cheapest_path(scene, between) };
+    let mut way = way.to_vec();
+    if way.first() != Some(&e.position[points[0]]) {
+        way.reverse();
+    }
+    let [a, b] = points;
+    let cost =
+        [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair)).map(|(_, cost, _)| cost).fold(MOST_COST, f64::min);
+    Some(CheapestPath { points: way, cost })
+}
+
+/// How a pair compares with the vessels met from its free ends: rank and ln of the cost, the least of both, and ln of that cost over the
+/// least of the other vessels.
+fn met(e: &Extraction, [a, b]: [usize; 2], ahead: &Ahead) -> (f64, f64, f64) {
+    let found = [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair));
+    let best = found.min_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
+    let ln = |cost: f64| (cost + LEAST_COST).ln();
+    best.map_or((MOST_MET as f64, ln(2.0 * MOST_COST), MOST_MARGIN), |(rank, cost, other)| {
+        (rank as f64, ln(cost), ln(cost) - ln(other.unwrap_or(MOST_COST)))
+    })
+}
+
+/// The longest run of places of a kind.
+fn longest(x: &[f64], is: impl Fn(&f64) -> bool) -> usize {
+    let (mut most, mut run) = (0, 0);
+    for value in x {
+        run = if is(value) { run + 1 } else { 0 };
+        most = most.max(run);
+    }
+    most
+}
+
+/// What the image shows along a line between two ends; `None` where it is not known.
+fn along(scene: &Scene, line: &[Point], radius: [f64; 2], level: Level, contrast: f64, ring: f64, h: f64) -> Option<Along> {
+    let mut arc = vec![0.0];
+    for w in line.windows(2) {
+        arc.push(arc[arc.len() - 1] + distance(w[0], w[1]));
+    }
+    let length = arc[arc.len() - 1];
+    let [from, upto] = [radius[0].min(TRIM * length), length - radius[1].min(TRIM * length)];
+    let steps = ((upto - from) / (STEP * h)).ceil().max(2.0) as usize;
+    let share = |x: f64| (x - level.background) / contrast;
+    let (mut values, mut rings, mut inside) = (Vec::new(), Vec::new(), 0);
+    let mut segment = 0;
+    for n in 0..=steps {
+        let s = from + (upto - from) * n as f64 / steps as f64;
+        while segment + 2 < arc.len() && arc[segment + 1] < s {
+            segment += 1;
+        }
+        let span = arc[segment + 1] - arc[segment];
+        let at = lerp(line[segment], line[segment + 1], if span > 0.0 { (s - arc[segment]) / span } else { 0.0 });
+        let c = share(scene.brightness(at)?);
+        let [e1, e2] = across(unit(sub(line[segment + 1], line[segment])));
+        let (mut sum, mut count) = (0.0, 0.0);
+        for k in 0..RING_PLACES {
+            let (sin, cos) = (std::f64::consts::TAU * k as f64 / RING_PLACES as f64).sin_cos();
+            let beside = [0, 1, 2].map(|axis| at[axis] + ring * (cos * e1[axis] + sin * e2[axis]));
+            // A vessel beside is no background.
+            if let Some(x) = scene.brightness(beside).filter(|_| !scene.is_inside(beside)) {
+                sum += share(x);
+                count += 1.0;
+            }
+        }
+        values.push(c);
+        rings.push(if count > 0.0 { c - sum / count } else { c });
+        inside += usize::from(scene.is_inside(at));
+    }
+    let inside = inside as f64 / values.len() as f64;
+    Some(Along { contrast: values, ring: rings, inside })
+}

@@ -1,0 +1,301 @@
+//! Candidate connections: from fragments to the over-connected graph.
+
+pub mod clusters;
+pub mod features;
+pub mod joins;
+pub mod kind;
+pub mod model;
+mod over_connected;
+pub mod resample;
+pub mod search;
+
+use serde::{Deserialize, Serialize};
+
+use clusters::{Cluster, clusters};
+use joins::JoinTable;
+use joins::in_image::InImage;
+use joins::model::JoinModel;
+use kind::Kind;
+use model::Usual;
+use model::posterior::{Posterior, posterior};
+use model::weights::Weights;
+use over_connected::{NewVessel, over_connected};
+use resample::Resampled;
+use search::{Candidate, SearchOptions, search, search_nearest};
+use willis_core::error::{Error, Result};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Evidence, Network, RadiusRule};
+use willis_core::support::geometry::distance;
+use willis_io::masks::{Scene, Unseen, View};
+
+/// Connections between fragments that are less probable than this are left out ...
+const LEAST_PROBABLE: f64 = 1e-3;
+/// ... and loops less probable than this.
+const LEAST_PROBABLE_LOOP: f64 = 1e-2;
+
+/// Where a candidate may end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Attach {
+    /// On the centerline of any vessel, split there, or on a free end.
+    #[default]
+    Centerline,
+    /// On free ends only.
+    Ends,
+}
+
+/// How a candidate's radius comes from the radii at its two ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum CandidateRadius {
+    /// The smaller one.
+    #[default]
+    Min,
+    /// Their mean.
+    Mean,
+}
+
+/// An image as it was measured, or why it says nothing of the vessels.
+pub type Looked = Result<Scene, Unseen>;
+
+/// How candidates are built.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct CandidateOptions {
+    /// How many of the nearest branches and free ends each free end is joined to, at least 1; by default 6, and with evidence 5 branches and
+    /// four free ends beside them.
+    pub k: Option<usize>,
+    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach, twice as far straight ahead of an end on
+    /// masks and skeletons.
+    #[serde(rename = "max_gap_m")]
+    pub max_gap: Option<f64>,
+    /// Where a candidate may end.
+    pub attach: Attach,
+    /// How a candidate's radius comes from those at its ends.
+    #[serde(rename = "candidate_radius")]
+    pub radius: CandidateRadius,
+    /// The largest radius of a candidate, m, positive.
+    #[serde(rename = "max_candidate_radius_m")]
+    pub max_radius: Option<f64>,
+    /// The radius rule of the observed vessels, for the parts of a vessel that is split.
+    pub radius_rule: RadiusRule,
+}
+
+/// [`CandidateOptions::k`] without evidence, where none is given.
+pub const NEAREST: usize = 6;
+
+impl CandidateOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the option, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        if self.k == Some(0) {
+            return Err(Error::parameter("k", 0, "expected at least 1"));
+        }
+        for (name, value) in [("max_gap", self.max_gap), ("max_candidate_radius", self.max_radius)] {
+            if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
+                return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A point of a network: a node, or a point along a vessel.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum NetworkPoint {
+    /// A node, by row.
+    Node(usize),
+    /// A point of a vessel's path.
+    Along {
+        /// The vessel's row.
+        vessel: usize,
+        /// The point's place in its path.
+        point: usize,
+    },
+}
+
+/// Joins every free end of the observed vessels to its nearest branches and free ends by candidate vessels.
+///
+/// The nodes of `network` keep their rows; nodes where a vessel is split follow. The parts of the observed vessels come
+/// first, in order, then the candidates by free end and distance. Every length is one that a file in millimetres holds
+/// exactly.
+///
+/// # Errors
+///
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
+pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
+    options.validate()?;
+    let mut found = Vec::new();
+    for cluster in clusters(network, &[]) {
+        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+        let e = resampled.extraction(&[])?;
+        found.extend(search_nearest(&e, options)?.into_iter().map(|candidate| {
+            let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
+            let radii = [e.ends[candidate.end].mean_radius, there];
+            NewVessel::of(candidate, radii, &e, &resampled, &cluster)
+        }));
+    }
+    Ok(over_connected(network, found, options).0)
+}
+
+/// Joins the fragments of the observed vessels by the candidates that the evidence allows.
+///
+/// Every candidate has its [`Evidence`], its probability is its prior, and every node knows how probably its fragment is a root.
+/// `inlets` are nodes where blood is known to enter. Rows and lengths are as [`build`] makes them. Beside the graph, where the largest cluster of
+/// fragments is unlike all that the weights were fitted to, what to tell a person.
+///
+/// # Errors
+///
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
+pub fn build_with_evidence(
+    network: &Network,
+    inlets: &[usize],
+    options: &CandidateOptions,
+    weights: &Weights,
+) -> Result<(Network, Option<String>)> {
+    options.validate()?;
+    let (mut found, mut roots, mut largest) = (Vec::new(), Vec::new(), None);
+    for cluster in clusters(network, inlets) {
+        let (vessels, scores, usual) = found_by_evidence(&cluster, options, weights)?;
+        found.extend(vessels);
+        roots.extend(scores);
+        largest = [largest, usual].into_iter().flatten().max_by(|a: &Usual, b| a.0[0][0].total_cmp(&b.0[0][0]));
+    }
+    let (mut graph, node_at) = over_connected(network, found, options);
+    for (place, score) in roots {
+        let node = match place {
+            NetworkPoint::Node(node) => Some(node),
+            NetworkPoint::Along { .. } => node_at.get(&place).copied(),
+        };
+        if let Some(node) = node {
+            graph.node_mut(node).root_score = Some(score);
+        }
+    }
+    Ok((graph, largest.and_then(|usual| usual.unlike(weights.usual?))))
+}
+
+/// Places in the network, each with how probably its fragment is a root.
+type Roots = Vec<(NetworkPoint, f64)>;
+
+/// The candidates of a cluster that the evidence allows, how probably the fragment of each place is a root, and what the fragments are like.
+fn found_by_evidence(
+    cluster: &Cluster,
+    options: &CandidateOptions,
+    weights: &Weights,
+) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
+    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+    let e = resampled.extraction(&cluster.inlets)?;
+    let mut candidates = search(
+        &e,
+        &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
+    )?;
+    candidates.retain(|c| {
+        let gap = distance(e.position[e.ends[c.end].point], e.position[c.point]);
+        let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
+        options.max_gap.is_none_or(|most| gap <= most) && may_end
+    });
+    let posterior = posterior(&e, &candidates, weights)?;
+    let mut found = probable(&posterior);
+    let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
+    found.extend(loops.map(|(candidate, p)| {
+        (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
+    }));
+    let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
+        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        let radii = [e.ends[candidate.end].radius, there];
+        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
+    };
+    let vessels = found.into_iter().map(new_vessel).collect();
+    let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
+    Ok((vessels, e.place.iter().zip(&e.fragment).map(root).collect(), Usual::new(&e)))
+}
+
+/// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
+///
+/// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them; where an image
+/// shows what lies between two ends, the vessel follows the cheapest path through it. The image as it was measured is told too, or why it says
+/// nothing.
+///
+/// # Errors
+///
+/// A parameter out of its range, a node without position or with more than 1000 vessels, or points that are crowded.
+pub fn build_joins(
+    network: &Network,
+    options: &CandidateOptions,
+    model: &JoinModel,
+    view: Option<View>,
+) -> Result<(Network, Option<Looked>)> {
+    options.validate()?;
+    let branches = options.k.unwrap_or(SearchOptions::default().branches);
+    // An image shows all of them alike.
+    let whole = Cluster::whole(network, &[]);
+    let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
+    let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
+    for cluster in parts {
+        let (found, seen) = found_by_joins(&cluster, options, model, view.take(), branches)?;
+        vessels.extend(found);
+        looked = seen;
+    }
+    Ok((over_connected(network, vessels, options).0, looked))
+}
+
+/// The candidates of a cluster that the join model allows, and the image as it was measured.
+fn found_by_joins(
+    cluster: &Cluster,
+    options: &CandidateOptions,
+    model: &JoinModel,
+    view: Option<View>,
+    branches: usize,
+) -> Result<(Vec<NewVessel>, Option<Looked>)> {
+    let table = JoinTable::new(&cluster.network, branches)?;
+    let e = &table.extraction;
+    let scores = table.scores(model);
+    let looked = view.map(|view| Scene::new(&e.centerlines(), view));
+    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
+    let image = scene.map(|scene| InImage::new(&table, scene, Some(&scores.second)));
+    let (candidates, pairs, probabilities) = match &image {
+        Some(image) => (&image.candidates, &image.pairs, table.probabilities_in(model, &scores, image)),
+        None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
+    };
+    let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
+        let candidate = candidates[*row];
+        let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
+        let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
+        let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
+        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
+        let radii = [e.ends[candidate.end].radius, there];
+        let course = image.as_ref().filter(|_| model.image.is_some());
+        stays.then(|| NewVessel {
+            evidence: Some(Evidence::undirected(probability)),
+            course: course.and_then(|image| image.between.course(pair, e.ends[candidate.end].point, pairs)),
+            ..NewVessel::of(candidate, radii, e, &table.resampled, cluster)
+        })
+    });
+    let found = found.collect();
+    Ok((found, looked))
+}
+
+/// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
+/// represents both.
+fn probable(posterior: &Posterior) -> Vec<(Candidate, Evidence)> {
+    let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
+    let mut found: Vec<(Candidate, f64, Evidence)> = Vec::new();
+    for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
+        let p = posterior.marginals.edges[row];
+        let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());
+        if let Some(at) = first[*pair] {
+            let (_, sum, evidence) = &mut found[at];
+            *sum += p;
+            (evidence.attached[1], evidence.continuation_odds[1]) = (p, odds);
+        } else {
+            first[*pair] = Some(found.len());
+            let probability = posterior.probability[row];
+            found.push((*candidate, p, Evidence { probability, attached: [p, 0.0], continuation_odds: [odds, 0.0] }));
+        }
+    }
+    let likely = found.into_iter().filter(|(_, sum, _)| *sum > LEAST_PROBABLE);
+    likely.map(|(candidate, _, evidence)| (candidate, evidence.divided(evidence.attached))).collect()
+}

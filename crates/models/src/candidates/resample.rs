@@ -1,0 +1,125 @@
+//! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
+
+use super::features::extraction::Extraction;
+use super::kind::Kind;
+use willis_core::error::Result;
+use willis_core::network::path_places::{PathPlace, at_even_steps, length_of};
+use willis_core::network::{Network, Origin, PathPoint, Vessel};
+use willis_core::support::geometry::distance;
+use willis_core::support::ties::steady;
+
+/// Of a skeleton the step is so many times the radius that a quarter of the length falls short of: about one and a half voxels.
+const STEP_RADII: f64 = std::f64::consts::SQRT_2;
+const NARROW: f64 = 0.25;
+/// Of a tracing and of tubes it is the side of a cube as large as all vessels over this, ...
+const STEPS_PER_SIDE: f64 = 30.0;
+/// ... but no less and no more than so many times that radius.
+const TRACING_RADII: [f64; 2] = [0.25, 2.0];
+/// How often the range of radii is halved to find that radius.
+const HALVINGS: usize = 50;
+/// More points than this are not made: a step is no shorter than this share of the whole length.
+const MOST_POINTS: f64 = 4e6;
+
+/// The observed vessels of a network with points at one step.
+pub struct Resampled {
+    /// The network; rows of nodes and vessels are those of the original.
+    pub network: Network,
+    /// The step, m, positive.
+    pub step: f64,
+    /// Per vessel and point of its path the place of that point on the original path.
+    places: Vec<Vec<PathPlace>>,
+}
+
+impl Resampled {
+    /// Resamples the observed vessels: points at equal distances along each, about one [`step_of`] apart. Nodes stay
+    /// where they are.
+    pub fn new(network: &Network, kind: Kind) -> Self {
+        let step = step_of(network, kind);
+        let mut places = Vec::with_capacity(network.vessel_count());
+        let mut resampled = network.clone();
+        for row in 0..network.vessel_count() {
+            let vessel = resampled.vessel_mut(row);
+            let (path, place) = if vessel.origin == Origin::Observed { at_step(&vessel.path, step) } else { as_it_is(vessel) };
+            vessel.path = path;
+            places.push(place);
+        }
+        Self { network: resampled, step, places }
+    }
+
+    /// Its points, the step their spacing; `inlets` are nodes where blood is known to enter.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    pub fn extraction(&self, inlets: &[usize]) -> Result<Extraction> {
+        Extraction::with_spacing(&self.network, inlets, Some(self.step))
+    }
+
+    /// The place on the original path of a point of a vessel's path.
+    pub fn place(&self, vessel: usize, point: usize) -> PathPlace {
+        self.places[vessel][point]
+    }
+}
+
+fn as_it_is(vessel: &Vessel) -> (Vec<PathPoint>, Vec<PathPlace>) {
+    (vessel.path.clone(), (0..vessel.path.len()).map(|point| PathPlace { point, share: 0.0 }).collect())
+}
+
+/// The step of a network's observed vessels, m. It follows the vessels, and not the points: of a skeleton √2 times the radius that the
+/// narrowest quarter of the length has at most, which is the resolution of an image where thin vessels are one voxel wide; of a tracing or of tubes
+/// a thirtieth of the side of a cube as large as the vessels, from 1/4 to 2 times that radius.
+pub fn step_of(network: &Network, kind: Kind) -> f64 {
+    // Radii at the two ends of each stretch, the smaller first, and its length. In between the radius is linear, as in more points.
+    let mut stretches: Vec<([f64; 2], f64)> = Vec::new();
+    for (_, vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
+        let steps = vessel.path.windows(2).map(|w| {
+            let radii = [w[0].radius, w[1].radius];
+            ([radii[0].min(radii[1]), radii[0].max(radii[1])], distance(w[0].position, w[1].position))
+        });
+        stretches.extend(steps.filter(|(radii, length)| radii[0] > 0.0 && *length > 0.0));
+    }
+    let whole: f64 = stretches.iter().map(|(_, length)| length).sum();
+    let thin = narrowest_quarter(&stretches, whole);
+    if thin <= 0.0 {
+        return 1.0;
+    }
+    let step = match kind {
+        Kind::Skeleton => STEP_RADII * thin,
+        Kind::Tracing | Kind::Tubes => {
+            let [low, high] = TRACING_RADII.map(|radii| radii * thin);
+            (volume(&stretches).cbrt() / STEPS_PER_SIDE).clamp(low, high)
+        }
+    };
+    steady(step).max(whole / MOST_POINTS)
+}
+
+/// The radius (m) that the narrowest quarter of the length has at most; zero without vessels.
+fn narrowest_quarter(stretches: &[([f64; 2], f64)], whole: f64) -> f64 {
+    let narrower = |radius: f64| {
+        let share =
+            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
+        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
+    };
+    let (mut low, mut high) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        (low, high) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, high) };
+    }
+    high
+}
+
+/// The volume (m³) of cone by cone.
+fn volume(stretches: &[([f64; 2], f64)]) -> f64 {
+    stretches.iter().map(|([a, b], length)| std::f64::consts::PI / 3.0 * (a * a + a * b + b * b) * length).sum()
+}
+
+/// Points at equal distances along a path, about one step apart, with their places on it.
+fn at_step(path: &[PathPoint], step: f64) -> (Vec<PathPoint>, Vec<PathPlace>) {
+    let length = length_of(path);
+    if path.len() < 2 || length <= 0.0 {
+        return (path.to_vec(), (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect());
+    }
+    let steps = (steady(length / step).round() as usize).max(1);
+    let places = at_even_steps(path, steps);
+    (places.iter().map(|place| place.on(path)).collect(), places)
+}

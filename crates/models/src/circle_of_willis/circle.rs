@@ -1,0 +1,273 @@
+//! Where each artery of the Circle of Willis lies in a network, by labels or by landmarks.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::arteries::{Artery, Side};
+use super::collaterals::ArteryVessels;
+use super::labels::{LabelScheme, artery_of_label, names_no_artery};
+use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
+use super::segments_by_labels;
+use super::segments_by_labels::LabelMeaning;
+use super::segments_by_landmarks::Points;
+use super::sides::{side_note, sides_look_exchanged};
+use super::variant::Variant;
+use willis_core::error::Fault;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Nearest, Network, Origin};
+use willis_core::support::geometry::{Point, distance};
+
+/// Where the arteries lie in a network.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Circle {
+    location: Location,
+}
+
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+enum Location {
+    /// The meaning of the label of each vessel.
+    Vessels(Vec<LabelMeaning>),
+    /// The nodes of inlets, outlets and bifurcations.
+    Nodes(Box<Points>),
+}
+
+/// How a note ends that gives the node of a landmark. No other note ends so.
+pub const LANDMARK_NOTE_ENDING: &str = " mm away";
+const EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
+
+impl Circle {
+    /// The circle of a network whose vessels are labelled, with notes for the user.
+    ///
+    /// # Errors
+    ///
+    /// No vessel is labelled as an internal carotid, basilar or vertebral artery; a label is not a code of the scheme.
+    pub fn labelled(network: &Network, scheme: LabelScheme) -> Result<(Self, Vec<String>), Fault> {
+        let mut unknown = BTreeMap::new();
+        let mut meanings = Vec::with_capacity(network.vessel_count());
+        for (_, vessel) in network.vessels() {
+            // A format that has names for its numbers, as iCafe's, has put them in their place.
+            let named = || artery_of_label(&vessel.label, LabelScheme::Names).filter(|_| scheme != LabelScheme::Names);
+            meanings.push(match artery_of_label(&vessel.label, scheme).or_else(named) {
+                _ if names_no_artery(&vessel.label) => LabelMeaning::Free,
+                Some(artery) => LabelMeaning::Artery(artery),
+                None => {
+                    *unknown.entry(vessel.label.trim().to_owned()).or_insert(0_usize) += 1;
+                    LabelMeaning::Other
+                }
+            });
+        }
+        let number = unknown.keys().find(|label| label.parse::<u32>().is_ok());
+        if let (Some(label), LabelScheme::ICafe | LabelScheme::TopCow) = (number, scheme) {
+            let codes = if scheme == LabelScheme::ICafe { "1 to 22" } else { "1 to 12 and 15" };
+            return Err(Fault::item(
+                format!("label \"{label}\""),
+                format!("none of {}", scheme.name()),
+                format!("expected {codes}"),
+            ));
+        }
+        if !meanings.iter().any(|meaning| matches!(meaning, LabelMeaning::Artery(artery) if artery.brings_blood())) {
+            return Err(Fault::file(
+                "no vessel is labelled as an internal carotid, basilar or vertebral artery",
+                "expected labels such as L-ICA, R-ICA, BA, L-VA (`labels` icafe|topcow for numbers), or give `landmarks` FILE",
+            ));
+        }
+        let mut notes = Vec::new();
+        if !unknown.is_empty() {
+            let names: Vec<&str> = unknown.keys().map(String::as_str).collect();
+            notes.push(format!("not arteries of the circle, and so no part of it: {}", names.join(", ")));
+        }
+        let at = mean_positions(network, &meanings);
+        if sides_look_exchanged(&at) == Some(true) {
+            notes.push(EXCHANGED.to_owned());
+        }
+        notes.extend(side_note(&at));
+        Ok((Self { location: Location::Vessels(meanings) }, notes))
+    }
+
+    /// The circle of a network with landmarks, each at its nearest node, with notes for the user.
+    ///
+    /// Where two inlets or outlets have the same nearest node, the nearer one gets it and the other its next free end; without one
+    /// within reach it counts as not seen.
+    ///
+    /// # Errors
+    ///
+    /// A landmark too far from every vessel; no landmark of an inlet; nodes without positions.
+    pub fn at(network: &Network, landmarks: &[Landmark]) -> Result<(Self, Vec<String>), Fault> {
+        if !landmarks.iter().any(|landmark| matches!(landmark.arteries[..], [single] if single.brings_blood())) {
+            return Err(Fault::file(
+                "no inlet among the landmarks",
+                "expected one at least of L-ICA, R-ICA, BA, L-VA, R-VA: where it enters the field of view",
+            ));
+        }
+        let mut notes = Vec::new();
+        let mut found = Vec::new();
+        for (row, landmark) in landmarks.iter().enumerate() {
+            found.push((row, landmark, nearest_node_of(network, landmark)?));
+        }
+        let (mut points, mut taken) = (Points::default(), BTreeMap::new());
+        while let Some((row, landmark, nearest)) = take_nearest(&mut found) {
+            let sites = landmark.sites();
+            let is_end = sites.iter().any(|site| site.is_end() && *site != Site::Feeder);
+            if is_end && let Some(first) = taken.get(&nearest.node) {
+                if let Some(next) = free_end(network, landmark.position, &|node| taken.contains_key(&node)) {
+                    found.push((row, landmark, next));
+                } else {
+                    notes.push(format!("{} is taken as not seen: the end nearest to it is that of {first}", landmark.label));
+                }
+                continue;
+            }
+            if is_end {
+                taken.insert(nearest.node, &landmark.label);
+            }
+            if sites.iter().any(|site| site.is_end()) {
+                let (end, note) = end_of(network, landmark, &nearest);
+                notes.extend(note);
+                let is_outlet = sites.iter().any(|site| site.is_outlet());
+                if end.is_last || !is_outlet {
+                    points.ends.push(nearest.node);
+                }
+                if end.is_last && end.is_free && is_outlet {
+                    points.outlets.push(nearest.node);
+                }
+            }
+            for site in sites {
+                site.put(&mut points, nearest.node);
+            }
+            let node = &network.node(nearest.node).id;
+            notes.push(format!("{} at node {node}, {:.3}{LANDMARK_NOTE_ENDING}", landmark.label, millimetres(nearest.distance)));
+        }
+        for s in [0, 1] {
+            points.m1[s] = points.m1[s].or(points.middle[s]);
+            points.a2[s] = points.a2[s].or(points.anterior[s]);
+            points.p2[s] = points.p2[s].or(points.posterior[s]);
+        }
+        let at = landmarks.iter().filter_map(|l| if let [one] = l.arteries[..] { Some((one, l.position)) } else { None });
+        let at = at.collect();
+        if sides_look_exchanged(&at) == Some(true) {
+            notes.push(EXCHANGED.to_owned());
+        }
+        notes.extend(side_note(&at));
+        Ok((Self { location: Location::Nodes(Box::new(points)) }, notes))
+    }
+
+    /// The anatomy in the vessels that `kept` selects. The network must be the one in which the circle was found, or have the same nodes
+    /// and vessels in the same rows. It takes a few shortest paths, so that the time is nearly proportional to the network.
+    pub fn variant(&self, network: &Network, kept: impl Fn(usize) -> bool) -> Variant {
+        match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &kept),
+            Location::Nodes(points) => points.variant(network, &kept),
+        }
+    }
+
+    /// The circle in a network of the same nodes with only the vessels of `rows`.
+    #[must_use]
+    pub fn restricted_to(&self, rows: &[usize]) -> Self {
+        let location = match &self.location {
+            Location::Vessels(meanings) => Location::Vessels(rows.iter().map(|row| meanings[*row]).collect()),
+            Location::Nodes(points) => Location::Nodes(points.clone()),
+        };
+        Self { location }
+    }
+
+    /// The vessels of each artery, when all vessels of the network are present.
+    pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
+        match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::artery_vessels(meanings, network),
+            Location::Nodes(points) => points.artery_vessels(network),
+        }
+    }
+
+    /// Whether this may be the circle of a network, by the number of its vessels or nodes.
+    pub fn fits(&self, network: &Network) -> bool {
+        match &self.location {
+            Location::Vessels(meanings) => meanings.len() == network.vessel_count(),
+            Location::Nodes(points) => points.nodes().all(|node| node < network.node_count()),
+        }
+    }
+
+    /// The nodes where blood enters, by landmarks of carotid, basilar and vertebral arteries. Labels give none.
+    pub fn inlets(&self) -> Vec<usize> {
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
+        points.ica.iter().flatten().chain(&points.feeders).copied().collect()
+    }
+
+    /// The free ends where blood leaves, by landmarks of M1, A2, P2 and a third A2. Labels give none.
+    pub fn outlets(&self) -> Vec<usize> {
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
+        points.outlets.clone()
+    }
+
+    /// The nodes of landmarks that lie on one side, with the side. Labels give none.
+    pub fn sided_nodes(&self) -> Vec<(Side, usize)> {
+        let Location::Nodes(points) = &self.location else { return Vec::new() };
+        let pairs = [points.ica, points.m1, points.a2, points.p2, points.middle, points.posterior];
+        let of = |side: Side| pairs.into_iter().filter_map(move |pair| Some((side, pair[side.index()]?)));
+        Side::BOTH.into_iter().flat_map(of).collect()
+    }
+
+    /// The nodes where blood enters by the labels of vessels: the outermost free end of each carotid and vertebral, and of the basilar artery
+    /// where no vertebral is labelled. Landmarks give none.
+    pub fn labelled_inlets(&self, network: &Network) -> Vec<usize> {
+        let Location::Vessels(meanings) = &self.location else { return Vec::new() };
+        let ends = outermost_ends(network, meanings);
+        let has_vertebral = ends.keys().any(|artery| matches!(artery, Artery::Va(_)));
+        let enters = |artery: &Artery| artery.brings_blood() && !(has_vertebral && *artery == Artery::Ba);
+        ends.into_iter().filter(|(artery, _)| enters(artery)).map(|(_, node)| node).collect()
+    }
+
+    /// The nodes where an artery enters or leaves, so that no vessel continues there: landmarks of inlets and outlets, or for every
+    /// labelled artery that enters or leaves the circle its free end farthest from the middle.
+    pub fn ends(&self, network: &Network) -> Vec<usize> {
+        let mut nodes: Vec<usize> = match &self.location {
+            Location::Vessels(meanings) => outermost_ends(network, meanings).into_values().collect(),
+            Location::Nodes(points) => points.ends.clone(),
+        };
+        nodes.sort_unstable();
+        nodes.dedup();
+        nodes
+    }
+}
+
+/// Removes the landmark that is nearest to its node; of several the first in the file.
+fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, Nearest)>) -> Option<(usize, &'a Landmark, Nearest)> {
+    let key = |at: &usize| (found[*at].2.distance, found[*at].0);
+    let first = (0..found.len()).min_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1)))?;
+    Some(found.swap_remove(first))
+}
+
+/// For every artery that enters or leaves the circle, its free end farthest from the mean position of all arteries.
+fn outermost_ends(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, usize> {
+    let middles = mean_positions(network, meanings);
+    let count = middles.len().max(1) as f64;
+    let centre: Point = std::array::from_fn(|axis| middles.values().map(|p| p[axis]).sum::<f64>() / count);
+    let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
+    let mut found: BTreeMap<Artery, (f64, usize)> = BTreeMap::new();
+    for (row, meaning) in meanings.iter().enumerate() {
+        let LabelMeaning::Artery(artery) = meaning else { continue };
+        if matches!(artery, Artery::A1(_) | Artery::P1(_) | Artery::PComm(_) | Artery::AComm) {
+            continue;
+        }
+        for node in network.ends(row).into_iter().filter(|node| degree[*node] == 1) {
+            let away = network.node(node).position.map_or(0.0, |position| distance(position, centre));
+            let farthest = found.entry(*artery).or_insert((away, node));
+            if away > farthest.0 {
+                *farthest = (away, node);
+            }
+        }
+    }
+    found.into_iter().map(|(artery, (_, node))| (artery, node)).collect()
+}
+
+/// The mean position of the ends of the vessels of every artery, m.
+fn mean_positions(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Artery, Point> {
+    let mut sums: BTreeMap<Artery, (Point, f64)> = BTreeMap::new();
+    for (row, meaning) in meanings.iter().enumerate() {
+        let LabelMeaning::Artery(artery) = meaning else { continue };
+        for p in network.ends(row).into_iter().filter_map(|node| network.node(node).position) {
+            let (sum, count) = sums.entry(*artery).or_default();
+            (*sum, *count) = ([sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]], *count + 1.0);
+        }
+    }
+    sums.into_iter().map(|(artery, (sum, count))| (artery, sum.map(|x| x / count))).collect()
+}

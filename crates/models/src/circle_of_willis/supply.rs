@@ -1,0 +1,169 @@
+//! Who feeds what in a circle, and how late: the share of each territory's and outlet's blood by feeder, and the time since it entered,
+//! over the topologies that are plausible.
+
+use super::arteries::Artery;
+use super::circle::Circle;
+use super::collaterals::{FEEDERS, TERRITORIES};
+use willis_core::flow::Boundary;
+use willis_core::network::{Network, Role};
+use willis_core::simulation::simulate;
+use willis_core::simulation::transport::Transports;
+use willis_core::support::parallel::in_order;
+
+/// Of more topologies so many are followed, drawn by their weights.
+pub const MOST_TOPOLOGIES: usize = 1000;
+/// The interval has this probability on each side of it.
+const TAIL: f64 = 0.05;
+
+/// Where blood goes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Destination {
+    /// A territory of [`TERRITORIES`].
+    Territory(Artery),
+    /// An outlet, by its node.
+    Outlet(usize),
+}
+
+/// A figure over topologies, between the bounds of its interval.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Spread {
+    /// Its mean, or its median.
+    pub middle: f64,
+    /// The bounds between which it lies with a probability of 90 % or more.
+    pub interval: [f64; 2],
+}
+
+/// The blood of one destination.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Supply {
+    /// Where it goes.
+    pub destination: Destination,
+    /// The probability that any arrives.
+    pub fed: f64,
+    /// Where any arrives, the share from each of [`FEEDERS`], the mean over topologies; what passes none of them is left over.
+    pub shares: [Spread; 3],
+    /// Where any arrives, the mean time since it entered, s, the median over topologies: in one in which blood hardly moves it is hours.
+    pub arrival: Spread,
+}
+
+/// The blood at a destination in one topology: its shares by feeder, and the mean time since it entered, s.
+type Blood = ([f64; 3], f64);
+
+/// Follows the blood through the steady flow of each of some topologies, given as the vessels that they keep with their weights.
+/// `viscosity` in Pa s. The circle must have been found in `network`. A topology through which no blood can flow feeds nothing.
+pub fn supplies(
+    circle: &Circle,
+    network: &Network,
+    topologies: &[(Vec<bool>, f64)],
+    boundary: &Boundary,
+    viscosity: f64,
+) -> Vec<Supply> {
+    let outlets = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet);
+    let destinations = TERRITORIES.into_iter().map(Destination::Territory).chain(outlets.map(Destination::Outlet));
+    let destinations: Vec<Destination> = destinations.collect();
+    let chosen = by_weight(topologies);
+    let all = in_order(&chosen, |_, (kept, _)| one(circle, network, kept, boundary, viscosity, &destinations));
+    let total: f64 = chosen.iter().map(|(_, weight)| weight).sum();
+    let supply = |(at, destination): (usize, &Destination)| {
+        let found = all.iter().zip(&chosen).filter_map(|(found, (_, weight))| Some((found.as_ref()?[at]?, *weight)));
+        let found: Vec<(Blood, f64)> = found.collect();
+        let fed: f64 = found.iter().map(|(_, weight)| weight).sum();
+        let each = |of: &dyn Fn(&Blood) -> f64| found.iter().map(|(blood, weight)| (of(blood), *weight)).collect();
+        Supply {
+            destination: *destination,
+            fed: if total > 0.0 { fed / total } else { 0.0 },
+            shares: [0, 1, 2].map(|feeder| Spread::about_mean(each(&|(shares, _)| shares[feeder]))),
+            arrival: Spread::about_median(each(&|(_, arrival)| *arrival)),
+        }
+    };
+    destinations.iter().enumerate().map(supply).collect()
+}
+
+/// All topologies, or of many as many as are followed, at even steps of the summed weight.
+pub fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
+    if topologies.len() <= MOST_TOPOLOGIES {
+        return topologies.iter().map(|(kept, weight)| (kept, *weight)).collect();
+    }
+    let total: f64 = topologies.iter().map(|(_, weight)| weight).sum();
+    let mut chosen: Vec<(usize, f64)> = Vec::new();
+    let (mut at, mut passed) = (0, topologies[0].1);
+    for step in 0..MOST_TOPOLOGIES {
+        let middle = (step as f64 + 0.5) / MOST_TOPOLOGIES as f64 * total;
+        while passed < middle && at + 1 < topologies.len() {
+            at += 1;
+            passed += topologies[at].1;
+        }
+        match chosen.last_mut() {
+            Some((last, weight)) if *last == at => *weight += 1.0,
+            _ => chosen.push((at, 1.0)),
+        }
+    }
+    chosen.into_iter().map(|(at, weight)| (&topologies[at].0, weight)).collect()
+}
+
+/// The blood of each destination in one topology; `None` where nothing flows at all.
+fn one(
+    circle: &Circle,
+    network: &Network,
+    kept: &[bool],
+    boundary: &Boundary,
+    viscosity: f64,
+    destinations: &[Destination],
+) -> Option<Vec<Option<Blood>>> {
+    let boundary = &boundary.held(network, |row| kept[row]);
+    let (network, rows) = &network.subgraph(|row| kept[row]);
+    let arteries = circle.restricted_to(rows).artery_vessels(network);
+    let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
+    let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
+    let mut marks = vec![None; network.vessel_count()];
+    for (feeder, vessels) in arteries.feeders.iter().enumerate() {
+        for vessel in vessels {
+            marks[*vessel] = Some(feeder);
+        }
+    }
+    let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
+    let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+    let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
+    let at_node = |node: usize| {
+        let (shares, blood) = (passed[node].as_ref()?, transport.nodes[node].as_ref()?);
+        Some(([shares[0], shares[1], shares[2]], blood.mean))
+    };
+    let blood = |destination: &Destination| match destination {
+        Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
+        // An end that was joined is none.
+        Destination::Outlet(_) => None,
+        Destination::Territory(artery) => {
+            let at = TERRITORIES.iter().position(|territory| territory == artery)?;
+            // The flow in an artery is largest where it begins, before branches leave.
+            let begins = arteries.territories[at].iter().max_by(|a, b| flow(**a).abs().total_cmp(&flow(**b).abs()))?;
+            at_node(transport.vessels[*begins]?.0)
+        }
+    };
+    Some(destinations.iter().map(blood).collect())
+}
+
+impl Spread {
+    /// The median of values with weights, with their interval; NaN without any.
+    pub fn about_median(mut values: Vec<(f64, f64)>) -> Self {
+        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let quantile = |share: f64| {
+            let mut below = 0.0;
+            let reached = values.iter().find(|(_, weight)| {
+                below += weight;
+                below >= share * total
+            });
+            reached.or(values.last()).map_or(f64::NAN, |(x, _)| *x)
+        };
+        Self { middle: quantile(0.5), interval: [quantile(TAIL), quantile(1.0 - TAIL)] }
+    }
+
+    /// The mean of values with weights, which adds up where they do. What is seldom may bring it out of the interval of the median: the interval
+    /// then goes on to it.
+    pub fn about_mean(values: Vec<(f64, f64)>) -> Self {
+        let total: f64 = values.iter().map(|(_, weight)| weight).sum();
+        let middle = values.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
+        let [low, high] = Self::about_median(values).interval;
+        Self { middle, interval: [low.min(middle), high.max(middle)] }
+    }
+}

@@ -1,0 +1,249 @@
+//! Branches between junctions, and contact clusters: junctions that lie within each other's lumen, with the branch ends that meet there.
+
+use std::collections::BTreeMap;
+
+use petgraph::unionfind::UnionFind;
+
+use willis_core::network::path_places::length_of;
+use willis_core::network::{Network, Origin, PathPoint};
+use willis_core::support::geometry::Point;
+use willis_core::support::statistics::median;
+
+/// Junctions are one cluster along a branch no longer than the sum of their radii, ...
+const REACH: f64 = 1.0;
+/// ... until more ends than this meet there, unless the branch is shorter than this share of it.
+const MOST_ENDS: usize = 6;
+const NOTHING_BETWEEN: f64 = 0.5;
+
+/// One end of a branch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub struct BranchEnd {
+    /// The branch, by row.
+    pub branch: usize,
+    /// Whether it is its last point.
+    pub last: bool,
+}
+
+/// A run of observed vessels between two nodes where not exactly two vessels meet.
+#[derive(Debug, Clone)]
+pub struct Branch {
+    /// Its nodes, first and last.
+    pub ends: [usize; 2],
+    /// Rows of its vessels in order, each with whether it is passed backwards.
+    pub vessels: Vec<(usize, bool)>,
+    /// All its nodes in order, one more than it has vessels.
+    pub nodes: Vec<usize>,
+    /// Its points, the nodes first and last.
+    pub points: Vec<PathPoint>,
+    /// Its length, m.
+    pub length: f64,
+    /// The median radius of its points, the ends left out, m.
+    pub radius: f64,
+    /// The clusters at its ends; `None` at a free end.
+    pub clusters: [Option<usize>; 2],
+}
+
+/// Junctions that lie within each other's lumen.
+#[derive(Debug, Clone)]
+pub struct Cluster {
+    /// Its junctions, rows of nodes, rising.
+    pub nodes: Vec<usize>,
+    /// The branches inside it, rows of [`Branches::inner`].
+    pub inner: Vec<usize>,
+    /// The points of its junctions and inner branches.
+    pub core: Vec<PathPoint>,
+    /// The median radius of these, m.
+    pub radius: f64,
+    /// The branch ends that meet here.
+    pub ends: Vec<BranchEnd>,
+}
+
+impl Cluster {
+    /// The mean of the core's points.
+    pub fn centre(&self) -> Point {
+        let sum = self.core.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p.position[k]));
+        sum.map(|total| total / self.core.len().max(1) as f64)
+    }
+}
+
+/// The observed vessels as branches between clusters.
+#[derive(Debug, Clone, Default)]
+pub struct Branches {
+    /// Branches between clusters and free ends.
+    pub branches: Vec<Branch>,
+    /// Branches within clusters; of theirs, `clusters` is the one they are in.
+    pub inner: Vec<Branch>,
+    /// The clusters.
+    pub clusters: Vec<Cluster>,
+}
+
+impl Branches {
+    /// Divides the observed vessels of a network, whose nodes have positions.
+    pub fn new(network: &Network) -> Self {
+        let runs = runs(network, |_| false);
+        let degree = degree_by_runs(network, &runs);
+        let is_junction = |node: usize| degree[node] > 2;
+        let mut radius_at = vec![0.0_f64; network.node_count()];
+        for run in &runs {
+            for (node, point) in [(run.ends[0], run.points.first()), (run.ends[1], run.points.last())] {
+                radius_at[node] = radius_at[node].max(point.map_or(0.0, |p| p.radius));
+            }
+        }
+        let mut union = UnionFind::<usize>::new(network.node_count());
+        let mut count: Vec<usize> = degree.clone();
+        let mut is_inner = vec![false; runs.len()];
+        let mut order: Vec<usize> = (0..runs.len()).collect();
+        order.sort_by(|a, b| runs[*a].length.total_cmp(&runs[*b].length).then(a.cmp(b)));
+        for row in order {
+            let [a, b] = runs[row].ends;
+            let sum = radius_at[a] + radius_at[b];
+            if !is_junction(a) || !is_junction(b) || runs[row].length > REACH * sum {
+                continue;
+            }
+            let (a, b) = (union.find_mut(a), union.find_mut(b));
+            let ends = if a == b { count[a] - 2 } else { count[a] + count[b] - 2 };
+            if a != b && ends > MOST_ENDS && runs[row].length > NOTHING_BETWEEN * sum {
+                continue;
+            }
+            is_inner[row] = true;
+            union.union(a, b);
+            count[union.find(a)] = ends;
+        }
+        let mut row_of: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut clusters: Vec<Cluster> = Vec::new();
+        for node in (0..network.node_count()).filter(|node| is_junction(*node)) {
+            let row = *row_of.entry(union.find(node)).or_insert_with(|| {
+                clusters.push(Cluster { nodes: Vec::new(), inner: Vec::new(), core: Vec::new(), radius: 0.0, ends: Vec::new() });
+                clusters.len() - 1
+            });
+            clusters[row].nodes.push(node);
+            let position = network.node(node).position.unwrap_or_default();
+            clusters[row].core.push(PathPoint { position, radius: radius_at[node], id: None });
+        }
+        let mut cluster_of = |node: usize| is_junction(node).then(|| row_of[&union.find(node)]);
+        let mut this = Self::default();
+        for (mut run, inside) in runs.into_iter().zip(is_inner) {
+            run.clusters = run.ends.map(&mut cluster_of);
+            if let (true, Some(cluster)) = (inside, run.clusters[0]) {
+                clusters[cluster].inner.push(this.inner.len());
+                let between = run.points.len().saturating_sub(1).max(1);
+                clusters[cluster].core.extend_from_slice(&run.points[1.min(between)..between]);
+                this.inner.push(run);
+                continue;
+            }
+            for (last, cluster) in [(false, run.clusters[0]), (true, run.clusters[1])] {
+                if let Some(cluster) = cluster {
+                    clusters[cluster].ends.push(BranchEnd { branch: this.branches.len(), last });
+                }
+            }
+            this.branches.push(run);
+        }
+        for cluster in &mut clusters {
+            cluster.radius = median(&cluster.core.iter().map(|p| p.radius).collect::<Vec<f64>>()).unwrap_or(0.0);
+        }
+        this.clusters = clusters;
+        this
+    }
+
+    /// The node where an end is.
+    pub fn node(&self, end: BranchEnd) -> usize {
+        self.branches[end.branch].ends[usize::from(end.last)]
+    }
+
+    /// The vessel at an end, and whether the branch passes it backwards.
+    pub fn vessel_at(&self, end: BranchEnd) -> (usize, bool) {
+        let vessels = &self.branches[end.branch].vessels;
+        vessels[if end.last { vessels.len() - 1 } else { 0 }]
+    }
+
+    /// The branches inside a cluster at one of its nodes: row of [`Branches::inner`], node at the other end, length (m).
+    pub fn inside(&self, cluster: usize, node: usize) -> impl Iterator<Item = (usize, usize, f64)> {
+        self.clusters[cluster].inner.iter().filter_map(move |row| {
+            let inner = &self.inner[*row];
+            let next = inner.ends.iter().position(|end| *end == node).map(|end| inner.ends[1 - end])?;
+            Some((*row, next, inner.length))
+        })
+    }
+
+    /// The cluster at an end; `None` where it is free.
+    pub fn cluster(&self, end: BranchEnd) -> Option<usize> {
+        self.branches[end.branch].clusters[usize::from(end.last)]
+    }
+}
+
+impl BranchEnd {
+    /// The other end of the same branch.
+    #[must_use]
+    pub fn other(self) -> Self {
+        Self { branch: self.branch, last: !self.last }
+    }
+}
+
+/// How many ends of runs meet at each node.
+fn degree_by_runs(network: &Network, runs: &[Branch]) -> Vec<usize> {
+    let mut degree = vec![0; network.node_count()];
+    runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
+    degree
+}
+
+/// The runs of observed vessels between nodes where not exactly two of them meet, or where runs end besides. A ring without such a node
+/// is none.
+pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Branch> {
+    let is_observed = |row: usize| network.vessel(row).origin == Origin::Observed;
+    let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| is_observed(*row)) {
+        for node in ends {
+            at[node].push(row);
+        }
+    }
+    let mut done = vec![false; network.vessel_count()];
+    let mut out = Vec::new();
+    for start in (0..network.vessel_count()).filter(|row| is_observed(*row)) {
+        let ends = network.ends(start);
+        let Some(from) = ends.into_iter().find(|node| at[*node].len() != 2 || ends_runs(*node)) else { continue };
+        if done[start] {
+            continue;
+        }
+        // From a node that ends runs, along vessels, to the next such node.
+        let (mut node, mut row, mut vessels, mut nodes) = (from, start, Vec::new(), vec![from]);
+        loop {
+            done[row] = true;
+            let [a, b] = network.ends(row);
+            let backwards = a != node;
+            vessels.push((row, backwards));
+            node = if backwards { a } else { b };
+            nodes.push(node);
+            match at[node][..] {
+                [x, y] if x != y && !ends_runs(node) => row = if x == row { y } else { x },
+                _ => break,
+            }
+            if done[row] {
+                break;
+            }
+        }
+        out.extend(branch(network, nodes, vessels));
+    }
+    out
+}
+
+/// The branch of some vessels; `None` where it has no length.
+fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<Branch> {
+    let mut points: Vec<PathPoint> = Vec::new();
+    for (row, backwards) in &vessels {
+        let vessel = network.vessel(*row);
+        let mut path = vessel.path.clone();
+        if path.len() < 2 {
+            let [a, b] = network.ends(*row).map(|node| network.node(node).position.unwrap_or_default());
+            path = [a, b].map(|position| PathPoint { position, radius: vessel.radius, id: None }).to_vec();
+        }
+        if *backwards {
+            path.reverse();
+        }
+        points.extend_from_slice(&path[usize::from(!points.is_empty())..]);
+    }
+    let ends = [nodes[0], nodes[nodes.len() - 1]];
+    let length = length_of(&points);
+    let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
+    let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
+    (length > 0.0 && radius > 0.0).then_some(Branch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })
+}

@@ -1,0 +1,492 @@
+//! What the mask tells of a pair of branch ends: whether a tube from one to the other lies in the lumen, and how the lumen is shaped there.
+//!
+//! All features are ratios of lengths or areas, or cosines. R is the radius of the cluster's core, ρ = 1.5 R.
+
+use super::branches::Branches;
+use super::courses::Courses;
+use super::features::{Pair, Table};
+use super::image::image_features;
+use super::sections::{Section, across, axis_of, principal, section};
+use willis_core::support::geometry::{Point, area_of, cross, distance, dot, lerp, norm, radius_of, sub, unit};
+use willis_core::support::in_order;
+use willis_core::support::statistics::median;
+use willis_io::masks::{Field, Scene};
+
+/// Sections of an end lie at these multiples of ρ along its course, across the direction over this multiple to either side.
+const STATIONS: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 3.5];
+const SPAN: f64 = 0.5;
+/// They are so many radii wide to either side.
+const HALF_WIDTH: f64 = 3.0;
+/// Fewer sections than this do not make an axis.
+const LEAST_SECTIONS: usize = 3;
+/// Inner points of the tube between two ends.
+const INNER: usize = 9;
+/// Rings of points around the middle of the tube, at these shares of its radius.
+const RINGS: [f64; 2] = [0.5, 0.9];
+const AROUND: usize = 8;
+/// A depth profile is parted where it falls below this share of what is on both sides.
+const DIP: f64 = 0.85;
+
+/// The features, by name.
+pub const MASK_FEATURES: [&str; 52] = [
+    "miss_least",
+    "miss_most",
+    "skew",
+    "axes_straight",
+    "tube_bend",
+    "area_ratio",
+    "area_least",
+    "area_most",
+    "elongation_least",
+    "elongation_most",
+    "miss_margin_least",
+    "miss_margin_most",
+    "ring_half_mean",
+    "ring_half_least",
+    "ring_full_mean",
+    "ring_full_least",
+    "depth_least",
+    "depth_mean",
+    "ring_margin_least",
+    "ring_margin_most",
+    "signed_least",
+    "signed_mean",
+    "far_least",
+    "far_mean",
+    "far_inside",
+    "signed_margin_least",
+    "signed_margin_most",
+    "far_margin_least",
+    "far_margin_most",
+    "signed_pairing",
+    "miss_pairing",
+    "better_least",
+    "better_most",
+    "section_least",
+    "section_most",
+    "section_elongation",
+    "section_elongation_most",
+    "section_second",
+    "section_saddle",
+    "section_shift",
+    "way_least",
+    "way_most",
+    "way_dip",
+    "way_dips",
+    "murray_areas",
+    "volume",
+    "linear",
+    "planar",
+    "core_depth",
+    "normal_least",
+    "normal_most",
+    "cover",
+];
+/// Features of how well tubes cover the lumen around a cluster, by name.
+pub const COVER_FEATURES: [&str; 3] = ["cover_with_rest", "cover_without", "cover_margin"];
+
+/// The names of all features of the mask, in their order.
+pub fn mask_feature_names() -> Vec<String> {
+    MASK_FEATURES.iter().chain(&COVER_FEATURES).map(|name| format!("mask_{name}")).collect()
+}
+
+/// The lumen near the core along a branch end.
+pub struct Arm {
+    /// The middle of its axis.
+    pub middle: Point,
+    /// The axis, away from the core.
+    pub along: Point,
+    /// Where the axis is nearest to the core.
+    pub root: Point,
+    /// The typical area of its sections, m².
+    pub area: f64,
+    /// The radius of a circle of that area, m.
+    pub radius: f64,
+    /// The typical elongation of its sections.
+    pub elongation: f64,
+    /// Depths along the course from the core outwards, m.
+    pub depths: Vec<f64>,
+    /// The middles of its sections.
+    pub centres: Vec<Point>,
+}
+
+/// Two values, the lower first.
+pub fn sorted(a: f64, b: f64) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
+fn arm(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, end: usize) -> Arm {
+    let c = &branches.clusters[cluster];
+    let rho = 1.5 * c.radius;
+    let course = courses.walk(branches, c.ends[end], 8.0 * rho);
+    let length = course.length();
+    let last = STATIONS[STATIONS.len() - 1] * rho;
+    let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
+    let radii = course.radii_between(0.6 * rho, 5.0 * rho);
+    let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
+    let sections: Vec<(Point, Section)> = STATIONS
+        .iter()
+        .map(|station| {
+            let s = station * rho * shrunk;
+            let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
+            (course.at(s), section(field, course.at(s), direction, HALF_WIDTH * typical))
+        })
+        .collect();
+    let there: Vec<&(Point, Section)> = sections.iter().filter(|(_, s)| s.area > 0.0).collect();
+    let of = |f: &dyn Fn(&Section) -> f64| median(&there.iter().map(|(_, s)| f(s)).collect::<Vec<f64>>());
+    let (centres, area, elongation) = if there.len() < LEAST_SECTIONS {
+        (sections.iter().map(|(p, _)| *p).collect::<Vec<Point>>(), area_of(typical), 1.0)
+    } else {
+        let centre = |(p, s): &&(Point, Section)| {
+            let share = (0.5 * typical / norm(s.shift).max(f64::MIN_POSITIVE)).min(1.0);
+            [0, 1, 2].map(|k| p[k] + share * s.shift[k])
+        };
+        let area = of(&|s| s.area).unwrap_or(area_of(typical));
+        (there.iter().map(centre).collect(), area, of(&Section::elongation).unwrap_or(1.0))
+    };
+    let (middle, along) = axis_of(&centres);
+    let ahead = dot(sub(centres[0], middle), along);
+    let reach = (2.0 * rho).min(0.9 * length);
+    Arm {
+        root: [0, 1, 2].map(|k| middle[k] + ahead * along[k]),
+        middle,
+        along,
+        area,
+        radius: radius_of(area),
+        elongation,
+        depths: (0..7).map(|n| field.depth(course.at(reach * f64::from(n) / 8.0))).collect(),
+        centres,
+    }
+}
+
+/// A curve from `p` to `q` that leaves p against `u` and arrives at q along `v`, both away from the core; with its tangents.
+fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
+    let l = distance(q, p);
+    let at = |n: usize| {
+        let s = n as f64 / (INNER + 1) as f64;
+        let (s2, s3) = (s * s, s * s * s);
+        let weights = [1.0 - 3.0 * s2 + 2.0 * s3, s - 2.0 * s2 + s3, 3.0 * s2 - 2.0 * s3, s3 - s2];
+        [0, 1, 2].map(|k| weights[0] * p[k] - weights[1] * l * u[k] + weights[2] * q[k] + weights[3] * l * v[k])
+    };
+    (0..INNER + 2).map(at).collect()
+}
+
+/// A tube between two arms: inner points, tangents, radii.
+pub struct Tube {
+    /// Points.
+    pub points: Vec<Point>,
+    /// Unit vectors along it.
+    pub tangents: Vec<Point>,
+    /// Radii, m.
+    pub radii: Vec<f64>,
+    far: Vec<Point>,
+    length: f64,
+}
+
+impl Tube {
+    fn new(a: &Arm, b: &Arm) -> Self {
+        let curve = hermite([a.root, a.along], [b.root, b.along]);
+        let far = hermite([a.middle, a.along], [b.middle, b.along]);
+        let inner = 1..=INNER;
+        Self {
+            tangents: inner.clone().map(|n| unit(sub(curve[n + 1], curve[n - 1]))).collect(),
+            radii: inner.clone().map(|n| a.radius + (b.radius - a.radius) * n as f64 / (INNER + 1) as f64).collect(),
+            points: curve[inner.clone()].to_vec(),
+            far: far[inner].to_vec(),
+            length: curve.windows(2).map(|w| distance(w[1], w[0])).sum(),
+        }
+    }
+}
+
+/// Mean and least of some values.
+fn mean_least(values: &[f64]) -> [f64; 2] {
+    [values.iter().sum::<f64>() / values.len().max(1) as f64, values.iter().copied().fold(f64::INFINITY, f64::min)]
+}
+
+/// What a pair's tube tells by itself, before its rivals.
+struct OfTube {
+    miss: [f64; 2],
+    skew: f64,
+    bend: f64,
+    rings: [[f64; 2]; 2],
+    signed: [f64; 2],
+    depth: [f64; 2],
+    far: [f64; 2],
+    far_inside: f64,
+    sections: [f64; 7],
+}
+
+impl OfTube {
+    fn new(field: &Field, a: &Arm, b: &Arm, tube: &Tube) -> Self {
+        let w = sub(b.middle, a.middle);
+        let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
+        let (miss_a, miss_b) = (off(a.along), off(b.along));
+        let sum = a.radius + b.radius;
+        let normal = cross(a.along, b.along);
+        let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
+        let ring = |share: f64| -> [f64; 2] {
+            let inside: Vec<f64> = (0..INNER)
+                .map(|n| {
+                    let [u, v] = across(tube.tangents[n]);
+                    let hit = |k: &usize| {
+                        let (s, c) = (*k as f64 * std::f64::consts::TAU / AROUND as f64).sin_cos();
+                        let r = share * tube.radii[n];
+                        field.signed([0, 1, 2].map(|x| tube.points[n][x] + r * (c * u[x] + s * v[x]))) > 0.0
+                    };
+                    (0..AROUND).filter(hit).count() as f64 / AROUND as f64
+                })
+                .collect();
+            mean_least(&inside)
+        };
+        let over = |points: &[Point]| -> Vec<f64> {
+            points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
+        };
+        let (signed, far) = (over(&tube.points), over(&tube.far));
+        let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
+        let sections: Vec<Section> = (0..INNER)
+            .step_by(2)
+            .map(|n| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel()))
+            .collect();
+        let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
+        let areas: Vec<f64> = sections.iter().map(|s| s.area).collect();
+        let fold = |values: &[f64], of: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, of);
+        let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
+        let shifts: Vec<f64> = sections.iter().map(|s| norm(s.shift)).collect();
+        Self {
+            miss: sorted((miss_a / sum + 0.1).ln(), (miss_b / sum + 0.1).ln()),
+            skew: (skew / sum + 0.1).ln(),
+            bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
+            rings: RINGS.map(ring),
+            signed: mean_least(&signed),
+            depth: mean_least(&depth),
+            far: mean_least(&far),
+            far_inside: far.iter().filter(|x| **x > 0.0).count() as f64 / INNER as f64,
+            sections: [
+                (fold(&areas, f64::min, f64::INFINITY) / a.area.min(b.area) + 0.1).ln(),
+                (fold(&areas, f64::max, 0.0) / a.area.max(b.area) + 0.1).ln(),
+                median(&elongations).unwrap_or(1.0).ln(),
+                fold(&elongations, f64::max, 1.0).ln(),
+                sections.iter().map(|s| s.second).fold(0.0, f64::max),
+                sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
+                fold(&shifts, f64::max, 0.0) / mean_radius,
+            ],
+        }
+    }
+}
+
+/// The depths along the way from one end over the core to the other: least and most over a radius, the deepest dip, the number of dips.
+fn along_the_way(field: &Field, arms: [&Arm; 2], core: &[Point]) -> [f64; 4] {
+    let [a, b] = arms;
+    let mut depth: Vec<f64> = a.depths.iter().rev().copied().collect();
+    depth.extend(core.iter().map(|p| field.depth(*p)));
+    depth.extend_from_slice(&b.depths);
+    let before = depth.clone();
+    for n in 1..depth.len() - 1 {
+        depth[n] = 0.25 * before[n - 1] + 0.5 * before[n] + 0.25 * before[n + 1];
+    }
+    let small = 0.1 * field.voxel();
+    let running = |values: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
+        let most = values.scan(0.0_f64, |most, x| {
+            *most = most.max(x);
+            Some(*most)
+        });
+        most.collect()
+    };
+    let forward = running(&mut depth.iter().copied());
+    let mut backward = running(&mut depth.iter().rev().copied());
+    backward.reverse();
+    let dips: Vec<f64> = (0..depth.len()).map(|n| (depth[n] + small) / (forward[n].min(backward[n]) + small)).collect();
+    let low: Vec<bool> = dips.iter().map(|x| *x < DIP).collect();
+    let count = (0..low.len()).filter(|n| low[*n] && (*n == 0 || !low[n - 1])).count();
+    let [least, most] = [depth.iter().copied().fold(f64::INFINITY, f64::min), depth.iter().copied().fold(0.0, f64::max)];
+    let [thin, wide] = sorted(a.radius, b.radius);
+    [(least / thin + 0.1).ln(), (most / wide + 0.1).ln(), dips.iter().copied().fold(f64::INFINITY, f64::min), count as f64]
+}
+
+/// The lumen in a ball around a core.
+struct Around {
+    places: Vec<Point>,
+    volume: f64,
+    linear: f64,
+    planar: f64,
+    normal: Point,
+}
+
+impl Around {
+    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[Arm]) -> Self {
+        let c = &branches.clusters[cluster];
+        let (centre, rho) = (c.centre(), 1.5 * c.radius);
+        let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
+        let reach = (1.6 * rho).max(span + 0.8 * rho);
+        let places = field.voxels_around(centre, reach);
+        let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
+        let n = places.len().max(1) as f64;
+        let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+        let [(least, normal), (middle, _), (most, _)] = principal(&places, sum.map(|x| x / n));
+        let most = most.max(f64::MIN_POSITIVE);
+        Self {
+            volume: (places.len() as f64 * field.voxel_volume() / expected + 0.05).ln(),
+            linear: 1.0 - middle / most,
+            planar: (middle - least) / most,
+            normal,
+            places,
+        }
+    }
+
+    /// Per place whether a tube covers it.
+    fn covered(&self, tube: &Tube, voxel: f64) -> Vec<bool> {
+        let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
+        self.places.iter().map(near).collect()
+    }
+}
+
+/// Share of the places that either of two tubes covers.
+fn share(a: &[bool], b: &[bool]) -> f64 {
+    a.iter().zip(b).filter(|(x, y)| **x || **y).count() as f64 / a.len().max(1) as f64
+}
+
+/// Clusters with more pairs than this are not searched for the best two tubes.
+const MOST_PAIRS: usize = 15;
+
+/// Cover by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
+fn covers(around: &Around, pairs: &[Pair], tubes: &[Tube], voxel: f64) -> Vec<[f64; 3]> {
+    let covered: Vec<Vec<bool>> = tubes.iter().map(|tube| around.covered(tube, voxel)).collect();
+    let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
+    let mut two: Vec<(usize, usize, f64)> = Vec::new();
+    if pairs.len() <= MOST_PAIRS {
+        for a in 0..pairs.len() {
+            two.extend((a + 1..pairs.len()).filter(|b| disjoint(a, *b)).map(|b| (a, b, share(&covered[a], &covered[b]))));
+        }
+    }
+    let of = |n: usize| {
+        let alone = share(&covered[n], &covered[n]);
+        let rest = (0..pairs.len()).filter(|other| disjoint(n, *other));
+        let with = rest.map(|other| share(&covered[n], &covered[other])).reduce(f64::max).unwrap_or(alone);
+        let without = if two.is_empty() {
+            let others = (0..pairs.len()).filter(|other| *other != n);
+            others.map(|other| share(&covered[other], &covered[other])).fold(0.0, f64::max)
+        } else {
+            two.iter().filter(|(a, b, _)| *a != n && *b != n).map(|(_, _, share)| *share).fold(0.0, f64::max)
+        };
+        [alone, with, without]
+    };
+    (0..pairs.len()).map(of).collect()
+}
+
+/// The features of pairs, each a row of [`mask_feature_names`], and of [`image_feature_names`] where there is an image.
+///
+/// [`image_feature_names`]: super::image::image_feature_names
+pub fn mask_features(
+    field: &Field,
+    scene: Option<&Scene>,
+    branches: &Branches,
+    courses: &Courses,
+    pairs: &[Pair],
+) -> Vec<Vec<f64>> {
+    let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
+    in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, courses, pairs)).concat()
+}
+
+fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+    let cluster = pairs[0].cluster;
+    let c = &branches.clusters[cluster];
+    let arms: Vec<Arm> = (0..c.ends.len()).map(|end| arm(field, branches, courses, cluster, end)).collect();
+    let tubes: Vec<Tube> = pairs.iter().map(|p| Tube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
+    let found: Vec<OfTube> =
+        pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
+    let around = Around::new(field, branches, cluster, &arms);
+    let cover = covers(&around, pairs, &tubes, field.voxel());
+    let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
+    let table = |f: &dyn Fn(&OfTube) -> f64| Table::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
+    let straight = table(&|t| -t.miss[1]);
+    let signed = table(&|t| t.signed[1]);
+    let far = table(&|t| t.far[0]);
+    let ring = table(&|t| t.rings[1][0]);
+    let fit = table(&|t| t.signed[0] + t.signed[1]);
+    let mut areas: Vec<f64> = arms.iter().map(|a| a.area).collect();
+    let widest = areas.iter().copied().fold(0.0, f64::max);
+    areas.sort_by(|a, b| b.total_cmp(a));
+    let others: f64 = areas.iter().skip(1).map(|a| a.powf(1.5)).sum();
+    let murray = (areas[0].powf(1.5) / others.max(f64::MIN_POSITIVE)).ln();
+    let deepest = c.core.iter().map(|p| field.depth(p.position)).fold(0.0, f64::max);
+    let most_radius = arms.iter().map(|a| a.radius).fold(0.0, f64::max);
+    let rivals = (arms.len() - 1) as f64;
+    let better =
+        |end: usize, value: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > value).count() as f64 / rivals;
+    let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
+    let of_pair = |n: usize| -> Vec<f64> {
+        let ends = pairs[n].ends;
+        let [a, b] = ends.map(|end| &arms[end]);
+        let t = &found[n];
+        let to_widest = sorted((a.area / widest).ln(), (b.area / widest).ln());
+        let elongation = sorted(a.elongation, b.elongation);
+        let miss_margin = straight.margins(ends, -1.5);
+        let ring_margin = ring.margins(ends, 0.0);
+        let signed_margin = signed.margins(ends, 0.0);
+        let far_margin = far.margins(ends, 0.0);
+        let own = fit.get(ends[0], ends[1]);
+        let behind = sorted(better(ends[0], own), better(ends[1], own));
+        let gain = |table: &Table| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
+        let way = way_through(&core, a.root, b.root);
+        let way = along_the_way(field, [a, b], &way);
+        let normal = sorted(dot(a.along, around.normal).abs(), dot(b.along, around.normal).abs());
+        let [alone, with, without] = cover[n];
+        let mut row = vec![
+            t.miss[0],
+            t.miss[1],
+            t.skew,
+            -dot(a.along, b.along),
+            t.bend,
+            (a.area / b.area).ln().abs(),
+            to_widest[0],
+            to_widest[1],
+            elongation[0],
+            elongation[1],
+            miss_margin[0],
+            miss_margin[1],
+            t.rings[0][0],
+            t.rings[0][1],
+            t.rings[1][0],
+            t.rings[1][1],
+            t.depth[1],
+            t.depth[0],
+            ring_margin[0],
+            ring_margin[1],
+            t.signed[1],
+            t.signed[0],
+            t.far[1],
+            t.far[0],
+            t.far_inside,
+            signed_margin[0],
+            signed_margin[1],
+            far_margin[0],
+            far_margin[1],
+            gain(&fit),
+            gain(&straight),
+            behind[0],
+            behind[1],
+        ];
+        row.extend(t.sections);
+        row.extend(way);
+        row.extend([murray, around.volume, around.linear, around.planar, (deepest / most_radius + 0.1).ln()]);
+        row.extend([normal[0], normal[1], alone, with, without, with - without]);
+        row
+    };
+    let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
+    if let Some(scene) = scene {
+        let shown = image_features(scene, field.voxel(), c.centre(), &arms, &tubes, pairs);
+        rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
+    }
+    rows
+}
+
+/// Places on the core's way from one arm to the other: the core's points nearest to a few places on the straight line.
+fn way_through(core: &[Point], from: Point, to: Point) -> Vec<Point> {
+    let near = |n: u32| {
+        let at = lerp(from, to, f64::from(n) / 4.0);
+        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
+    };
+    let mut way: Vec<Point> = (1..4).filter_map(near).collect();
+    way.dedup();
+    way
+}

@@ -1,0 +1,464 @@
+//! What the skeleton tells of a pair of branch ends at a cluster. All features are ratios of lengths, or cosines.
+//!
+//! R is the radius of the cluster's core, ρ = 1.5 R. S is the cosine between one end's direction and the other's reversed: 1 where a
+//! vessel passes straight through.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use super::branches::{BranchEnd, Branches};
+use super::courses::Courses;
+use willis_core::network::paths::ShortestPaths;
+use willis_core::support::geometry::{Point, distance, dot, sub, unit};
+use willis_core::support::statistics::median;
+
+/// Directions are taken between these multiples of ρ, near and far.
+const NEAR: [f64; 2] = [0.4, 2.2];
+const FAR: [f64; 2] = [0.8, 6.0];
+/// A direction begins no further along a course than this share of it.
+const MOST_START: f64 = 0.2;
+/// A search for another way around passes no more than so many clusters.
+const MOST_PASSED: usize = 60;
+/// A way around is no longer than this many R.
+const LONGEST_WAY: f64 = 200.0;
+
+/// The features of a pair, by name.
+pub const PAIR_FEATURES: [&str; 27] = [
+    "straight_near",
+    "straight_far",
+    "near_margin_least",
+    "near_margin_most",
+    "far_margin_least",
+    "far_margin_most",
+    "pairing_gain",
+    "radius_ratio",
+    "thinner",
+    "wider",
+    "murray",
+    "core_width",
+    "narrowing",
+    "ends",
+    "way_inside",
+    "length_least",
+    "length_most",
+    "free_ends",
+    "is_short",
+    "way_around",
+    "no_way_around",
+    "way_around_ratio",
+    "beyond_least",
+    "beyond_most",
+    "straight_by_ratio",
+    "ways_around",
+    "core_size",
+];
+/// The features of a branch as seen from one of its ends, by name.
+pub const BRANCH_FEATURES: [&str; 15] = [
+    "length",
+    "width",
+    "narrowest",
+    "free",
+    "far_straight",
+    "far_aligned",
+    "far_wider",
+    "far_ends",
+    "here_straight",
+    "here_aligned",
+    "here_wider",
+    "partner",
+    "bulge",
+    "winding",
+    "parallel",
+];
+
+/// The names of all features of the skeleton, in their order.
+pub fn skeleton_feature_names() -> Vec<String> {
+    let pairs = PAIR_FEATURES.iter().map(|name| (*name).to_owned());
+    let branches =
+        ["least", "most"].into_iter().flat_map(|of| BRANCH_FEATURES.iter().map(move |name| format!("branch_{name}_{of}")));
+    pairs.chain(branches).collect()
+}
+
+/// A pair of ends that meet at a cluster, by their places among its ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Pair {
+    /// The cluster.
+    pub cluster: usize,
+    /// The two ends, the lower first.
+    pub ends: [usize; 2],
+}
+
+/// All pairs, cluster by cluster.
+pub fn pairs_of(branches: &Branches) -> Vec<Pair> {
+    let mut out = Vec::new();
+    for (cluster, c) in branches.clusters.iter().enumerate() {
+        for i in 0..c.ends.len() {
+            out.extend((i + 1..c.ends.len()).map(|j| Pair { cluster, ends: [i, j] }));
+        }
+    }
+    out
+}
+
+/// The median of what is there, or another value.
+fn median_or(values: &[f64], other: f64) -> f64 {
+    median(values).unwrap_or(other)
+}
+
+/// What is known of the ends of a cluster.
+struct Ends {
+    near: Vec<Point>,
+    far: Vec<Point>,
+    radius: Vec<f64>,
+}
+
+fn ends_of(branches: &Branches, courses: &Courses, cluster: usize) -> Ends {
+    let c = &branches.clusters[cluster];
+    let rho = 1.5 * c.radius;
+    let mut out = Ends { near: Vec::new(), far: Vec::new(), radius: Vec::new() };
+    for end in &c.ends {
+        let course = courses.walk(branches, *end, 8.0 * rho);
+        let length = course.length();
+        let along = |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
+        out.near.push(along(NEAR));
+        out.far.push(along(FAR));
+        let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
+        out.radius.push(median_or(&radii, branches.branches[end.branch].radius));
+    }
+    out
+}
+
+/// The skeleton as a graph of clusters and free ends.
+struct Coarse {
+    /// Per branch its two nodes: clusters, then free ends.
+    nodes: Vec<[usize; 2]>,
+    /// Per node its branches: the branch, the node at the other end, the length.
+    next: Vec<Vec<(usize, usize, f64)>>,
+}
+
+impl Coarse {
+    fn new(branches: &Branches) -> Self {
+        let mut count = branches.clusters.len();
+        let mut nodes = Vec::with_capacity(branches.branches.len());
+        for branch in &branches.branches {
+            nodes.push(branch.clusters.map(|cluster| {
+                cluster.unwrap_or_else(|| {
+                    count += 1;
+                    count - 1
+                })
+            }));
+        }
+        let mut next = vec![Vec::new(); count];
+        for (row, [a, b]) in nodes.iter().enumerate() {
+            let length = branches.branches[row].length;
+            next[*a].push((row, *b, length));
+            next[*b].push((row, *a, length));
+        }
+        Self { nodes, next }
+    }
+
+    /// Way lengths (m) from the far end of a branch without passing a cluster, and the length of all branches met, m.
+    fn beyond(&self, paths: &mut ShortestPaths, cluster: usize, end: BranchEnd, length: f64) -> (BTreeMap<usize, f64>, f64) {
+        let from = self.nodes[end.branch][usize::from(!end.last)];
+        if from == cluster {
+            return (BTreeMap::new(), length);
+        }
+        let (mut met, mut used, mut found) = (length, BTreeSet::from([end.branch]), BTreeMap::new());
+        let around = |node: usize| self.next[node].iter().copied().filter(|(_, next, _)| *next != cluster);
+        paths.search(&[from], f64::INFINITY, around, |lengths, node| {
+            found.insert(node, lengths[node]);
+            met += self.next[node].iter().filter(|(branch, ..)| used.insert(*branch)).map(|(.., length)| length).sum::<f64>();
+            found.len() <= MOST_PASSED
+        });
+        (found, met)
+    }
+}
+
+/// The features of every branch as seen from each of its ends: first, last.
+fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]> {
+    let directions: Vec<Vec<Point>> = branches
+        .clusters
+        .iter()
+        .map(|c| {
+            let rho = 1.5 * c.radius;
+            let direction = |end: &BranchEnd| {
+                let course = courses.walk(branches, *end, 5.0 * rho);
+                let length = course.length();
+                course.direction((0.5 * rho).min(MOST_START * length), (4.0 * rho).min(length))
+            };
+            c.ends.iter().map(direction).collect()
+        })
+        .collect();
+    let of_branch = |row: usize| {
+        let branch = &branches.branches[row];
+        let course = courses.of(row);
+        let typical = median_or(&course.radii, branch.radius);
+        let mut sides = [[0.0, 0.0, -1.0, 0.0, 0.0]; 2];
+        let mut through: [Option<Point>; 2] = [None; 2];
+        for last in [false, true] {
+            let side = usize::from(last);
+            let Some(cluster) = branch.clusters[side] else {
+                sides[side] = [0.0, 0.0, -1.0, 0.0, 0.0];
+                continue;
+            };
+            let ends = &branches.clusters[cluster].ends;
+            let own = ends.iter().position(|end| *end == BranchEnd { branch: row, last }).unwrap_or(0);
+            let d = &directions[cluster];
+            let others: Vec<usize> = (0..ends.len()).filter(|end| *end != own).collect();
+            let mut best: Option<(f64, [usize; 2])> = None;
+            for (n, a) in others.iter().enumerate() {
+                for b in &others[n + 1..] {
+                    let s = -dot(d[*a], d[*b]);
+                    if best.is_none_or(|(most, _)| s > most) {
+                        best = Some((s, [*a, *b]));
+                    }
+                }
+            }
+            through[side] = best.map(|(_, [a, b])| unit(sub(d[a], d[b])));
+            let aligned = match through[side] {
+                Some(along) => dot(d[own], along).abs(),
+                None => others.iter().map(|a| dot(d[own], d[*a]).abs()).fold(0.0, f64::max),
+            };
+            let widest = others.iter().map(|a| branches.branches[ends[*a].branch].radius).fold(0.0, f64::max);
+            let wider = if widest > 0.0 { (widest / branch.radius).ln() } else { 0.0 };
+            let partner = others.iter().map(|a| -dot(d[own], d[*a])).fold(-1.0, f64::max);
+            sides[side] = [best.map_or(-1.0, |(s, _)| s), aligned, wider, others.len() as f64, partner];
+        }
+        let core = branch.clusters.map(|cluster| cluster.map_or(0.0, |c| branches.clusters[c].radius));
+        let widest_core = core[0].max(core[1]);
+        let parallel = match through {
+            [Some(a), Some(b)] => dot(a, b).abs(),
+            _ => -0.3,
+        };
+        let line = &course.points;
+        let chord = distance(line[line.len() - 1], line[0]);
+        let winding = ((branch.length + 1e-3 * typical) / (chord + 0.1 * typical)).ln();
+        let least = course.radii.iter().copied().fold(f64::INFINITY, f64::min);
+        let most = course.radii.iter().copied().fold(0.0, f64::max);
+        let narrowest = if widest_core > 0.0 { (least / widest_core).ln() } else { 0.0 };
+        [0, 1].map(|here| {
+            let (h, f) = (sides[here], sides[1 - here]);
+            [
+                (branch.length / (core[0] + core[1] + 0.3 * typical) + 0.05).ln(),
+                (typical / widest_core.max(0.3 * typical)).ln(),
+                narrowest,
+                f64::from(u8::from(branch.clusters[1 - here].is_none())),
+                f[0],
+                f[1],
+                f[2],
+                f[3],
+                h[0],
+                h[1],
+                h[2],
+                h[4],
+                (most / typical).ln(),
+                winding,
+                parallel,
+            ]
+        })
+    };
+    (0..branches.branches.len()).map(of_branch).collect()
+}
+
+/// A symmetric table of the pairs of a cluster's ends; `nothing` on the diagonal.
+pub struct Table {
+    size: usize,
+    values: Vec<f64>,
+}
+
+impl Table {
+    /// The table of a function of two ends.
+    pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
+        let mut values = vec![nothing; size * size];
+        for i in 0..size {
+            for j in (0..size).filter(|j| *j != i) {
+                values[i * size + j] = value(i.min(j), i.max(j));
+            }
+        }
+        Self { size, values }
+    }
+
+    /// The value of two ends.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        self.values[i * self.size + j]
+    }
+
+    /// The value of a pair less the best of each end's other partners, the least first; `alone` stands for an end without another.
+    pub fn margins(&self, [i, j]: [usize; 2], alone: f64) -> [f64; 2] {
+        let others = || (0..self.size).filter(|q| *q != i && *q != j);
+        let best = |end: usize| others().map(|q| self.get(end, q)).reduce(f64::max).unwrap_or(alone);
+        let (a, b) = (self.get(i, j) - best(i), self.get(i, j) - best(j));
+        [a.min(b), a.max(b)]
+    }
+
+    /// What pairing these two, and the best two of the rest, gains on the best pairing that parts them; zero with fewer than four ends.
+    pub fn pairing_gain(&self, [i, j]: [usize; 2]) -> f64 {
+        let rest: Vec<usize> = (0..self.size).filter(|q| *q != i && *q != j).collect();
+        if rest.len() < 2 {
+            return 0.0;
+        }
+        let mut apart = f64::NEG_INFINITY;
+        let mut together = f64::NEG_INFINITY;
+        for p in &rest {
+            for q in rest.iter().filter(|q| *q != p) {
+                together = together.max(self.get(*p, *q));
+                apart = apart.max(self.get(i, *p) + self.get(j, *q));
+            }
+        }
+        self.get(i, j) + together - apart
+    }
+}
+
+/// The features of pairs, each a row of [`skeleton_feature_names`].
+pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+    let coarse = Coarse::new(branches);
+    let of_branch = branch_features(branches, courses);
+    let all: Vec<f64> = branches.branches.iter().flat_map(|b| b.points.iter().map(|p| p.radius)).collect();
+    let typical = median_or(&all, 1.0);
+    let mut paths = ShortestPaths::new(coarse.next.len());
+    let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
+    let mut inside = ShortestPaths::new(nodes);
+    let mut out = Vec::with_capacity(pairs.len());
+    let mut from = 0;
+    while from < pairs.len() {
+        let cluster = pairs[from].cluster;
+        let to = from + pairs[from..].iter().take_while(|p| p.cluster == cluster).count();
+        let here = Here::new(branches, courses, &coarse, [&mut paths, &mut inside], cluster, typical);
+        for pair in &pairs[from..to] {
+            let [i, j] = pair.ends;
+            let [a, b] = [i, j].map(|end| {
+                let end = branches.clusters[cluster].ends[end];
+                of_branch[end.branch][usize::from(end.last)]
+            });
+            let mut row = here.pair(pair.ends);
+            row.extend((0..a.len()).map(|k| a[k].min(b[k])));
+            row.extend((0..a.len()).map(|k| a[k].max(b[k])));
+            out.push(row);
+        }
+        from = to;
+    }
+    out
+}
+
+/// A cluster with all that the features of its pairs need.
+struct Here {
+    core: f64,
+    typical: f64,
+    near: Table,
+    far: Table,
+    radius: Vec<f64>,
+    length: Vec<f64>,
+    free: Vec<bool>,
+    beyond: Vec<f64>,
+    around: Table,
+    ways: f64,
+    murray: f64,
+    /// Per pair the way inside the core (m) and the least radius on it.
+    within: Vec<Vec<(f64, f64)>>,
+}
+
+impl Here {
+    fn new(
+        branches: &Branches,
+        courses: &Courses,
+        coarse: &Coarse,
+        [paths, inside]: [&mut ShortestPaths; 2],
+        cluster: usize,
+        typical: f64,
+    ) -> Self {
+        let c = &branches.clusters[cluster];
+        let ends = ends_of(branches, courses, cluster);
+        let count = c.ends.len();
+        let near = Table::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
+        let far = Table::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
+        let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
+        let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
+            c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
+        let around = Table::of(count, f64::INFINITY, |i, j| {
+            if c.ends[i].branch == c.ends[j].branch {
+                return length[i];
+            }
+            let ways = beyond[i].0.iter().filter_map(|(node, d)| beyond[j].0.get(node).map(|e| d + e));
+            ways.fold(f64::INFINITY, f64::min) + length[i] + length[j]
+        });
+        let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
+        let ways = pairs.filter(|(i, j)| around.get(*i, *j).is_finite()).count() as f64;
+        let mut wide = ends.radius.clone();
+        wide.sort_by(|a, b| b.total_cmp(a));
+        let others: f64 = wide.iter().skip(1).map(|r| r.powi(3)).sum();
+        let murray = wide.first().map_or(0.0, |r| (r.powi(3) / others.max(f64::MIN_POSITIVE)).ln());
+        let entry_radius = |end: &BranchEnd| {
+            let points = &branches.branches[end.branch].points;
+            points[if end.last { points.len() - 1 } else { 0 }].radius
+        };
+        let mut within = Vec::new();
+        for from in &c.ends {
+            inside.search(&[branches.node(*from)], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
+            let to = |end: &BranchEnd| {
+                let (_, way) = inside.path_to(branches.node(*end));
+                let narrowest = way.iter().flat_map(|row| branches.inner[*row].points.iter().map(|p| p.radius));
+                let low = narrowest.chain([entry_radius(from), entry_radius(end)]).fold(f64::INFINITY, f64::min);
+                (inside.lengths()[branches.node(*end)], low)
+            };
+            within.push(c.ends.iter().map(to).collect());
+        }
+        Self {
+            core: c.radius,
+            typical,
+            within,
+            free: c.ends.iter().map(|end| branches.cluster(end.other()).is_none()).collect(),
+            beyond: beyond.into_iter().map(|(_, met)| met).collect(),
+            radius: ends.radius,
+            near,
+            far,
+            length,
+            around,
+            ways,
+            murray,
+        }
+    }
+
+    /// The features of a pair, in the order of [`PAIR_FEATURES`].
+    fn pair(&self, ends: [usize; 2]) -> Vec<f64> {
+        let [i, j] = ends;
+        let core = self.core.max(f64::MIN_POSITIVE);
+        let radii = ends.map(|end| self.radius[end].ln());
+        let widest = self.radius.iter().copied().fold(0.0, f64::max).ln();
+        let [thin, wide] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
+        let sorted = |x: [f64; 2]| [x[0].min(x[1]), x[0].max(x[1])];
+        let lengths = sorted(ends.map(|end| (self.length[end] / core + 0.1).ln()));
+        let beyond = sorted(ends.map(|end| (self.beyond[end] / core + 0.1).ln()));
+        let around = self.around.get(i, j);
+        let way = around.min(LONGEST_WAY * core);
+        let (inside, low) = self.within[i][j];
+        let near = self.near.margins(ends, -1.0);
+        let far = self.far.margins(ends, -1.0);
+        vec![
+            self.near.get(i, j),
+            self.far.get(i, j),
+            near[0],
+            near[1],
+            far[0],
+            far[1],
+            self.far.pairing_gain(ends),
+            (radii[0] - radii[1]).abs(),
+            thin - widest,
+            wide - widest,
+            self.murray,
+            core.ln() - wide,
+            low.ln() - thin,
+            self.radius.len() as f64,
+            inside / core,
+            lengths[0],
+            lengths[1],
+            ends.iter().filter(|end| self.free[**end]).count() as f64,
+            f64::from(u8::from(lengths[0] < 1.0)),
+            (way / core).ln(),
+            f64::from(u8::from(around > LONGEST_WAY * core)),
+            (way / (self.length[i] + self.length[j] + core)).ln(),
+            beyond[0],
+            beyond[1],
+            self.near.get(i, j) * (radii[0] - radii[1]).abs(),
+            self.ways,
+            (core / self.typical).ln(),
+        ]
+    }
+}

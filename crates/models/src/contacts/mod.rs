@@ -1,0 +1,145 @@
+//! Contacts: places where observed vessels meet, and whether they are one vessel there or two that touch.
+//!
+//! Thinning makes one skeleton of vessels that touch in the mask. Junctions within each other's lumen are a cluster ([`branches`]), and the
+//! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
+//! ([`features`], or [`evidence`] where there is a mask, and [`image`] where an image lies beside it), and a log-linear model makes of the scores a probability for every set
+//! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
+//! ([`split()`]), vessels of origin contact whose probability a decision goes by.
+
+pub mod branches;
+pub mod courses;
+pub mod crowding;
+pub mod evidence;
+pub mod features;
+pub mod image;
+pub mod model;
+pub mod pairings;
+pub mod partition;
+pub mod sections;
+pub mod split;
+pub mod suggested_cuts;
+
+use ndarray::Array2;
+
+use branches::Branches;
+use courses::Courses;
+use crowding::Crowding;
+use evidence::{mask_feature_names, mask_features};
+use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
+use image::image_feature_names;
+use model::ContactModel;
+use partition::{Blocks, PartitionWeights, most_probable};
+use split::{Opened, split};
+use willis_core::network::Network;
+use willis_core::support::boosted_trees::stored;
+use willis_io::masks::{Field, Scene};
+
+/// The contacts of a network.
+pub struct ContactTable {
+    /// Branches and clusters.
+    pub branches: Branches,
+    /// Pairs of ends, cluster by cluster.
+    pub pairs: Vec<Pair>,
+    courses: Courses,
+}
+
+/// What contacts are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Basis {
+    /// The centerlines alone.
+    Skeleton,
+    /// Their mask.
+    Mask,
+    /// The mask and an image beside it.
+    Image,
+}
+
+impl Basis {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Skeleton, Self::Mask, Self::Image];
+
+    /// By what is there: an image without a mask says nothing.
+    pub fn of(mask: Option<&Field>, scene: Option<&Scene>) -> Self {
+        match (mask, scene) {
+            (None, _) => Self::Skeleton,
+            (Some(_), None) => Self::Mask,
+            (Some(_), Some(_)) => Self::Image,
+        }
+    }
+
+    /// The names of the features, in their order.
+    pub fn feature_names(self) -> Vec<String> {
+        match self {
+            Self::Skeleton => skeleton_feature_names(),
+            Self::Mask => mask_feature_names(),
+            Self::Image => [mask_feature_names(), image_feature_names()].concat(),
+        }
+    }
+}
+
+impl ContactTable {
+    /// The contacts of the observed vessels of a network, whose nodes have positions.
+    pub fn new(network: &Network) -> Self {
+        let branches = Branches::new(network);
+        let (courses, pairs) = (Courses::new(&branches), pairs_of(&branches));
+        Self { branches, pairs, courses }
+    }
+
+    /// What is measured of the pairs, a row each, a column one of [`Basis::feature_names`]. Where there is a mask the skeleton's own features
+    /// are left out: on manual masks they mislead.
+    pub fn features(&self, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
+        let rows = match mask {
+            Some(field) => mask_features(field, scene, &self.branches, &self.courses, &self.pairs),
+            None => skeleton_features(&self.branches, &self.courses, &self.pairs),
+        };
+        let columns = Basis::of(mask, scene).feature_names().len();
+        Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
+    }
+
+    /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
+    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<Table>> {
+        let mut out: Vec<Option<Table>> = self.branches.clusters.iter().map(|_| None).collect();
+        let mut from = 0;
+        for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
+            let own = &scores[from..from + pairs.len()];
+            let ends = self.branches.clusters[pairs[0].cluster].ends.len();
+            let mut next = own.iter();
+            let mut values = vec![0.0; ends * ends];
+            for pair in pairs {
+                let [i, j] = pair.ends;
+                values[i * ends + j] = next.next().copied().unwrap_or(0.0);
+            }
+            out[pairs[0].cluster] = Some(Table::of(ends, 0.0, |i, j| values[i * ends + j]));
+            from += pairs.len();
+        }
+        out
+    }
+
+    /// The most probable blocks of each cluster, given the scores of all pairs.
+    pub fn blocks(&self, scores: &[f64], weights: &PartitionWeights) -> Vec<Blocks> {
+        let tables = self.by_cluster(scores);
+        let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
+            Some(table) => most_probable(&table, cluster.ends.len(), weights),
+            None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
+        };
+        tables.into_iter().zip(&self.branches.clusters).map(of).collect()
+    }
+}
+
+/// The network with the contacts of its observed vessels opened, as far as a model finds them: a vessel of origin contact joins what
+/// was one junction. The nodes of `network` keep their rows. The image is left out where the model does not know images. Beside it, where
+/// the vessels are unlike those that the model was calibrated on, what to tell a person.
+pub fn with_contacts(
+    network: &Network,
+    mask: Option<&Field>,
+    scene: Option<&Scene>,
+    model: &ContactModel,
+) -> (Opened, Option<String>) {
+    let table = ContactTable::new(network);
+    let scene = scene.filter(|_| model.image.is_some());
+    let part = model.part(Basis::of(mask, scene));
+    let blocks = table.blocks(&part.trees.scores(&table.features(mask, scene)), &part.weights);
+    let opened = split(network, &table.branches, &blocks, |joined| part.probability(joined));
+    let here = Crowding::new(network, &table.branches, opened.junctions.len());
+    (opened, part.crowding.and_then(|most| here.unlike(most)))
+}

@@ -1,0 +1,156 @@
+//! Which branch ends at a cluster are one vessel: a probability for every set partition of them.
+//!
+//! P(z) ~ exp(θ·f(z)), where f adds up the scores of pairs in one block, and counts blocks. A cluster of more ends than the exact sum
+//! takes is put together greedily.
+
+use std::collections::BTreeMap;
+
+use super::features::Table;
+use willis_core::support::statistics::sigmoid;
+
+/// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
+pub const MOST_ENDS: usize = 6;
+/// Features of a partition; weights differ for two or three ends, four, and more.
+pub const PARTITION_FEATURES: usize = 6;
+/// Kinds of clusters by their number of ends.
+pub const SIZES: usize = 3;
+/// So many partitions are told of a cluster, and those that are as probable as this.
+const MOST_WAYS: usize = 5;
+const LEAST_OF_WAY: f64 = 0.01;
+
+/// Weights θ of the features of a partition, for each kind of cluster.
+pub type PartitionWeights = [[f64; PARTITION_FEATURES]; SIZES];
+
+/// The kind of a cluster of so many ends.
+pub fn size_of(ends: usize) -> usize {
+    ends.saturating_sub(3).min(SIZES - 1)
+}
+
+/// The set partitions of so many ends: the block of each end, blocks numbered in the order of their first ends.
+pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
+    let mut out = vec![vec![0; ends.min(1)]];
+    for _ in 1..ends {
+        out = out
+            .into_iter()
+            .flat_map(|blocks| {
+                let new = blocks.iter().max().map_or(0, |most| most + 1);
+                (0..=new).map(move |block| [&blocks[..], &[block]].concat())
+            })
+            .collect();
+    }
+    out
+}
+
+/// The features of a partition: the scores of pairs in one block, the negative ones alone, blocks, blocks of one, blocks of two (from
+/// four ends on), and whether exactly one pair is left together (from three ends on).
+pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_FEATURES] {
+    let ends = blocks.len();
+    let (mut sum, mut against) = (0.0, 0.0);
+    for i in 0..ends {
+        for j in (i + 1..ends).filter(|j| blocks[*j] == blocks[i]) {
+            sum += scores.get(i, j);
+            against += scores.get(i, j).min(0.0);
+        }
+    }
+    let count = blocks.iter().max().map_or(0, |most| most + 1);
+    let of_size = |size: usize| (0..count).filter(|b| blocks.iter().filter(|x| *x == b).count() == size).count();
+    let pairs = if ends >= 4 { of_size(2) as f64 } else { 0.0 };
+    let one_pair = ends > 2 && count == ends - 1;
+    [sum, against, count as f64 - 1.0, of_size(1) as f64, pairs, f64::from(u8::from(one_pair))]
+}
+
+/// The blocks of a cluster's ends, and how probable it is that two blocks are one vessel after all.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Blocks {
+    /// The block of each end, numbered in the order of their first ends.
+    pub of_end: Vec<usize>,
+    /// Pairs of blocks with the probability that some end of one is joined to some end of the other.
+    pub joined: Vec<([usize; 2], f64)>,
+    /// The most probable partitions with their probabilities, this one first; none where they are not summed.
+    pub ways: Vec<(Vec<usize>, f64)>,
+}
+
+impl Blocks {
+    /// How many blocks there are.
+    pub fn count(&self) -> usize {
+        self.of_end.iter().max().map_or(0, |most| most + 1)
+    }
+}
+
+/// The most probable blocks of the ends of a cluster, given the scores of their pairs.
+pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) -> Blocks {
+    if ends > MOST_ENDS {
+        return greedy(scores, ends);
+    }
+    let theta = weights[size_of(ends)];
+    let all = partitions(ends);
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let best = (0..all.len()).max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
+    let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
+    let total: f64 = weight.iter().sum();
+    let of_end = all[best].clone();
+    let joined = pairs_of_blocks(&of_end, |a, b| {
+        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+        let joins = |z: &[usize]| a.iter().any(|i| b.iter().any(|j| z[*i] == z[*j]));
+        all.iter().zip(&weight).filter(|(z, _)| joins(z)).map(|(_, w)| w).sum::<f64>() / total
+    });
+    let mut order: Vec<usize> = (0..all.len()).filter(|z| *z == best || weight[*z] >= LEAST_OF_WAY * total).collect();
+    order.sort_by(|a, b| weight[*b].total_cmp(&weight[*a]).then(a.cmp(b)));
+    let ways = order.into_iter().take(MOST_WAYS).map(|z| (all[z].clone(), weight[z] / total)).collect();
+    Blocks { of_end, joined, ways }
+}
+
+/// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
+pub fn pair_probabilities(scores: &Table, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
+    let theta = weights[size_of(ends)];
+    let all = partitions(ends);
+    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
+    let total: f64 = weight.iter().sum();
+    let of = |i: usize, j: usize| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
+    (0..ends).flat_map(|i| (i + 1..ends).map(move |j| [i, j])).map(|[i, j]| ([i, j], of(i, j))).collect()
+}
+
+/// Pairs of blocks with a figure of each.
+fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Vec<([usize; 2], f64)> {
+    let count = of_end.iter().max().map_or(0, |most| most + 1);
+    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
+    pairs.map(|[a, b]| ([a, b], figure(a, b))).collect()
+}
+
+/// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
+fn greedy(scores: &Table, ends: usize) -> Blocks {
+    let mut of_end: Vec<usize> = (0..ends).collect();
+    let between = |of_end: &[usize], a: usize, b: usize| {
+        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+        a.iter().flat_map(|i| b.iter().map(|j| scores.get(*i, *j))).sum::<f64>()
+    };
+    loop {
+        let mut best: Option<(f64, [usize; 2])> = None;
+        for a in 0..ends {
+            for b in a + 1..ends {
+                let there = |which: usize| of_end.contains(&which);
+                let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
+                if sum > best.map_or(0.0, |(most, _)| most) {
+                    best = Some((sum, [a, b]));
+                }
+            }
+        }
+        let Some((_, [a, b])) = best else { break };
+        of_end.iter_mut().filter(|block| **block == b).for_each(|block| *block = a);
+    }
+    let of_end = numbered(of_end);
+    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
+    Blocks { of_end, joined, ways: Vec::new() }
+}
+
+/// Blocks numbered in the order of their first ends.
+pub fn numbered(mut of_end: Vec<usize>) -> Vec<usize> {
+    let mut number = BTreeMap::new();
+    for block in &mut of_end {
+        let next = number.len();
+        *block = *number.entry(*block).or_insert(next);
+    }
+    of_end
+}

@@ -1,0 +1,132 @@
+//! Cross-sections of the lumen: the part of a plane inside the mask that a place belongs to.
+
+use faer::{Mat, Side};
+
+use willis_core::support::geometry::{Point, cross, distance, dot, lerp, sub, unit};
+use willis_io::masks::Field;
+
+/// Samples across a section.
+const PIXELS: usize = 19;
+/// The part that counts begins no further from the centre than this share of the half-width.
+const NEAREST: f64 = 0.35;
+/// A second middle lies further from the first than so many depths of the first.
+const APART: f64 = 1.2;
+/// Places between two middles where the depth is looked at.
+const BETWEEN: usize = 9;
+
+/// A cross-section. Lengths in m.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Section {
+    /// Its area, m²; zero where the plane misses the lumen.
+    pub area: f64,
+    /// From the place asked about to the centre of the area.
+    pub shift: Point,
+    /// The roots of its second moments, the larger first.
+    pub axes: [f64; 2],
+    /// The greatest depth further off than the greatest of all, over that one.
+    pub second: f64,
+    /// The least depth between these two over the lesser; 1 without a second.
+    pub saddle: f64,
+}
+
+impl Section {
+    /// The larger axis over the smaller; 1 without an area.
+    pub fn elongation(&self) -> f64 {
+        if self.area > 0.0 && self.axes[1] > 0.0 { self.axes[0] / self.axes[1] } else { 1.0 }
+    }
+}
+
+/// Two unit vectors across a direction.
+pub fn across(direction: Point) -> [Point; 2] {
+    let t = unit(direction);
+    let mut axis = [0.0; 3];
+    let least = (0..3).min_by(|a, b| t[*a].abs().total_cmp(&t[*b].abs())).unwrap_or(0);
+    axis[least] = 1.0;
+    let u = unit(cross(t, axis));
+    [u, cross(t, u)]
+}
+
+/// The section through a place, across a direction, within half a width of it.
+pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Section {
+    let [u, v] = across(direction);
+    let grid = |n: usize| 2.0 * n as f64 / (PIXELS - 1) as f64 - 1.0;
+    let at = |a: usize, b: usize| {
+        let (s, t) = (half * grid(a), half * grid(b));
+        [0, 1, 2].map(|k| place[k] + s * u[k] + t * v[k])
+    };
+    let depth: Vec<f64> = (0..PIXELS * PIXELS).map(|n| field.signed(at(n / PIXELS, n % PIXELS))).collect();
+    let off = |n: usize| grid(n / PIXELS).powi(2) + grid(n % PIXELS).powi(2);
+    let start = (0..depth.len()).filter(|n| depth[*n] > 0.0).min_by(|a, b| off(*a).total_cmp(&off(*b)));
+    let Some(start) = start.filter(|n| off(*n) < NEAREST * NEAREST) else {
+        return Section { saddle: 1.0, ..Section::default() };
+    };
+    let mut own = vec![false; depth.len()];
+    own[start] = true;
+    let mut open = vec![start];
+    while let Some(n) = open.pop() {
+        let (a, b) = (n / PIXELS, n % PIXELS);
+        for x in a.saturating_sub(1)..=(a + 1).min(PIXELS - 1) {
+            for y in b.saturating_sub(1)..=(b + 1).min(PIXELS - 1) {
+                let next = x * PIXELS + y;
+                if !own[next] && depth[next] > 0.0 {
+                    own[next] = true;
+                    open.push(next);
+                }
+            }
+        }
+    }
+    let inside: Vec<usize> = (0..own.len()).filter(|n| own[*n]).collect();
+    let count = inside.len() as f64;
+    let mean = |f: &dyn Fn(usize) -> f64| inside.iter().map(|n| f(*n)).sum::<f64>() / count;
+    let pixel = 2.0 / (PIXELS - 1) as f64;
+    let (mu, mv) = (mean(&|n| grid(n / PIXELS)), mean(&|n| grid(n % PIXELS)));
+    let own_spread = pixel * pixel / 12.0;
+    let suu = mean(&|n| (grid(n / PIXELS) - mu).powi(2)) + own_spread;
+    let svv = mean(&|n| (grid(n % PIXELS) - mv).powi(2)) + own_spread;
+    let suv = mean(&|n| (grid(n / PIXELS) - mu) * (grid(n % PIXELS) - mv));
+    let (half_trace, root) = (0.5 * (suu + svv), (0.25 * (suu - svv).powi(2) + suv * suv).sqrt());
+    let deepest = |among: &dyn Fn(usize) -> bool| {
+        inside.iter().copied().filter(|n| among(*n)).max_by(|a, b| depth[*a].total_cmp(&depth[*b]).then(b.cmp(a)))
+    };
+    let first = deepest(&|_| true).unwrap_or(start);
+    let place_of = |n: usize| at(n / PIXELS, n % PIXELS);
+    let limit = APART * depth[first].max(field.voxel());
+    let (mut second, mut saddle) = (0.0, 1.0);
+    if let Some(other) = deepest(&|n| distance(place_of(n), place_of(first)) > limit) {
+        let steps = (0..BETWEEN).map(|n| n as f64 / (BETWEEN - 1) as f64);
+        let low = steps.map(|s| field.depth(lerp(place_of(first), place_of(other), s))).fold(f64::INFINITY, f64::min);
+        second = depth[other] / (depth[first] + 0.1 * field.voxel());
+        saddle = low / depth[other].max(f64::MIN_POSITIVE);
+    }
+    Section {
+        area: count * (pixel * half).powi(2),
+        shift: [0, 1, 2].map(|k| half * (mu * u[k] + mv * v[k])),
+        axes: [(half_trace + root).sqrt() * half, (half_trace - root).max(own_spread / 4.0).sqrt() * half],
+        second,
+        saddle,
+    }
+}
+
+/// The axis through some places: their mean, and their first principal direction, the way from the first to the last.
+pub fn axis_of(places: &[Point]) -> (Point, Point) {
+    let n = places.len().max(1) as f64;
+    let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+    let mean = sum.map(|x| x / n);
+    let [.., (_, direction)] = principal(places, mean);
+    let (first, last) = (places.first().copied().unwrap_or(mean), places.last().copied().unwrap_or(mean));
+    let along = sub(last, first);
+    if dot(direction, along) < 0.0 { (mean, direction.map(|x| -x)) } else { (mean, direction) }
+}
+
+/// The variances of places around their mean, and their directions, the least first.
+pub fn principal(places: &[Point], mean: Point) -> [(f64, Point); 3] {
+    let covariance = Mat::from_fn(3, 3, |i, j| {
+        places.iter().map(|p| (p[i] - mean[i]) * (p[j] - mean[j])).sum::<f64>() / places.len().max(1) as f64
+    });
+    let Ok(found) = covariance.self_adjoint_eigen(Side::Lower) else {
+        // Only what is no number has no directions.
+        return [(0.0, [1.0, 0.0, 0.0]), (0.0, [0.0, 1.0, 0.0]), (0.0, [0.0, 0.0, 1.0])];
+    };
+    let (values, vectors) = (found.S(), found.U());
+    [0, 1, 2].map(|k| (values[k], [vectors[(0, k)], vectors[(1, k)], vectors[(2, k)]]))
+}

@@ -1,0 +1,127 @@
+//! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
+
+use super::TEMPER;
+use super::atlas::{Atlas, all_states, arteries};
+use super::belief::Forest;
+use super::emission::{Parts, Pose, emission, radius_fit};
+use super::nodes::Nodes;
+use super::pose::{Pulls, Scored, Search};
+use willis_core::support::geometry::{distance, dot, sub};
+
+/// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
+const WHOLE_BRAIN: f64 = 1500.0;
+/// Vessels in this share of the length are thick.
+const THICK: f64 = 0.90;
+/// The circle lies within this distance (mm) of the middle of the thick vessels.
+const REACH: f64 = 45.0;
+/// Of these, vessels above this share of the length serve the search of the pose.
+const SEARCHED: f64 = 0.55;
+/// Pieces of less length (mm) do not serve it.
+const LEAST_SEARCHED: f64 = 8.0;
+/// What lies within so many standard deviations of a state is named, in pieces of at least so much (mm).
+const ON_ATLAS: f64 = 2.5;
+const LEAST_NAMED: f64 = 6.0;
+
+/// What is to be named.
+pub struct Core {
+    /// Its nodes.
+    pub nodes: Nodes,
+    /// The median log radius where it is not that of these nodes.
+    pub median_log_radius: Option<f64>,
+}
+
+/// What lies on the atlas at a pose, in pieces that are long enough.
+fn on_the_atlas(nodes: &Nodes, atlas: &Atlas, pose: &Pose) -> Nodes {
+    let lies_there = |n: usize| {
+        let at = pose.apply(nodes.at[n]);
+        arteries().any(|state| {
+            let d = sub(at, atlas.data.pieces[state].mean);
+            dot(d, super::symmetric_times(&atlas.position[state].0, d)) < ON_ATLAS * ON_ATLAS
+        })
+    };
+    nodes.part(lies_there, LEAST_NAMED)
+}
+
+/// The core of a network whose pose is known.
+pub fn at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
+    if nodes.length() <= WHOLE_BRAIN {
+        return Some(Core { nodes, median_log_radius: None });
+    }
+    let named = on_the_atlas(&nodes, atlas, pose);
+    let median = named.median_log_radius(|_| 1.0);
+    (!named.is_empty()).then_some(Core { nodes: named, median_log_radius: Some(median) })
+}
+
+/// The core of a network and its poses, the best first.
+pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
+    if nodes.length() <= WHOLE_BRAIN {
+        let poses = search(&nodes, atlas);
+        return (!poses.is_empty()).then_some((Core { nodes, median_log_radius: None }, poses));
+    }
+    let radius = branch_radii(&nodes);
+    let thick = quantile(&radius, &nodes.weight, |_| true, THICK);
+    let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
+    let middle = [0, 1, 2].map(|k| {
+        let mut x: Vec<f64> = of_thick.iter().map(|n| nodes.at[*n][k]).collect();
+        x.sort_by(f64::total_cmp);
+        x.get(x.len() / 2).copied().unwrap_or_default()
+    });
+    let near = |n: usize| distance(nodes.at[n], middle) < REACH;
+    let least = quantile(&radius, &nodes.weight, near, SEARCHED);
+    let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
+    if searched.is_empty() {
+        return None;
+    }
+    let median = searched.median_log_radius(|_| 1.0);
+    let pose = search(&searched, atlas).first()?.pose;
+    let named = on_the_atlas(&nodes, atlas, &pose);
+    if named.is_empty() {
+        return None;
+    }
+    let radius = radius_fit(&named, atlas, median);
+    let forest = Forest::of(&named, &named.spanning_bridges(|_| true));
+    let weight = vec![1.0; named.len()];
+    let search = Search { nodes: &named, atlas, weight: &weight, radius: &radius, forest: &forest };
+    let all: Vec<usize> = (0..named.len()).collect();
+    let mut pose: Pose = pose;
+    let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
+    for _ in 0..3 {
+        let mut e = emission(&named, [&all, &all_states()], atlas, &pose, &atlas.position, Parts::ALL, &radius);
+        for x in &mut e {
+            *x *= TEMPER;
+        }
+        let names = forest.beliefs(atlas, &e).states;
+        pose = search.step(&all, &pose, &pulls, &names, true);
+    }
+    Some((Core { nodes: named, median_log_radius: Some(median) }, vec![Scored { pose, score: 0.0 }]))
+}
+
+fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
+    let radius = radius_fit(nodes, atlas, nodes.median_log_radius(|_| 1.0));
+    let forest = Forest::of(nodes, &nodes.spanning_bridges(|_| true));
+    let weight = vec![1.0; nodes.len()];
+    Search { nodes, atlas, weight: &weight, radius: &radius, forest: &forest }.everywhere()
+}
+
+/// Per node the mean radius of its branch, mm.
+fn branch_radii(nodes: &Nodes) -> Vec<f64> {
+    let (mut sum, mut length) = (vec![0.0; nodes.branches], vec![1e-9; nodes.branches]);
+    for n in 0..nodes.len() {
+        sum[nodes.branch[n]] += nodes.log_radius[n].exp() * nodes.weight[n];
+        length[nodes.branch[n]] += nodes.weight[n];
+    }
+    nodes.branch.iter().map(|b| sum[*b] / length[*b]).collect()
+}
+
+/// The value below which a share of the length of some nodes lies.
+fn quantile(values: &[f64], weight: &[f64], counts: impl Fn(usize) -> bool, share: f64) -> f64 {
+    let mut order: Vec<usize> = (0..values.len()).filter(|n| counts(*n)).collect();
+    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
+    let total: f64 = order.iter().map(|n| weight[*n]).sum();
+    let mut sum = 0.0;
+    let at = order.iter().find(|n| {
+        sum += weight[**n];
+        sum >= share * total
+    });
+    at.map_or(f64::INFINITY, |n| values[*n])
+}

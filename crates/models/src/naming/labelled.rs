@@ -1,0 +1,173 @@
+//! The vessels of a network with their names, divided where the name changes along them.
+
+use std::collections::BTreeMap;
+
+use super::Names;
+use super::states::{LABELS, Label, OTHER, name_of};
+use willis_core::network::units::metres;
+use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use willis_core::support::geometry::{distance, lerp};
+
+/// A contact from this probability on is a connection.
+const CONNECTED: f64 = 0.5;
+
+/// A piece of a vessel: its nodes, and the probability of its name.
+type Piece = ([usize; 2], Vessel, Option<f64>);
+
+/// A run of one name along a vessel: from and to (m along it), the name, and its mean probability.
+struct Run {
+    until: f64,
+    label: Label,
+    probability: f64,
+}
+
+/// The observed vessels of a graph with their names, and the probability of each name; vessels without one have an empty label and
+/// none. Nodes from row `original` on at which only a candidate had divided a vessel are gone.
+pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Network, Vec<Option<f64>>) {
+    let mut by_vessel: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for n in 0..names.nodes.len() {
+        by_vessel.entry(names.nodes.place[n].vessel).or_default().push(n);
+    }
+    let mut nodes: Vec<Node> = graph.nodes().cloned().collect();
+    let mut pieces: Vec<Option<Piece>> = Vec::new();
+    for (row, (ends, vessel)) in graph.vessels().enumerate() {
+        match vessel.origin {
+            Origin::Observed => {}
+            Origin::Contact if vessel.evidence.is_some_and(|e| e.probability >= CONNECTED) => {
+                pieces.push(Some((ends, Vessel { origin: Origin::Observed, evidence: None, ..vessel.clone() }, None)));
+                continue;
+            }
+            _ => continue,
+        }
+        let runs = by_vessel.get(&row).map(|own| runs_of(own, names)).unwrap_or_default();
+        let path = path_of(graph, ends, vessel);
+        let mut rest = &path[..];
+        let (mut from, mut begun) = (ends[0], Vec::new());
+        let mut along = 0.0;
+        for run in runs.iter().take(runs.len().saturating_sub(1)) {
+            // Points up to the place where the name changes, and a new node there.
+            while rest.len() > 1 && along + distance(rest[0].position, rest[1].position) <= run.until {
+                along += distance(rest[0].position, rest[1].position);
+                begun.push(rest[0]);
+                rest = &rest[1..];
+            }
+            let (Some(a), Some(b)) = (rest.first(), rest.get(1)) else { break };
+            let step = distance(a.position, b.position);
+            let share = if step > 0.0 { ((run.until - along) / step).clamp(0.0, 1.0) } else { 0.0 };
+            let at = PathPoint {
+                position: lerp(a.position, b.position, share),
+                radius: a.radius + share * (b.radius - a.radius),
+                id: None,
+            };
+            begun.push(*a);
+            begun.push(at);
+            let id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
+            nodes.push(Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() });
+            let to = nodes.len() - 1;
+            pieces.push(Some(piece([from, to], &begun, vessel, run)));
+            (from, begun) = (to, vec![at]);
+            rest = &rest[1..];
+            along += step;
+        }
+        begun.extend_from_slice(rest);
+        let last = Run { until: f64::INFINITY, label: OTHER, probability: 1.0 };
+        pieces.push(Some(piece([from, ends[1]], &begun, vessel, runs.last().unwrap_or(&last))));
+    }
+    merge(&mut pieces, nodes.len(), original, graph.node_count());
+    let mut out = Network::new();
+    out.frame = graph.frame;
+    let mut row = vec![usize::MAX; nodes.len()];
+    let mut probability = Vec::new();
+    let used: std::collections::BTreeSet<usize> = pieces.iter().flatten().flat_map(|(ends, ..)| *ends).collect();
+    for (n, node) in nodes.into_iter().enumerate().filter(|(n, _)| *n < original || used.contains(n)) {
+        row[n] = out.add_node(node);
+    }
+    for (ends, vessel, p) in pieces.into_iter().flatten() {
+        out.add_vessel(ends.map(|end| row[end]), vessel);
+        probability.push(p);
+    }
+    (out, probability)
+}
+
+/// The runs of names along a vessel, from the nodes that lie on it.
+fn runs_of(own: &[usize], names: &Names) -> Vec<Run> {
+    let mut order: Vec<usize> = own.to_vec();
+    order.sort_by(|a, b| names.nodes.place[*a].along.total_cmp(&names.nodes.place[*b].along));
+    let best =
+        |n: usize| (0..LABELS).fold(0, |best, label| if names.labels[n][label] > names.labels[n][best] { label } else { best });
+    let mut runs: Vec<(Run, f64)> = Vec::new();
+    let mut before = 0.0;
+    for n in order {
+        let (label, along) = (best(n), metres(names.nodes.place[n].along));
+        let p = names.labels[n][label];
+        match runs.last_mut() {
+            Some((run, count)) if run.label == label => {
+                run.probability += p;
+                *count += 1.0;
+            }
+            last => {
+                if let Some((run, _)) = last {
+                    run.until = 0.5 * (before + along);
+                }
+                runs.push((Run { until: f64::INFINITY, label, probability: p }, 1.0));
+            }
+        }
+        before = along;
+    }
+    runs.into_iter().map(|(run, count)| Run { probability: run.probability / count, ..run }).collect()
+}
+
+fn path_of(graph: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<PathPoint> {
+    if vessel.path.len() > 1 {
+        return vessel.path.clone();
+    }
+    let point =
+        |node: usize| PathPoint { position: graph.node(node).position.unwrap_or_default(), radius: vessel.radius, id: None };
+    ends.map(point).to_vec()
+}
+
+fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> Piece {
+    let is_named = run.label != OTHER;
+    let label = if is_named { name_of(run.label) } else { String::new() };
+    let vessel = Vessel { label, certain: whole.certain, ..Vessel::along(path.to_vec(), RadiusRule::Mean) };
+    (ends, vessel, is_named.then_some(run.probability))
+}
+
+/// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
+fn merge(pieces: &mut [Option<Piece>], nodes: usize, original: usize, divided: usize) {
+    let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
+    for (row, (ends, ..)) in pieces.iter().enumerate().filter_map(|(row, piece)| Some((row, piece.as_ref()?))) {
+        for end in ends {
+            at[*end].push(row);
+        }
+    }
+    for node in original..divided {
+        let [first, second] = at[node][..] else { continue };
+        if first == second {
+            continue;
+        }
+        let (Some((ends_a, a, p)), Some((ends_b, b, q))) = (pieces[first].clone(), pieces[second].clone()) else { continue };
+        if a.label != b.label {
+            continue;
+        }
+        let turn = |ends: [usize; 2], path: &[PathPoint], last: usize| -> (usize, Vec<PathPoint>) {
+            let mut path = path.to_vec();
+            if ends[1] == last {
+                (ends[0], path)
+            } else {
+                path.reverse();
+                (ends[1], path)
+            }
+        };
+        let (from, mut path) = turn(ends_a, &a.path, node);
+        let (to, mut rest) = turn(ends_b, &b.path, node);
+        rest.reverse();
+        path.extend(rest.into_iter().skip(1));
+        let probability = p.zip(q).map(|(p, q)| (p * a.length + q * b.length) / (a.length + b.length).max(1e-12));
+        let vessel = Vessel { label: a.label, certain: a.certain, ..Vessel::along(path, RadiusRule::Mean) };
+        pieces[first] = Some(([from, to], vessel, probability));
+        pieces[second] = None;
+        at[to].iter_mut().filter(|row| **row == second).for_each(|row| *row = first);
+        at[node].clear();
+    }
+}

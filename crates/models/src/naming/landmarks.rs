@@ -1,0 +1,177 @@
+//! Where named arteries meet and end: the landmarks that a person would click.
+
+use std::collections::BTreeMap;
+
+use super::atlas::Atlas;
+use super::emission::Pose;
+use super::nodes::Nodes;
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, STATES, Sided, bins_of, first_state, name_of};
+use crate::circle_of_willis::Side;
+use willis_core::support::geometry::{Point, distance, lerp};
+
+/// Nodes of two arteries that meet are no further apart, mm.
+const LIMIT: f64 = 12.0;
+
+/// A place that has a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPlace {
+    /// `L-ICA/L-M1/L-A1` for a bifurcation, `L-ICA` for where an artery enters or leaves.
+    pub label: String,
+    /// Its position in mm, RAS.
+    pub at: Point,
+    /// How probable the names on which it rests are.
+    pub probability: f64,
+}
+
+/// A bifurcation: two groups of labels that meet there, and the state of the atlas that lies there.
+pub struct Meeting {
+    /// Its name.
+    pub label: String,
+    /// The labels on the one side, and those on the other.
+    pub between: [Vec<Label>; 2],
+    /// The label at whose reference end it lies.
+    pub at: Label,
+}
+
+/// Every bifurcation that has a name.
+pub fn meetings() -> Vec<Meeting> {
+    let mut all = Vec::new();
+    for side in Side::BOTH {
+        let on = |artery: Sided| artery.on(side);
+        let mut add = |labels: &[Label], one: &[Label], other: &[Label], at: Label| {
+            let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
+            all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
+        };
+        let (ica, m1, m2, a1, a2) = (on(Sided::Ica), on(Sided::M1), on(Sided::M2), on(Sided::A1), on(Sided::A2));
+        let (p1, p2, pcomm) = (on(Sided::P1), on(Sided::P2), on(Sided::PComm));
+        add(&[ica, m1, a1], &[ica], &[m1, a1], ica);
+        add(&[a1, a2, ACOMM], &[a1], &[a2], a2);
+        add(&[m1, m2], &[m1], &[m2], m2);
+        add(&[ica, pcomm], &[ica], &[pcomm], pcomm);
+        add(&[p1, p2, pcomm], &[pcomm], &[p1, p2], p2);
+        add(&[p1, p2], &[p1], &[p2], p2);
+    }
+    let p1 = Side::BOTH.map(|side| Sided::P1.on(side));
+    all.push(Meeting { label: format!("BA/{}/{}", name_of(p1[0]), name_of(p1[1])), between: [vec![BA], p1.to_vec()], at: BA });
+    all
+}
+
+/// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
+/// meet. `best` is the label of each node.
+pub fn meeting_place(nodes: &Nodes, labels: &[[f64; LABELS]], best: &[Label], between: &[Vec<Label>; 2]) -> Option<(Point, f64)> {
+    let of = |group: &[Label]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
+    let [one, other] = [of(&between[0]), of(&between[1])];
+    let mut closest: Option<(f64, usize, usize)> = None;
+    for a in &one {
+        for b in &other {
+            let d = distance(nodes.at[*a], nodes.at[*b]);
+            if closest.is_none_or(|(known, ..)| d < known) {
+                closest = Some((d, *a, *b));
+            }
+        }
+    }
+    let (d, a, b) = closest?;
+    let sure = |n: usize, group: &[Label]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
+    (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
+}
+
+/// How far (mm) the place that the atlas expects may be from a vessel that is there.
+const EXPECTED_WITHIN: f64 = 12.0;
+/// The probability of a place of which only one side is seen.
+const ONE_SIDED: f64 = 0.25;
+
+/// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
+/// or where the posterior communicating artery that makes it is not.
+pub fn expected_place(nodes: &Nodes, best: &[Label], atlas: &Atlas, pose: &Pose, meeting: &Meeting) -> Option<(Point, f64)> {
+    let has = |label: Label| best.contains(&label);
+    let labels = || meeting.between.iter().flatten().copied();
+    let is_pcomm = |label: &Label| Side::BOTH.iter().any(|side| *label == Sided::PComm.on(*side));
+    if labels().find(is_pcomm).is_some_and(|pcomm| !has(pcomm)) {
+        return None;
+    }
+    let expected = pose.undo(atlas.data.pieces[first_state(meeting.at)].mean);
+    let near = (0..nodes.len()).filter(|n| labels().any(|label| label == best[*n])).map(|n| (distance(nodes.at[n], expected), n));
+    let (away, n) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (away <= EXPECTED_WITHIN).then(|| (nodes.at[n], ONE_SIDED))
+}
+
+/// Where PComm ends at P1 and P2, that is where they meet too.
+pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
+    for side in Side::BOTH {
+        let name = |artery: Sided| name_of(artery.on(side));
+        let short = format!("{}/{}", name(Sided::P1), name(Sided::P2));
+        let long = format!("{short}/{}", name(Sided::PComm));
+        if places.iter().any(|place| place.label == long) {
+            places.retain(|place| place.label != short);
+        }
+    }
+}
+
+/// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.
+pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[Label]) -> Vec<NamedPlace> {
+    let mut found: BTreeMap<Label, (f64, usize)> = BTreeMap::new();
+    for n in (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1 && best[*n] != OTHER) {
+        let of_states = &states[n * atlas.tables.label.len()..(n + 1) * atlas.tables.label.len()];
+        let label = best[n];
+        let (mut along, mut sum) = (0.0, 1e-9);
+        for (state, p) in of_states.iter().enumerate().filter(|(state, _)| atlas.tables.label[*state] == label) {
+            along += p * atlas.tables.bin[state] as f64;
+            sum += p;
+        }
+        let key = along / sum;
+        if found.get(&label).is_none_or(|(known, _)| key > *known) {
+            found.insert(label, (key, n));
+        }
+    }
+    // An artery that goes on under another name ends there.
+    let leaves = |label: Label| {
+        Side::BOTH.iter().any(|side| {
+            let on = |artery: Sided| artery.on(*side);
+            [on(Sided::Ica), on(Sided::A2), on(Sided::P2)].contains(&label)
+                || label == on(Sided::M2)
+                || label == on(Sided::M1) && !found.contains_key(&on(Sided::M2))
+        }) || label == BA
+    };
+    let kept = found.iter().filter(|(label, _)| leaves(**label));
+    let mut places: Vec<NamedPlace> = kept
+        .map(|(label, (_, n))| {
+            let shown = if Side::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
+            NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
+        })
+        .collect();
+    if let Some(vertebral) = vertebral_ends(nodes, labels, states, best) {
+        places.retain(|place| place.label != name_of(BA));
+        places.extend(vertebral);
+    }
+    places
+}
+
+/// The free end that is likeliest of an artery by which blood enters; `None` without a free end.
+pub fn likeliest_inlet(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Option<NamedPlace> {
+    let enters = [Sided::Ica.on(Side::Left), Sided::Ica.on(Side::Right), BA];
+    let ends = (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1);
+    let each = ends
+        .flat_map(|n| enters.map(|label| NamedPlace { label: name_of(label), at: nodes.at[n], probability: labels[n][label] }));
+    each.max_by(|a, b| a.probability.total_cmp(&b.probability))
+}
+
+/// Ends of the basilar artery further apart than this (mm) from left to right are those of the vertebral arteries, which the states of the
+/// basilar artery hold.
+const VERTEBRAL: f64 = 15.0;
+
+/// Where the vertebral arteries enter: of the free ends that lie as far along the basilar artery as its states go, the lowest on the left
+/// and on the right of their middle.
+fn vertebral_ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], best: &[Label]) -> Option<[NamedPlace; 2]> {
+    let last = first_state(BA) + bins_of(BA) - 1;
+    let is_end = |n: &usize| best[*n] == BA && nodes.degree(*n) <= 1 && states[n * STATES + last] > 0.5;
+    let ends: Vec<usize> = (0..nodes.len()).filter(is_end).collect();
+    let across = |n: usize| nodes.at[n][0];
+    let (least, most) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), n| (a.min(across(*n)), b.max(across(*n))));
+    let lowest = |side: Side| {
+        let own = ends.iter().filter(|n| (2.0 * across(**n) < least + most) == (side == Side::Left));
+        own.min_by(|a, b| nodes.at[**a][2].total_cmp(&nodes.at[**b][2]))
+    };
+    let (left, right) = (lowest(Side::Left)?, lowest(Side::Right)?);
+    let place = |label: &str, n: usize| NamedPlace { label: label.to_owned(), at: nodes.at[n], probability: labels[n][BA] };
+    (most - least > VERTEBRAL).then(|| [place("L-VA", *left), place("R-VA", *right)])
+}

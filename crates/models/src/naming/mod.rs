@@ -1,0 +1,317 @@
+//! Names the arteries of a Circle of Willis from their geometry alone, whole or broken, each name with a probability.
+//!
+//! An atlas holds where every 4 mm of every artery lies, how they run and how wide they are. The pose of a case in it is found from many
+//! starts; then exact belief propagation over the centerlines finds the names of all nodes together. Candidates pass names as far as
+//! they are believed, and what names say of a candidate comes back as a factor of its odds.
+
+pub mod algebra;
+pub mod atlas;
+pub mod belief;
+mod circle;
+mod core;
+pub mod emission;
+mod exclusion;
+mod joins;
+mod labelled;
+pub(crate) mod landmarks;
+pub mod model;
+mod models;
+pub mod nodes;
+pub mod pieces;
+pub mod pose;
+pub mod presence;
+pub mod single;
+pub mod states;
+pub mod ways;
+
+pub use algebra::{outer_sum, rotation, symmetric_times, turned};
+pub use circle::log_odds;
+pub use circle::topologies_say;
+pub use circle::{NamedCircle, Prior};
+pub use labelled::labelled_network;
+pub use landmarks::NamedPlace;
+pub use model::{NamingModel, NamingScores};
+pub use models::NamingModels;
+pub use nodes::Nodes;
+pub use states::{LABELS, Label, OTHER, name_of};
+
+use belief::{Beliefs, Forest};
+use emission::{Parts, Pose, emission, radius_fit};
+use exclusion::exclusion;
+use model::logistic_probability;
+use pieces::{label_probabilities, piece_features};
+use pose::{Scored, Search};
+use presence::Seen;
+use states::STATES;
+use willis_core::network::{Frame, Network};
+
+/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
+pub(crate) const TEMPER: f64 = 0.3;
+/// Rounds in which pieces of arteries that are taken twice settle.
+const ROUNDS: usize = 3;
+/// A name that fewer nodes than this are expected to have has no evidence.
+const LEAST_EVIDENCE: f64 = 1e-3;
+/// Frames whose log ratios differ by less than this for each node are near to each other.
+const NEAR: f64 = 0.1;
+/// A case has at least so much (mm) of pieces that are not false.
+const LEAST_TRUE: f64 = 20.0;
+
+/// The names of the nodes of a case.
+#[derive(Debug, Clone)]
+pub struct Names {
+    /// The nodes, in mm and RAS.
+    pub nodes: Nodes,
+    /// The frame of the network's file, stated or found.
+    pub frame: Frame,
+    /// Whether the frame was found by front and back.
+    pub frame_was_found: bool,
+    /// How the case lies in the atlas.
+    pub pose: Pose,
+    /// How well it fits there: the log ratio of all names to no artery of the circle, with the prior of the pose. NaN where the pose was known.
+    pub fit: f64,
+    /// The number of the model that named it, of [`NamingModels`].
+    pub(crate) by: usize,
+    /// Per node the probabilities of the labels.
+    pub labels: Vec<[f64; LABELS]>,
+    /// Per node the probabilities of the states, given that its piece is part of the circle: nodes x states.
+    pub states: Vec<f64>,
+    /// Per piece the probability that it is no artery of the circle.
+    pub false_pieces: Vec<f64>,
+    /// For each segment of [`crate::circle_of_willis::RING`] the probability that it is there, by what is seen of names.
+    pub presence: [f64; 7],
+    /// Whether enough of each segment is seen to name it.
+    pub is_seen: [bool; 7],
+    /// Whether they are of a part of the network: the circle of a whole brain.
+    pub(crate) is_part: bool,
+    /// What is seen of each label.
+    pub seen: Seen,
+    /// Per bridge of the nodes, by how much the names multiply its odds.
+    pub bridge_factor: Vec<f64>,
+    /// The features of the pieces in the first and in the second pass.
+    pub piece_features: [Vec<[f64; pieces::PIECE_FEATURES]>; 2],
+}
+
+/// What one pass finds.
+struct Pass {
+    forest: Forest,
+    beliefs: Beliefs,
+    /// The log likelihoods that they are of: nodes x states.
+    log_likelihood: Vec<f64>,
+    features: Vec<[f64; pieces::PIECE_FEATURES]>,
+}
+
+/// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
+/// network without a vessel or without positions.
+pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
+    name_with(network, model, |features, pass| model.is_false(features, pass))
+}
+
+/// As [`name_arteries`], with a rule for false pieces: from the features of a piece, and in the second pass the logarithm of what the first
+/// pass said.
+pub fn name_with(
+    network: &Network,
+    model: &NamingModel,
+    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
+) -> Option<Names> {
+    if !network.has_positions() {
+        return None;
+    }
+    let all = Nodes::of(network);
+    if all.is_empty() {
+        return None;
+    }
+    let atlas = &model.atlas;
+    let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
+    let mut found: Vec<(Frame, core::Core, Vec<Scored>)> = Vec::new();
+    for frame in frames {
+        let seen = if network.frame.is_known() || *frame == Frame::Ras { all.clone() } else { all.turned_about_vertical() };
+        found.extend(core::find(seen, atlas).map(|(core, poses)| (*frame, core, poses)));
+    }
+    // Pieces that are false may outweigh the others while the pose is searched: where the frames are that near to each other, the one counts
+    // that fits better without such pieces.
+    let score = |(_, _, poses): &(Frame, core::Core, Vec<Scored>)| poses.first().map_or(f64::NEG_INFINITY, |pose| pose.score);
+    let best = found.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
+    found.retain(|one| score(one) >= best - NEAR * one.1.nodes.len() as f64);
+    let named = found.into_iter().filter_map(|(frame, core, poses)| {
+        let poses = poses.iter().map(|scored| scored.pose).collect();
+        names_at(network, model, frame, core, &Poses::Found(poses), &is_false)
+    });
+    let fit = |names: &Names| if names.fit.is_nan() { f64::NEG_INFINITY } else { names.fit };
+    named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
+}
+
+/// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
+pub fn name_again(network: &Network, model: &NamingModel, like: &Names) -> Option<Names> {
+    let all = Nodes::of(network);
+    let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
+    let core = core::at(all, &model.atlas, &like.pose)?;
+    names_at(network, model, like.frame, core, &Poses::Known(like.pose), |features, pass| model.is_false(features, pass))
+}
+
+/// Where a case may lie.
+enum Poses {
+    /// The best first, found without knowing which pieces are false.
+    Found(Vec<Pose>),
+    /// Where the same vessels lie.
+    Known(Pose),
+}
+
+/// The names at some poses.
+fn names_at(
+    network: &Network,
+    model: &NamingModel,
+    frame: Frame,
+    core: core::Core,
+    poses: &Poses,
+    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
+) -> Option<Names> {
+    let atlas = &model.atlas;
+    let nodes = core.nodes;
+    let pose = match poses {
+        Poses::Found(poses) => *poses.first()?,
+        Poses::Known(pose) => *pose,
+    };
+    let one = vec![1.0; nodes.len()];
+
+    let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
+    let used = nodes.spanning_bridges(|_| true);
+    let first = pass(&nodes, &one, &used, atlas, &pose, median);
+    let doubt: Vec<f64> = first.features.iter().map(|x| is_false(x, None)).collect();
+
+    let weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
+    let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
+    let (mut pose, mut median, mut used, mut weight) = (pose, median, used, weight);
+    let mut fit = f64::NAN;
+    if counted >= LEAST_TRUE {
+        if core.median_log_radius.is_none() {
+            median = nodes.median_log_radius(|n| weight[n]);
+        }
+        used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
+        if let Poses::Found(poses) = poses {
+            let radius = radius_fit(&nodes, atlas, median);
+            let forest = Forest::of(&nodes, &used);
+            let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
+            if let Some(found) = search.around(poses).first() {
+                (pose, fit) = (found.pose, found.score);
+            }
+        }
+    } else {
+        weight = one;
+    }
+    let second = pass(&nodes, &weight, &used, atlas, &pose, median);
+    let false_pieces: Vec<f64> =
+        second.features.iter().zip(&doubt).map(|(x, before)| is_false(x, Some((before + 1e-3).ln()))).collect();
+
+    let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
+    let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
+    let evidence = evidence(&second, atlas);
+    let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
+    let presence =
+        std::array::from_fn(|segment| logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment)));
+    Some(Names {
+        is_part: core.median_log_radius.is_some(),
+        is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
+        states: second.beliefs.states,
+        frame_was_found: !network.frame.is_known(),
+        piece_features: [first.features, second.features],
+        nodes,
+        frame,
+        pose,
+        fit,
+        by: 0,
+        labels,
+        false_pieces,
+        presence,
+        seen,
+        bridge_factor,
+    })
+}
+
+/// Per node the probabilities of the labels, from those of the states and of its piece being false.
+pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &atlas::Atlas) -> Vec<[f64; LABELS]> {
+    let each = states.chunks(STATES).zip(&nodes.piece).map(|(states, piece)| {
+        let mut labels = label_probabilities(states, atlas);
+        let (doubt, artery) = (false_pieces[*piece], 1.0 - labels[OTHER] + 1e-12);
+        for p in &mut labels {
+            *p *= (1.0 - doubt) / artery;
+        }
+        labels[OTHER] = doubt;
+        labels
+    });
+    each.collect()
+}
+
+/// The names at a pose, with one of every artery, and the features of the pieces.
+fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> Pass {
+    let radius = radius_fit(nodes, atlas, median);
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    let mut own = emission(nodes, [&all, &atlas::all_states()], atlas, pose, &atlas.position, Parts::ALL, &radius);
+    for e in &mut own {
+        *e *= TEMPER;
+    }
+    let forest = Forest::of(nodes, used);
+    let mut penalty: Option<Vec<f64>> = None;
+    let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
+        penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
+    };
+    for _ in 0..ROUNDS {
+        let names = forest.beliefs(atlas, &with(&penalty)).states;
+        let new = exclusion(nodes, weight, atlas, &names);
+        penalty = Some(match penalty {
+            None => new,
+            Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
+        });
+    }
+    let log_likelihood = with(&penalty);
+    let beliefs = forest.beliefs(atlas, &log_likelihood);
+    let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
+    Pass { forest, beliefs, log_likelihood, features }
+}
+
+/// For each segment of the ring minus the logarithm of the probability that no node has its name.
+fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
+    let states: [_; 7] = std::array::from_fn(|segment| states::states_of(presence::label_of_segment(segment)));
+    // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
+    let is_asked = states.each_ref().map(|own| {
+        let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
+        expected >= LEAST_EVIDENCE
+    });
+    let asked: Vec<_> = states.iter().zip(is_asked).filter(|(_, is_asked)| *is_asked).map(|(own, _)| own).collect();
+    let mut found = pass.forest.evidence(atlas, &pass.log_likelihood, &pass.beliefs, &asked).into_iter();
+    is_asked.map(|is_asked| if is_asked { found.next().unwrap_or(0.0) } else { 0.0 })
+}
+
+impl Names {
+    /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
+    pub fn seen_length(&self, segment: usize) -> f64 {
+        self.seen.length[presence::label_of_segment(segment)]
+    }
+
+    /// The share of the length that is an artery of the circle.
+    pub fn share_named(&self) -> f64 {
+        let all: f64 = self.nodes.weight.iter().sum();
+        (all - self.seen.length[OTHER]) / all.max(f64::MIN_POSITIVE)
+    }
+
+    /// The most probable label of each node.
+    pub fn best(&self) -> Vec<Label> {
+        let most = |p: &[f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        self.labels.iter().map(most).collect()
+    }
+
+    /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.
+    pub fn landmarks(&self, model: &NamingModel) -> Vec<NamedPlace> {
+        let best = self.best();
+        let mut places: Vec<NamedPlace> = landmarks::meetings()
+            .into_iter()
+            .filter_map(|meeting| {
+                let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
+                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.pose, &meeting))?;
+                Some(NamedPlace { label: meeting.label, at, probability })
+            })
+            .collect();
+        landmarks::drop_doubles(&mut places);
+        places.extend(landmarks::ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
+        places
+    }
+}

@@ -1,0 +1,324 @@
+//! A model that names arteries: the atlas, which pieces are false, which segments are there; and its file.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use serde::{Deserialize, Serialize};
+
+use super::atlas::{Atlas, AtlasData, Counts, Piece};
+use super::pieces::PIECE_FEATURES;
+use super::presence::{KINDS, PRESENCE_FEATURES};
+use super::states::{LABELS, NOWHERE, STATES, State, StateTables, bins_of, first_state, label_of, name_of, side_of};
+use crate::circle_of_willis::Side;
+use willis_core::error::{Fault, Result};
+use willis_core::support::model_provenance::ModelProvenance;
+use willis_core::support::statistics::sigmoid;
+use willis_core::support::toml_text::{parse, write};
+
+/// How well names were found for subjects that were held out.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NamingScores {
+    /// The level of damage.
+    pub of: String,
+    /// How many cases.
+    pub cases: usize,
+    /// The mean share of the length that has the right name, false pieces apart.
+    pub length_right: f64,
+    /// The same with M1 and M2 as one.
+    pub length_right_mca: f64,
+    /// The share of the segments of the ring whose presence is right, by names alone and with plausible topologies ...
+    pub presence_right: [f64; 2],
+    /// ... and of the cases with all of them right.
+    pub exact: [f64; 2],
+}
+
+/// A logistic regression: the constant, then the slopes.
+pub type Logistic = Vec<f64>;
+
+/// A model that names arteries.
+#[derive(Debug, Clone)]
+pub struct NamingModel {
+    /// Where it comes from.
+    pub provenance: ModelProvenance,
+    /// How well such models did.
+    pub figures: Vec<NamingScores>,
+    /// The atlas.
+    pub atlas: Atlas,
+    /// Per pass, whether a piece is false. The second pass has the logarithm of what the first one said as its last feature.
+    pub false_pieces: [Logistic; 2],
+    /// Per kind of segment, whether it is there.
+    pub presence: [Logistic; KINDS],
+    /// The same with the log odds of the plausible topologies as one more feature, the last.
+    pub presence_with_topology: [Logistic; KINDS],
+    /// Per kind of segment the share of the cases that have it.
+    pub share: [f64; KINDS],
+}
+
+/// The place of the log odds of the plausible topologies among the weights of `presence_with_topology`.
+pub const TOPOLOGY_FEATURE: usize = 1 + PRESENCE_FEATURES;
+
+/// P = 1/(1 + e^-z) of a logistic regression.
+pub fn logistic_probability(weights: &[f64], features: &[f64]) -> f64 {
+    sigmoid(weights[0] + weights[1..].iter().zip(features).map(|(w, x)| w * x).sum::<f64>())
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    format: String,
+    other_radius: [f64; 2],
+    centroid: [f64; 3],
+    false_pieces: [Vec<f64>; 2],
+    presence: [Vec<f64>; KINDS],
+    presence_with_topology: [Vec<f64>; KINDS],
+    share: [f64; KINDS],
+    within_branches: Vec<(String, String, f64)>,
+    at_junctions: Vec<(String, String, f64)>,
+    bifurcations: Vec<(String, String, String, String, f64)>,
+    #[serde(default)]
+    provenance: ModelProvenance,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    figures: Vec<NamingScores>,
+    states: Vec<StateRow>,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StateRow {
+    name: String,
+    mean: [f64; 3],
+    covariance: [f64; 6],
+    direction: [f64; 6],
+    log_radius: [f64; 2],
+    length: f64,
+}
+
+impl StateRow {
+    /// Whether its numbers are those of distributions.
+    fn is_distribution(&self) -> bool {
+        let mut numbers = self.mean.iter().chain(&self.covariance).chain(&self.direction).chain(&self.log_radius);
+        numbers.all(|x| x.abs() < 1e9)
+            && is_positive(&self.covariance)
+            && is_positive(&self.direction)
+            && self.log_radius[1] > 0.0
+    }
+}
+
+const HEADING: &str = "\
+# Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.
+# false_pieces: whether a piece is false: a constant and the weights of its features, for the first and the second pass.
+# presence: whether an A1, AComm, PComm, P1 is there; presence_with_topology: the same, with the log odds of the plausible topologies as
+# the last feature.
+# within_branches, at_junctions: neighbours within a branch, and those of which one is a junction: how often they were seen.
+# bifurcations: the three arms of a bifurcation, its middle, and how often it was seen.
+# figures: how well such models did on subjects that were held out.
+";
+const FORMAT: &str = "willis artery names 2";
+
+impl NamingModel {
+    /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.
+    pub fn is_false(&self, features: &[f64; PIECE_FEATURES], before: Option<f64>) -> f64 {
+        let mut x = features.to_vec();
+        x.extend(before);
+        logistic_probability(&self.false_pieces[usize::from(before.is_some())], &x)
+    }
+
+    /// Reads a model.
+    ///
+    /// # Errors
+    ///
+    /// Not the TOML of a model; a state that is missing, unknown or no distribution; another number of weights.
+    pub fn read(text: &str) -> Result<Self, Fault> {
+        let file: File = parse(text, "expected a model as `willis train --model labels` writes it")?;
+        let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
+        if file.format != FORMAT {
+            return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
+        }
+        let lengths = |what: &str, rows: &[Vec<f64>], expected: &dyn Fn(usize) -> usize| {
+            let bad = rows.iter().enumerate().find(|(k, row)| row.len() != expected(*k) || row.iter().any(|w| !w.is_finite()));
+            bad.map_or(Ok(()), |(k, _)| Err(wrong(format!("{what} {k}"), &format!("expected {} numbers", expected(k)))))
+        };
+        lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
+        lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
+        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
+        let tables = StateTables::default();
+        let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
+        let mut length = vec![0.0; STATES];
+        for row in &file.states {
+            let state =
+                state_of(&row.name).ok_or_else(|| wrong(format!("state \"{}\"", row.name), "expected such as \"L-ICA 0\""))?;
+            length[state] = row.length;
+            length[tables.mirrored[state]] = row.length;
+            if state == NOWHERE {
+                continue;
+            }
+            let piece = Piece {
+                mean: row.mean,
+                covariance: row.covariance,
+                direction: row.direction,
+                log_radius: row.log_radius[0],
+                radius_spread: row.log_radius[1],
+            };
+            if !row.is_distribution() {
+                let accepted = "expected positive definite matrices and a positive spread";
+                return Err(wrong(format!("state \"{}\"", row.name), accepted));
+            }
+            pieces[tables.mirrored[state]] = Some(mirrored(&piece));
+            pieces[state] = Some(piece);
+        }
+        let missing = pieces.iter().position(Option::is_none);
+        if let Some(state) = missing {
+            return Err(wrong(
+                format!("state \"{}\"", state_name(state, &tables)),
+                "expected one row for every state of the left side and the middle",
+            ));
+        }
+        let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
+        let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(State, State, f64)>, Fault> {
+            let mut all = BTreeMap::new();
+            for (a, b, n) in rows {
+                if !(*n >= 0.0 && *n < 1e9) {
+                    return Err(wrong(format!("count of \"{a}\" and \"{b}\""), "expected a number from 0 on"));
+                }
+                let (a, b) = (of(a)?, of(b)?);
+                let (ma, mb) = (tables.mirrored[a], tables.mirrored[b]);
+                for pair in [(a, b), (b, a), (ma, mb), (mb, ma)] {
+                    all.insert(pair, *n);
+                }
+            }
+            Ok(all.into_iter().map(|((a, b), n)| (a, b, n)).collect())
+        };
+        let neighbours = [pairs(&file.within_branches)?, pairs(&file.at_junctions)?];
+        let mut bifurcations = Vec::new();
+        for (a, b, c, middle, n) in &file.bifurcations {
+            if !(*n >= 0.0 && *n < 1e9) {
+                return Err(wrong(format!("count of a bifurcation at \"{middle}\""), "expected a number from 0 on"));
+            }
+            let (mut arms, middle) = ([of(a)?, of(b)?, of(c)?], of(middle)?);
+            arms.sort_unstable();
+            bifurcations.push((arms, middle, *n));
+            let mut arms = arms.map(|s| tables.mirrored[s]);
+            arms.sort_unstable();
+            bifurcations.push((arms, tables.mirrored[middle], *n));
+        }
+        if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
+            return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
+        }
+        let data = AtlasData {
+            pieces: pieces.into_iter().flatten().collect(),
+            other_radius: file.other_radius,
+            centroid: file.centroid,
+            counts: Counts { length, neighbours, bifurcations },
+        };
+        Ok(Self {
+            provenance: file.provenance,
+            figures: file.figures,
+            atlas: Atlas::new(data),
+            false_pieces: file.false_pieces,
+            presence: file.presence,
+            presence_with_topology: file.presence_with_topology,
+            share: file.share,
+        })
+    }
+
+    /// Writes the model: of states that have a mirror image only the left one.
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write(&self, out: impl Write) -> io::Result<()> {
+        let (AtlasData { pieces, other_radius, centroid, counts }, tables) = (&self.atlas.data, &self.atlas.tables);
+        let name = |state: State| state_name(state, tables);
+        let pairs = |list: &[(State, State, f64)]| {
+            let is_first = |(a, b, _): &&(State, State, f64)| {
+                let (ma, mb) = (tables.mirrored[*a], tables.mirrored[*b]);
+                [(*b, *a), (ma, mb), (mb, ma)].iter().all(|other| (*a, *b) <= *other)
+            };
+            list.iter().filter(is_first).map(|(a, b, n)| (name(*a), name(*b), *n)).collect()
+        };
+        let mut bifurcations = BTreeMap::new();
+        for (arms, middle, n) in &counts.bifurcations {
+            let mut other = arms.map(|s| tables.mirrored[s]);
+            other.sort_unstable();
+            let (own, other) = ((*arms, *middle), (other, tables.mirrored[*middle]));
+            if own <= other {
+                // A bifurcation that is its own mirror image stands for both.
+                *bifurcations.entry(own).or_insert(0.0) += if own == other { 0.5 * n } else { *n };
+            }
+        }
+        let bifurcation = |((arms, middle), n): (([State; 3], State), f64)| {
+            let [a, b, c] = arms.map(name);
+            (a, b, c, name(middle), n)
+        };
+        let row = |state: State| {
+            let piece = pieces.get(state).copied().unwrap_or_default();
+            StateRow {
+                name: name(state),
+                mean: rounded(piece.mean, 4),
+                covariance: rounded(piece.covariance, 5),
+                direction: rounded(piece.direction, 6),
+                log_radius: rounded([piece.log_radius, piece.radius_spread], 5),
+                length: rounded([counts.length.get(state).copied().unwrap_or(0.0)], 2)[0],
+            }
+        };
+        let logistic = |weights: &Logistic| weights.iter().map(|w| rounded([*w], 6)[0]).collect::<Logistic>();
+        let [within_branches, at_junctions] = counts.neighbours.each_ref().map(|list| pairs(list));
+        let figures = self.figures.iter().map(|of| NamingScores {
+            length_right: rounded([of.length_right], 4)[0],
+            length_right_mca: rounded([of.length_right_mca], 4)[0],
+            presence_right: rounded(of.presence_right, 4),
+            exact: rounded(of.exact, 4),
+            ..of.clone()
+        });
+        let file = File {
+            format: FORMAT.to_owned(),
+            other_radius: rounded(*other_radius, 6),
+            centroid: rounded(*centroid, 4),
+            false_pieces: self.false_pieces.each_ref().map(logistic),
+            presence: self.presence.each_ref().map(logistic),
+            presence_with_topology: self.presence_with_topology.each_ref().map(logistic),
+            share: rounded(self.share, 6),
+            within_branches,
+            at_junctions,
+            bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
+            provenance: self.provenance.clone(),
+            figures: figures.collect(),
+            states: (0..STATES).filter(|state| side_of(tables.label[*state]) != Some(Side::Right)).map(row).collect(),
+        };
+        write(out, HEADING, false, &file)
+    }
+}
+
+/// `L-ICA 0`.
+fn state_name(state: State, tables: &StateTables) -> String {
+    format!("{} {}", name_of(tables.label[state]), tables.bin[state])
+}
+
+fn state_of(name: &str) -> Option<State> {
+    let (label, bin) = name.rsplit_once(' ')?;
+    let (label, bin): (usize, usize) = (label_of(label)?, bin.parse().ok()?);
+    (label < LABELS && bin < bins_of(label)).then(|| first_state(label) + bin)
+}
+
+/// The piece on the other side; one in the middle is made symmetric by the caller's data.
+fn mirrored(piece: &Piece) -> Piece {
+    let flip = |s: &[f64; 6]| [s[0], s[1], s[2], -s[3], -s[4], s[5]];
+    Piece {
+        mean: [-piece.mean[0], piece.mean[1], piece.mean[2]],
+        covariance: flip(&piece.covariance),
+        direction: flip(&piece.direction),
+        ..*piece
+    }
+}
+
+/// Whether a symmetric matrix is positive definite, by its leading minors.
+fn is_positive(s: &[f64; 6]) -> bool {
+    let [a, b, _, d, ..] = *s;
+    a > 0.0 && a * b > d * d && super::algebra::inverse(s).1.is_finite()
+}
+
+/// Numbers as they are with so many digits behind the point.
+fn rounded<const N: usize>(values: [f64; N], digits: usize) -> [f64; N] {
+    values.map(|x| format!("{x:.digits$}").parse().unwrap_or(x))
+}

@@ -1,0 +1,405 @@
+//! Centerlines as a chain of nodes about 1 mm apart, in millimetres and RAS, which is what names are given to.
+
+use petgraph::unionfind::UnionFind;
+
+use super::algebra::{Symmetric, outer};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Frame, Network, Origin, PathPoint};
+use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
+
+/// The distance of nodes, mm.
+const STEP: f64 = 1.0;
+/// Nodes on either side over which a direction is taken.
+const DIRECTION_NODES: usize = 3;
+/// The smallest radius that counts, mm.
+const LEAST_RADIUS: f64 = 0.1;
+
+/// Where a node lies in the network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Place {
+    /// The row of a vessel.
+    pub vessel: usize,
+    /// The distance from its first node along it, mm.
+    pub along: f64,
+}
+
+/// A possible connection of two pieces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Bridge {
+    /// The nodes that it joins.
+    pub nodes: [usize; 2],
+    /// Its length, mm.
+    pub gap: f64,
+    /// How probable it is, names apart.
+    pub probability: f64,
+    /// The row of the candidate or contact.
+    pub vessel: usize,
+}
+
+/// Nodes about 1 mm apart along the observed vessels of a network.
+#[derive(Debug, Clone, Default)]
+pub struct Nodes {
+    /// Positions in mm, RAS.
+    pub at: Vec<Point>,
+    /// Logarithms of the radii in mm.
+    pub log_radius: Vec<f64>,
+    /// Scatter of the directions at each node, of trace 1.
+    pub direction: Vec<Symmetric>,
+    /// The length that each node stands for, mm.
+    pub weight: Vec<f64>,
+    /// Pairs of neighbours along vessels, the lower first.
+    pub links: Vec<[usize; 2]>,
+    /// The neighbours of each node along vessels.
+    pub neighbours: Vec<Vec<usize>>,
+    /// The number of the branch of each node: a run between junctions and free ends.
+    pub branch: Vec<usize>,
+    /// How many branches there are.
+    pub branches: usize,
+    /// The number of the connected piece of each node.
+    pub piece: Vec<usize>,
+    /// How many pieces there are.
+    pub pieces: usize,
+    /// Where each node lies.
+    pub place: Vec<Place>,
+    /// The number of the nearest point of the input, where it has one.
+    pub id: Vec<Option<u64>>,
+    /// The candidates and contacts of the network.
+    pub bridges: Vec<Bridge>,
+}
+
+/// Which vessels are traced: the observed ones, or all where none is.
+pub fn is_traced(network: &Network) -> Vec<bool> {
+    let observed: Vec<bool> = network.vessels().map(|(_, vessel)| vessel.origin == Origin::Observed).collect();
+    if observed.contains(&true) { observed } else { vec![true; observed.len()] }
+}
+
+/// A point of a branch before it is divided: position (mm, RAS), radius (mm), number, and its place in the network.
+#[derive(Debug, Clone, Copy)]
+struct BranchPoint {
+    at: Point,
+    radius: f64,
+    id: Option<u64>,
+    place: Place,
+}
+
+impl Nodes {
+    /// The nodes of a network with positions; its frame is taken for RAS where it is not LPS.
+    pub fn of(network: &Network) -> Self {
+        let sign = if network.frame == Frame::Lps { -1.0 } else { 1.0 };
+        let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
+        let traced = is_traced(network);
+        let mut vessels_at = vec![Vec::new(); network.node_count()];
+        for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| traced[*row]) {
+            vessels_at[ends[0]].push(row);
+            vessels_at[ends[1]].push(row);
+        }
+        let mut nodes = Self::default();
+        let mut node_at = vec![usize::MAX; network.node_count()];
+        let mut done = vec![false; network.vessel_count()];
+        // Junctions and free ends first; what is left then are loops without a junction.
+        let starts = (0..network.node_count()).filter(|n| vessels_at[*n].len() != 2).chain(0..network.node_count());
+        for start in starts.collect::<Vec<_>>() {
+            for first in vessels_at[start].clone() {
+                if done[first] {
+                    continue;
+                }
+                let (mut vessel, mut from) = (first, start);
+                let mut points: Vec<BranchPoint> = Vec::new();
+                let mut passed: Vec<(usize, usize)> = vec![(start, 0)];
+                loop {
+                    done[vessel] = true;
+                    let [a, b] = network.ends(vessel);
+                    let is_forward = a == from;
+                    points.extend(points_of(network, vessel, is_forward).into_iter().map(|(p, along)| BranchPoint {
+                        at: to_ras(p.position),
+                        radius: millimetres(p.radius),
+                        id: p.id,
+                        place: Place { vessel, along },
+                    }));
+                    from = if is_forward { b } else { a };
+                    passed.push((from, points.len().saturating_sub(1)));
+                    let next = vessels_at[from].iter().copied().find(|next| !done[*next]);
+                    match next {
+                        Some(next) if vessels_at[from].len() == 2 && from != start => vessel = next,
+                        _ => break,
+                    }
+                }
+                nodes.add_branch(&points, &passed, &mut node_at);
+            }
+        }
+        nodes.finish();
+        nodes.bridges = bridges(network, &traced, &nodes, &node_at);
+        nodes
+    }
+
+    /// How many nodes there are.
+    pub fn len(&self) -> usize {
+        self.at.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.at.is_empty()
+    }
+
+    /// The number of neighbours of a node.
+    pub fn degree(&self, node: usize) -> usize {
+        self.neighbours[node].len()
+    }
+
+    /// The length of everything, mm.
+    pub fn length(&self) -> f64 {
+        self.weight.iter().sum()
+    }
+
+    /// The median of the logarithms of the radii, by length times `share`.
+    pub fn median_log_radius(&self, share: impl Fn(usize) -> f64) -> f64 {
+        let mut order: Vec<usize> = (0..self.len()).collect();
+        order.sort_by(|a, b| self.log_radius[*a].total_cmp(&self.log_radius[*b]));
+        let half = 0.5 * (0..self.len()).map(|n| self.weight[n] * share(n)).sum::<f64>();
+        let mut sum = 0.0;
+        let middle = order.iter().find(|n| {
+            sum += self.weight[**n] * share(**n);
+            sum >= half
+        });
+        middle.map_or(0.0, |n| self.log_radius[*n])
+    }
+
+    /// The same nodes seen from a frame that is turned by 180 degrees about the vertical axis: RAS for LPS.
+    #[must_use]
+    pub fn turned_about_vertical(&self) -> Self {
+        let mut turned = self.clone();
+        for at in &mut turned.at {
+            *at = [-at[0], -at[1], at[2]];
+        }
+        for d in &mut turned.direction {
+            (d[4], d[5]) = (-d[4], -d[5]);
+        }
+        turned
+    }
+
+    /// Adds the nodes of a branch; `passed` are the network's nodes along it with the number of their point.
+    fn add_branch(&mut self, points: &[BranchPoint], passed: &[(usize, usize)], node_at: &mut [usize]) {
+        let (Some(first), Some(last)) = (passed.first(), passed.last()) else { return };
+        if points.len() < 2 {
+            return;
+        }
+        let mut arc = vec![0.0; points.len()];
+        for k in 1..points.len() {
+            arc[k] = arc[k - 1] + distance(points[k - 1].at, points[k].at);
+        }
+        let length = arc[points.len() - 1];
+        // Two at the least: never one junction beside another.
+        let pieces = ((length / STEP).round() as usize).max(2);
+        let at: Vec<f64> = (0..=pieces).map(|k| length * k as f64 / pieces as f64).collect();
+        let mut k = 0;
+        let sampled: Vec<BranchPoint> = at
+            .iter()
+            .map(|s| {
+                while k + 2 < points.len() && arc[k + 1] < *s {
+                    k += 1;
+                }
+                between(&points[k], &points[k + 1], [arc[k], arc[k + 1]], *s)
+            })
+            .collect();
+        let radius = |j: usize| {
+            if pieces < 4 {
+                return sampled[j].radius;
+            }
+            let near = |d: isize| sampled[j.saturating_add_signed(d).min(pieces)].radius;
+            (-2..=2).map(near).sum::<f64>() / 5.0
+        };
+        let mut before = None;
+        let mut rows = Vec::with_capacity(pieces + 1);
+        for (j, point) in sampled.iter().enumerate() {
+            let at_end = if j == 0 {
+                Some(first.0)
+            } else if j == pieces {
+                Some(last.0)
+            } else {
+                None
+            };
+            let known = at_end.map(|node| node_at[node]).filter(|row| *row != usize::MAX);
+            let row = known.unwrap_or_else(|| {
+                self.at.push(point.at);
+                self.log_radius.push(radius(j).max(LEAST_RADIUS).ln());
+                self.direction.push([0.0; 6]);
+                self.neighbours.push(Vec::new());
+                self.branch.push(self.branches);
+                self.place.push(point.place);
+                self.id.push(point.id);
+                self.at.len() - 1
+            });
+            if let Some(node) = at_end {
+                node_at[node] = row;
+            }
+            let (low, high) = (j.saturating_sub(DIRECTION_NODES), (j + DIRECTION_NODES).min(pieces));
+            let step = sub(sampled[high].at, sampled[low].at);
+            let long = norm(step) + 1e-9;
+            for (sum, d) in self.direction[row].iter_mut().zip(outer(step.map(|x| x / long))) {
+                *sum += d;
+            }
+            if let Some(before) = before.filter(|before| *before != row) {
+                self.links.push([row.min(before), row.max(before)]);
+            }
+            before = Some(row);
+            rows.push(row);
+        }
+        for (node, point) in &passed[1..passed.len() - 1] {
+            let nearest = ((arc[*point] / length.max(1e-9) * pieces as f64).round() as usize).min(pieces);
+            node_at[*node] = rows[nearest];
+        }
+        self.branches += 1;
+    }
+
+    /// Neighbours, weights and pieces from the links.
+    fn finish(&mut self) {
+        self.links.sort_unstable();
+        self.links.dedup();
+        self.weight = vec![0.0; self.len()];
+        for [a, b] in &self.links {
+            self.neighbours[*a].push(*b);
+            self.neighbours[*b].push(*a);
+            let half = 0.5 * distance(self.at[*a], self.at[*b]);
+            self.weight[*a] += half;
+            self.weight[*b] += half;
+        }
+        for d in &mut self.direction {
+            *d = [d[0] + 1e-6, d[1] + 1e-6, d[2] + 1e-6, d[3], d[4], d[5]];
+            let trace = d[0] + d[1] + d[2];
+            *d = d.map(|x| x / trace);
+        }
+        self.piece = vec![usize::MAX; self.len()];
+        self.pieces = 0;
+        for start in 0..self.len() {
+            if self.piece[start] != usize::MAX {
+                continue;
+            }
+            let mut open = vec![start];
+            self.piece[start] = self.pieces;
+            while let Some(node) = open.pop() {
+                for next in self.neighbours[node].clone() {
+                    if self.piece[next] == usize::MAX {
+                        self.piece[next] = self.pieces;
+                        open.push(next);
+                    }
+                }
+            }
+            self.pieces += 1;
+        }
+    }
+}
+
+/// The points of a vessel with their distance (mm) from its first node, in the direction of travel.
+fn points_of(network: &Network, row: usize, is_forward: bool) -> Vec<(PathPoint, f64)> {
+    let vessel = network.vessel(row);
+    let mut points = vessel.path.clone();
+    if points.len() < 2 {
+        let end = |node: usize| PathPoint {
+            position: network.node(node).position.unwrap_or_default(),
+            radius: vessel.radius,
+            id: network.node(node).id.parse().ok(),
+        };
+        points = network.ends(row).map(end).to_vec();
+    }
+    let mut along = 0.0;
+    let mut placed = Vec::with_capacity(points.len());
+    for (k, point) in points.iter().enumerate() {
+        if k > 0 {
+            along += millimetres(distance(points[k - 1].position, point.position));
+        }
+        placed.push((*point, along));
+    }
+    if !is_forward {
+        placed.reverse();
+    }
+    placed
+}
+
+/// The point at `s` between two points at arc lengths `arc`.
+fn between(a: &BranchPoint, b: &BranchPoint, arc: [f64; 2], s: f64) -> BranchPoint {
+    let span = arc[1] - arc[0];
+    let share = if span > 0.0 { ((s - arc[0]) / span).clamp(0.0, 1.0) } else { 0.0 };
+    let near = if share < 0.5 { a } else { b };
+    let along =
+        if a.place.vessel == b.place.vessel { a.place.along + share * (b.place.along - a.place.along) } else { near.place.along };
+    BranchPoint {
+        at: lerp(a.at, b.at, share),
+        radius: a.radius + share * (b.radius - a.radius),
+        id: near.id,
+        place: Place { vessel: near.place.vessel, along },
+    }
+}
+
+/// The candidates and contacts between traced vessels.
+fn bridges(network: &Network, traced: &[bool], nodes: &Nodes, node_at: &[usize]) -> Vec<Bridge> {
+    let mut found = Vec::new();
+    for (row, (ends, vessel)) in network.vessels().enumerate().filter(|(row, _)| !traced[*row]) {
+        let [a, b] = ends.map(|end| node_at[end]);
+        if a == usize::MAX || b == usize::MAX || a == b {
+            continue;
+        }
+        let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability).min(MOST_PROBABLE);
+        found.push(Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row });
+    }
+    found
+}
+
+/// A bridge is believed no more than this.
+const MOST_PROBABLE: f64 = 0.95;
+/// One below this is not worth a factor.
+const LEAST_PROBABLE: f64 = 0.02;
+
+impl Nodes {
+    /// The bridges that join the pieces that `counts` admits to a forest, the most probable first; none onto a junction, which would get a
+    /// fourth arm.
+    pub fn spanning_bridges(&self, counts: impl Fn(usize) -> bool) -> Vec<usize> {
+        let mut order: Vec<usize> = (0..self.bridges.len())
+            .filter(|b| {
+                let bridge = &self.bridges[*b];
+                bridge.probability >= LEAST_PROBABLE
+                    && bridge.nodes.iter().all(|n| self.degree(*n) <= 2 && counts(self.piece[*n]))
+            })
+            .collect();
+        order.sort_by(|a, b| self.bridges[*b].probability.total_cmp(&self.bridges[*a].probability).then(a.cmp(b)));
+        let mut parts = UnionFind::<usize>::new(self.pieces);
+        order.retain(|b| {
+            let [x, y] = self.bridges[*b].nodes.map(|n| self.piece[n]);
+            parts.union(x, y)
+        });
+        order
+    }
+
+    /// The nodes that `keeps` admits, without pieces of less than `least` mm, with the links and bridges between them.
+    #[must_use]
+    pub fn part(&self, keeps: impl Fn(usize) -> bool, least: f64) -> Self {
+        let kept: Vec<bool> = (0..self.len()).map(keeps).collect();
+        let part = self.selected(&kept);
+        let mut length = vec![0.0; part.pieces];
+        part.piece.iter().zip(&part.weight).for_each(|(piece, w)| length[*piece] += w);
+        let long: Vec<bool> = part.piece.iter().map(|piece| length[*piece] >= least).collect();
+        if long.contains(&false) { part.selected(&long) } else { part }
+    }
+
+    fn selected(&self, kept: &[bool]) -> Self {
+        let mut new = vec![usize::MAX; self.len()];
+        let rows: Vec<usize> = (0..self.len()).filter(|n| kept[*n]).collect();
+        rows.iter().enumerate().for_each(|(to, from)| new[*from] = to);
+        let both = |[a, b]: [usize; 2]| (kept[a] && kept[b]).then(|| [new[a], new[b]]);
+        let mut part = Self {
+            at: rows.iter().map(|n| self.at[*n]).collect(),
+            log_radius: rows.iter().map(|n| self.log_radius[*n]).collect(),
+            direction: rows.iter().map(|n| self.direction[*n]).collect(),
+            neighbours: vec![Vec::new(); rows.len()],
+            branch: rows.iter().map(|n| self.branch[*n]).collect(),
+            branches: self.branches,
+            place: rows.iter().map(|n| self.place[*n]).collect(),
+            id: rows.iter().map(|n| self.id[*n]).collect(),
+            links: self.links.iter().filter_map(|link| both(*link)).collect(),
+            ..Self::default()
+        };
+        part.finish();
+        part.bridges = self.bridges.iter().filter_map(|b| both(b.nodes).map(|nodes| Bridge { nodes, ..*b })).collect();
+        part
+    }
+}

@@ -1,0 +1,114 @@
+//! Which pieces are false: how likely a piece is no artery of the circle, from how it fits and what it looks like.
+
+use super::atlas::{Atlas, all_states, arteries};
+use super::emission::{Parts, Pose, emission};
+use super::exclusion::occupancy;
+use super::nodes::Nodes;
+use super::states::{LABELS, NOWHERE, OTHER, STATES};
+use willis_core::support::geometry::{distance, dot, sub};
+
+/// How many features a piece has.
+pub const PIECE_FEATURES: usize = 11;
+/// The most that a log ratio of a node counts.
+const MOST_RATIO: f64 = 8.0;
+
+/// The features of every piece: log length (mm); mean log ratio of position, direction and radius to no artery; mean relative log
+/// radius; share of it on states that other pieces fill; mean probability of the best label; probability of the best bridge; whether it
+/// has a junction; roughness; share of all length.
+pub fn piece_features(
+    nodes: &Nodes,
+    weight: &[f64],
+    used: &[usize],
+    atlas: &Atlas,
+    pose: &Pose,
+    [radius, names]: [&[f64]; 2],
+    median_log_radius: f64,
+) -> Vec<[f64; PIECE_FEATURES]> {
+    let all: Vec<usize> = (0..nodes.len()).collect();
+    let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
+    let mut total = vec![1e-9; nodes.pieces];
+    for n in &all {
+        total[nodes.piece[*n]] += length[*n];
+    }
+    let whole: f64 = total.iter().sum();
+    // The names, given that it is an artery of the circle.
+    let mut given = names.to_vec();
+    for row in given.chunks_mut(STATES) {
+        let sum = (1.0 - row[NOWHERE]).max(1e-9);
+        row[NOWHERE] = 0.0;
+        for p in row.iter_mut() {
+            *p /= sum;
+        }
+    }
+    let mut features = vec![[0.0; PIECE_FEATURES]; nodes.pieces];
+    let mean = |column: usize, values: &dyn Fn(usize) -> f64, features: &mut Vec<[f64; PIECE_FEATURES]>| {
+        for n in 0..nodes.len() {
+            features[nodes.piece[n]][column] += values(n) * length[n] / total[nodes.piece[n]];
+        }
+    };
+    let only = [
+        Parts { position: 1.0, direction: 0.0, radius: 0.0 },
+        Parts { position: 0.0, direction: 1.0, radius: 0.0 },
+        Parts { position: 0.0, direction: 0.0, radius: 1.0 },
+    ];
+    for (k, parts) in only.into_iter().enumerate() {
+        let e = emission(nodes, [&all, &all_states()], atlas, pose, &atlas.position, parts, radius);
+        let ratio = |n: usize| {
+            let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
+            let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
+            sum.clamp(-MOST_RATIO, MOST_RATIO)
+        };
+        mean(1 + k, &ratio, &mut features);
+    }
+    mean(4, &|n| nodes.log_radius[n] - median_log_radius, &mut features);
+    let filled = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
+    let mut by_all = vec![0.0; STATES];
+    filled.chunks(STATES).for_each(|row| by_all.iter_mut().zip(row).for_each(|(sum, o)| *sum += o));
+    let doubled = |n: usize| {
+        let own = &filled[nodes.piece[n] * STATES..(nodes.piece[n] + 1) * STATES];
+        let given = &given[n * STATES..(n + 1) * STATES];
+        arteries().filter(|s| atlas.tables.once[*s]).map(|s| given[s] * (by_all[s] - own[s]).clamp(0.0, 1.0)).sum()
+    };
+    mean(5, &doubled, &mut features);
+    let best = |n: usize| {
+        let labels = label_probabilities(&given[n * STATES..(n + 1) * STATES], atlas);
+        labels[..OTHER].iter().fold(0.0_f64, |a, b| a.max(*b))
+    };
+    mean(6, &best, &mut features);
+    for bridge in used.iter().map(|b| &nodes.bridges[*b]) {
+        for node in bridge.nodes {
+            let best = &mut features[nodes.piece[node]][7];
+            *best = best.max(bridge.probability);
+        }
+    }
+    let mut bends = vec![(0.0, 1e-9); nodes.pieces];
+    for n in 0..nodes.len() {
+        let piece = nodes.piece[n];
+        if nodes.degree(n) > 2 {
+            features[piece][8] = 1.0;
+        }
+        if let [a, b] = nodes.neighbours[n][..] {
+            let (u, v) = (sub(nodes.at[n], nodes.at[a]), sub(nodes.at[b], nodes.at[n]));
+            let (long_u, long_v) = (distance(nodes.at[n], nodes.at[a]), distance(nodes.at[n], nodes.at[b]));
+            if long_u > 0.2 && long_v > 0.2 {
+                bends[piece].0 += 1.0 - dot(u, v) / long_u / long_v;
+                bends[piece].1 += 1.0;
+            }
+        }
+    }
+    for (piece, row) in features.iter_mut().enumerate() {
+        row[0] = total[piece].ln();
+        row[9] = bends[piece].0 / bends[piece].1;
+        row[10] = total[piece] / whole;
+    }
+    features
+}
+
+/// The probabilities of the labels, from those of the states.
+pub fn label_probabilities(states: &[f64], atlas: &Atlas) -> [f64; LABELS] {
+    let mut labels = [0.0; LABELS];
+    for (state, p) in states.iter().enumerate() {
+        labels[atlas.tables.label[state]] += p;
+    }
+    labels
+}

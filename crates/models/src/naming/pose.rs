@@ -1,0 +1,361 @@
+//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names.
+
+use faer::linalg::solvers::Solve;
+use faer::{Mat, Side};
+
+use super::TEMPER;
+use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
+use super::atlas::{Atlas, all_states};
+use super::belief::Forest;
+use super::emission::{Parts, Pose, emission};
+use super::exclusion::exclusion;
+use super::nodes::Nodes;
+use super::single::Single;
+use super::states::{NOWHERE, STATES, State};
+use willis_core::support::geometry::{Point, distance, dot, norm, sub};
+use willis_core::support::simd::InstructionSet;
+
+/// Nodes that serve the search.
+const SEARCH_NODES: usize = 110;
+/// The standard deviation of rotations, radians: heads lie within some 20 degrees of the frame.
+const ROTATION: f64 = 20.0 / 180.0 * std::f64::consts::PI;
+/// The standard deviation of the log scale, and the most that it can be: heads of adults.
+const SCALE: f64 = 0.06;
+const MOST_SCALE: f64 = 0.2;
+/// The share of its length that a node counts for: neighbours lie on one vessel.
+const GAIN: f64 = 0.25;
+/// Starts that are refined, and optima that are refined by names.
+const REFINED: usize = 16;
+const NAMED: usize = 5;
+/// Optima that are refined again when false pieces are known.
+const AGAIN: usize = 2;
+/// Widths (mm) at which a pose is refined by names.
+const NAMED_WIDTHS: [f64; 4] = [2.0, 1.0, 0.0, 0.0];
+
+/// A case to be posed, with what does not depend on the pose.
+pub struct Search<'a> {
+    /// The nodes.
+    pub nodes: &'a Nodes,
+    /// The atlas.
+    pub atlas: &'a Atlas,
+    /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
+    pub weight: &'a [f64],
+    /// From [`super::emission::radius_fit`].
+    pub radius: &'a [f64],
+    /// The forest of names.
+    pub forest: &'a Forest,
+}
+
+/// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
+pub struct Pulls {
+    states: usize,
+    /// Ten rows over the states.
+    table: Vec<f64>,
+    instructions: InstructionSet,
+}
+
+impl Pulls {
+    /// Of some states at the precisions of the atlas, possibly widened.
+    pub fn of(atlas: &Atlas, states: &[State], precisions: &[(Symmetric, f64)]) -> Self {
+        let mut table = vec![0.0; 10 * states.len()];
+        for (column, state) in states.iter().enumerate().filter(|(_, state)| **state != NOWHERE) {
+            let precision = &precisions[*state].0;
+            let mean = symmetric_times(precision, atlas.data.pieces[*state].mean);
+            for (row, pull) in precision.iter().chain(&mean).chain(&[1.0]).enumerate() {
+                table[row * states.len() + column] = *pull;
+            }
+        }
+        Self { states: states.len(), table, instructions: InstructionSet::detect() }
+    }
+
+    /// The pulls on a node, given the probabilities of its states.
+    fn on(&self, names: &[f64]) -> [f64; 10] {
+        let mut out = [0.0; 10];
+        self.instructions.run(TableTimes { table: &self.table, by: names, out: &mut out });
+        out
+    }
+}
+
+/// A pose and how well it fits.
+#[derive(Debug, Clone, Copy)]
+pub struct Scored {
+    /// The pose.
+    pub pose: Pose,
+    /// Its score: the log ratio to no artery of the circle, summed over the length, with the prior.
+    pub score: f64,
+}
+
+impl Search<'_> {
+    /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
+    pub fn everywhere(&self) -> Vec<Scored> {
+        let (subset, all) = (self.subset(), all_states());
+        // Pieces of 8 mm serve a search among Gaussians that are wide.
+        let coarse: Vec<State> =
+            all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
+        let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
+        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], self.radius, Parts::SEARCH.radius);
+        let [first, second] = [single(&coarse), single(&all)];
+        let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
+            let precisions = self.atlas.widened(tau);
+            let states: &[State] = if tau > 8.0 { &coarse } else { &all };
+            (single, single.places(&precisions), Pulls::of(self.atlas, states, &precisions))
+        });
+        let mut starts: Vec<Scored> = Vec::new();
+        for turn in start_turns() {
+            for offset in START_OFFSETS {
+                let turn = rotation(turn.map(f64::to_radians));
+                let to = times(&turn, centre);
+                let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
+                let mut pose = Pose { turn, shift, log_scale: 0.0 };
+                for (single, places, pulls) in &widths[..3] {
+                    let (names, _) = single.probabilities(&pose, places);
+                    pose = self.step(&subset, &pose, pulls, &names, false);
+                }
+                let (single, places, _) = &widths[3];
+                let score = single.probabilities(&pose, places).1 / subset.len() as f64;
+                starts.push(Scored { pose, score });
+            }
+        }
+        let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
+        let single = Single::new(self.nodes, self.atlas, [&subset, &all], self.radius, Parts::REFINE.radius);
+        let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
+            let precisions = self.atlas.widened(tau);
+            (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
+        });
+        let refined = starts
+            .into_iter()
+            .map(|start| {
+                let mut pose = start.pose;
+                for (places, pulls) in &widths[..5] {
+                    let (names, _) = single.probabilities(&pose, places);
+                    pose = self.step(&subset, &pose, pulls, &names, true);
+                }
+                let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
+                Scored { pose, score: fit + 3.0 * pose.log_scale }
+            })
+            .collect();
+        let refined = Self::distinct(refined, centre, 0.15, 4.0, NAMED);
+        self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
+    }
+
+    /// The best poses around the first few that are nearly right, the best first.
+    pub fn around(&self, poses: &[Pose]) -> Vec<Scored> {
+        self.refine(&poses[..poses.len().min(AGAIN)], &[3.0, 2.0, 1.0])
+    }
+
+    /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
+    fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
+        let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
+        let single = Single::new(self.nodes, self.atlas, [&all, &states], self.radius, Parts::REFINE.radius);
+        let at_width = |tau: f64| {
+            let precisions = self.atlas.widened(tau);
+            (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
+        };
+        let [alone, named] = [widths, &NAMED_WIDTHS].map(|widths| widths.iter().map(|tau| at_width(*tau)).collect::<Vec<_>>());
+        let mut found: Vec<(Scored, Pose)> = Vec::new();
+        for pose in poses {
+            let mut pose = *pose;
+            for (places, pulls, _) in &alone {
+                let (names, _) = single.probabilities(&pose, places);
+                pose = self.step(&all, &pose, pulls, &names, true);
+            }
+            let x = self.nodes.at.first().copied().unwrap_or_default();
+            let is_known =
+                found.iter().any(|(_, q)| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5);
+            if is_known {
+                continue;
+            }
+            let first = pose;
+            for (_, pulls, precisions) in &named {
+                let e = self.tempered(&all, &pose, precisions);
+                let names = self.forest.beliefs(self.atlas, &e).states;
+                pose = self.step(&all, &pose, pulls, &names, true);
+            }
+            found.push((Scored { pose, score: self.score(&all, &pose) }, first));
+        }
+        let mut found: Vec<Scored> = found.into_iter().map(|(scored, _)| scored).collect();
+        found.sort_by(|a, b| b.score.total_cmp(&a.score));
+        found
+    }
+
+    /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
+    /// from being likely.
+    fn score(&self, all: &[usize], pose: &Pose) -> f64 {
+        let e = emission(self.nodes, [all, &all_states()], self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
+        let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
+        let mut names = self.forest.beliefs(self.atlas, &tempered).states;
+        let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
+        let penalised: Vec<f64> = tempered.iter().zip(&penalty).map(|(e, p)| e + p).collect();
+        names = self.forest.beliefs(self.atlas, &penalised).states;
+        let mut score = 0.0;
+        for (n, (names, e)) in names.chunks(STATES).zip(e.chunks(STATES)).enumerate() {
+            let fit: f64 = names.iter().zip(e).map(|(g, e)| g * (e - self.atlas.log_other)).sum();
+            score += self.length(n) * (fit + 3.0 * pose.log_scale * (1.0 - names[NOWHERE]));
+        }
+        let turn = norm(rotation_vector(&pose.turn));
+        score - 0.5 * turn * turn / (ROTATION * ROTATION)
+    }
+
+    fn length(&self, node: usize) -> f64 {
+        self.nodes.weight[node] * self.weight[node]
+    }
+
+    fn tempered(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
+        let mut e = emission(self.nodes, [subset, &all_states()], self.atlas, pose, precisions, Parts::ALL, self.radius);
+        for x in &mut e {
+            *x *= TEMPER;
+        }
+        e
+    }
+
+    /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
+    pub fn step(&self, subset: &[usize], pose: &Pose, pulls: &Pulls, names: &[f64], scales: bool) -> Pose {
+        let scale = pose.log_scale.exp();
+        let placed: Vec<Point> = subset.iter().map(|n| times(&pose.turn, self.nodes.at[*n]).map(|x| scale * x)).collect();
+        let length: Vec<f64> = subset.iter().map(|n| self.length(*n)).collect();
+        let total: f64 = length.iter().sum::<f64>().max(1e-9);
+        let centre = [0, 1, 2].map(|k| placed.iter().zip(&length).map(|(p, w)| p[k] * w).sum::<f64>() / total);
+        let mut hessian = [[0.0; 7]; 7];
+        let mut gradient = [0.0; 7];
+        let mut counted = 0.0;
+        for ((names, at), w) in names.chunks(pulls.states).zip(&placed).zip(&length) {
+            let [a, b, c, d, e, f, x, y, z, arteries] = pulls.on(names).map(|pull| pull * w * GAIN);
+            let sum = [a, b, c, d, e, f];
+            counted += arteries;
+            let here = [at[0] + pose.shift[0], at[1] + pose.shift[1], at[2] + pose.shift[2]];
+            let residual = sub(symmetric_times(&sum, here), [x, y, z]);
+            let arm = sub(*at, centre);
+            let jacobian: [Point; 7] = [
+                [0.0, -arm[2], arm[1]],
+                [arm[2], 0.0, -arm[0]],
+                [-arm[1], arm[0], 0.0],
+                [1.0, 0.0, 0.0],
+                [0.0, 1.0, 0.0],
+                [0.0, 0.0, 1.0],
+                arm,
+            ];
+            let pulled = jacobian.map(|column| symmetric_times(&sum, column));
+            for i in 0..7 {
+                gradient[i] += dot(jacobian[i], residual);
+                for j in 0..7 {
+                    hessian[i][j] += dot(jacobian[i], pulled[j]);
+                }
+            }
+        }
+        let turned = rotation_vector(&pose.turn);
+        for k in 0..3 {
+            hessian[k][k] += 1.0 / (ROTATION * ROTATION);
+            gradient[k] += turned[k] / (ROTATION * ROTATION);
+            hessian[3 + k][3 + k] += 1e-6;
+        }
+        hessian[6][6] += 1.0 / (SCALE * SCALE);
+        gradient[6] += pose.log_scale / (SCALE * SCALE) - 3.0 * counted;
+        if !scales {
+            hessian[6] = [0.0; 7];
+            for row in &mut hessian {
+                row[6] = 0.0;
+            }
+            (hessian[6][6], gradient[6]) = (1.0, 0.0);
+        }
+        let Some(mut step) = solve(&hessian, &gradient) else { return *pose };
+        let angle = norm([step[0], step[1], step[2]]);
+        if angle > 0.3 {
+            for d in &mut step {
+                *d *= 0.3 / angle;
+            }
+        }
+        let turn = rotation([step[0], step[1], step[2]]);
+        let log_scale = (pose.log_scale + step[6]).clamp(-MOST_SCALE, MOST_SCALE);
+        let about = times(&turn, centre).map(|x| x * (log_scale - pose.log_scale).exp());
+        let shift = [0, 1, 2].map(|k| pose.shift[k] + step[3 + k] + centre[k] - about[k]);
+        Pose { turn: product(&turn, &pose.turn), shift, log_scale }
+    }
+
+    /// Nodes at equal distances along all that counts.
+    fn subset(&self) -> Vec<usize> {
+        let n = self.nodes.len();
+        if n <= SEARCH_NODES {
+            return (0..n).collect();
+        }
+        let total: f64 = (0..n).map(|node| self.length(node)).sum();
+        let (mut sum, mut next, mut subset) = (0.0, 0.5, Vec::with_capacity(SEARCH_NODES));
+        for node in 0..n {
+            sum += self.length(node);
+            if sum / total * SEARCH_NODES as f64 >= next {
+                subset.push(node);
+                next = (sum / total * SEARCH_NODES as f64 - 0.5).floor() + 1.5;
+            }
+        }
+        subset
+    }
+
+    fn mean(&self, subset: &[usize], of: impl Fn(usize) -> Point) -> Point {
+        let total: f64 = subset.iter().map(|n| self.length(*n)).sum::<f64>().max(1e-9);
+        [0, 1, 2].map(|k| subset.iter().map(|n| of(*n)[k] * self.length(*n)).sum::<f64>() / total)
+    }
+
+    /// The best of some poses that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
+    fn distinct(mut poses: Vec<Scored>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<Scored> {
+        poses.sort_by(|a, b| b.score.total_cmp(&a.score));
+        let mut kept: Vec<Scored> = Vec::new();
+        for scored in poses {
+            let is_new = kept.iter().all(|other| {
+                angle_between(&scored.pose, &other.pose) > angle
+                    || distance(unscaled(&scored.pose, centre), unscaled(&other.pose, centre)) > shift
+            });
+            if is_new && kept.len() < most {
+                kept.push(scored);
+            }
+        }
+        kept
+    }
+}
+
+/// Where a position comes to lie, the scale left out.
+fn unscaled(pose: &Pose, x: Point) -> Point {
+    Pose { log_scale: 0.0, ..*pose }.apply(x)
+}
+
+fn angle_between(a: &Pose, b: &Pose) -> f64 {
+    norm(rotation_vector(&product(&a.turn, &super::algebra::transposed(&b.turn))))
+}
+
+/// Offsets of the middle, mm: a tracing may show one side alone.
+const START_OFFSETS: [Point; 7] = [
+    [0.0, 0.0, 0.0],
+    [0.0, 0.0, 14.0],
+    [0.0, 0.0, -14.0],
+    [12.0, 0.0, 0.0],
+    [-12.0, 0.0, 0.0],
+    [24.0, 0.0, 0.0],
+    [-24.0, 0.0, 0.0],
+];
+
+/// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
+fn start_turns() -> Vec<Point> {
+    let mut turns = vec![[0.0; 3]];
+    for axis in 0..3 {
+        for degrees in [25.0, -25.0, 42.0, -42.0] {
+            let mut turn = [0.0; 3];
+            turn[axis] = degrees;
+            turns.push(turn);
+        }
+    }
+    for a in [-18.0, 18.0] {
+        for b in [-18.0, 18.0] {
+            for c in [-18.0, 18.0] {
+                turns.push([a, b, c]);
+            }
+        }
+    }
+    turns
+}
+
+/// -H⁻¹ g, by Cholesky's method; `None` where H is not positive definite.
+fn solve(hessian: &[[f64; 7]; 7], gradient: &[f64; 7]) -> Option<[f64; 7]> {
+    let h = Mat::from_fn(7, 7, |i, j| hessian[i][j]);
+    let g = Mat::from_fn(7, 1, |i, _| -gradient[i]);
+    let step = h.llt(Side::Lower).ok()?.solve(&g);
+    let step: [f64; 7] = std::array::from_fn(|i| step[(i, 0)]);
+    step.iter().all(|x| x.is_finite()).then_some(step)
+}

@@ -1,0 +1,101 @@
+//! The Circle of Willis as a network: published lengths, radii and resistances, along plausible centerlines.
+
+use super::alastruey;
+use super::alastruey::{NODES, ROOT, TABLE};
+use super::curve::course;
+use super::{add_curved_vessel, add_node, make_inlet, widen_nodes};
+use willis_core::error::{Error, Result};
+use willis_core::network::{Condition, Network, Role, Vessel};
+use willis_core::support::suggestions::did_you_mean;
+
+/// The complete network of [`TABLE`], with centerline points at about `spacing` (m; 0.5 mm is usual).
+///
+/// Node ids are the table's numbers. The aortic root is an inlet at 100 mmHg; the 11 ends carry the table's terminal
+/// resistance to a venous pressure of 0. Every vessel is observed, and the arc length of its polyline is the table's
+/// to rounding. Vessels without a common node do not touch, except the ascending aorta and arch II: the table puts
+/// 20 mm of arch between them, and their radii add up to 22.7 mm.
+///
+/// # Panics
+///
+/// When `spacing` is not positive and finite.
+pub fn circle_of_willis(spacing: f64) -> Network {
+    assert!(spacing.is_finite() && spacing > 0.0, "spacing {spacing} m is not positive");
+    let mut network = Network::new();
+    for number in 1..=NODES {
+        add_node(&mut network, alastruey::position(number), None);
+    }
+    make_inlet(&mut network, ROOT - 1);
+    for row in &TABLE {
+        let [a, b] = row.nodes.map(alastruey::position);
+        let points = course(a, b, row.length, alastruey::bow(row.label), spacing);
+        let ends = row.nodes.map(|number| number - 1);
+        widen_nodes(&mut network, ends, row.radius);
+        if let Some(resistance) = row.terminal {
+            let node = network.node_mut(ends[1]);
+            node.role = Some(Role::Outlet);
+            node.condition = Some(Condition::Resistance { resistance, venous: 0.0 });
+        }
+        add_curved_vessel(&mut network, ends, points, row.length, row.radius, row.label);
+    }
+    network
+}
+
+/// The 20 vessels that an angiogram of the head shows: internal carotids, vertebrals, basilar, the circle and the
+/// cerebral arteries. Their four proximal ends are inlets at 100 mmHg.
+///
+/// Vessels are chosen by label. Nodes that lose all their vessels go; the others keep id, order and condition.
+pub fn cerebral(network: &Network) -> Network {
+    const STEMS: [&str; 11] = ["ICA I", "ICA II", "VA", "BA", "PComm", "AComm", "M1", "A1", "A2", "P1", "P2"];
+    let is_shown = |label: &str| {
+        let stem = label.strip_prefix("L-").or_else(|| label.strip_prefix("R-")).unwrap_or(label);
+        STEMS.contains(&stem)
+    };
+    let mut shown = restricted(network, |vessel| is_shown(&vessel.label));
+    let degree = shown.degrees(|_| true);
+    for row in (0..shown.node_count()).filter(|row| degree[*row] == 1) {
+        if shown.node(row).condition.is_none() {
+            make_inlet(&mut shown, row);
+        }
+    }
+    shown
+}
+
+/// The network of the vessels that `keep` selects. Nodes that lose all their vessels go; the others keep id, order, role and
+/// condition.
+fn restricted(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network {
+    let degree = network.degrees(&keep);
+    let mut rest = Network::new();
+    let mut row_of = vec![usize::MAX; network.node_count()];
+    for (row, node) in network.nodes().enumerate().filter(|(row, _)| degree[*row] > 0) {
+        row_of[row] = rest.add_node(node.clone());
+    }
+    for (ends, vessel) in network.vessels().filter(|(_, vessel)| keep(vessel)) {
+        rest.add_vessel(ends.map(|end| row_of[end]), vessel.clone());
+    }
+    rest
+}
+
+/// The anatomical variant without the vessels of these labels.
+///
+/// Boundary conditions stay where they were: a node that becomes an end is neither inlet nor outlet.
+///
+/// # Errors
+///
+/// No vessel has the label; no inlet or no outlet is left.
+pub fn without(network: &Network, labels: &[impl AsRef<str>]) -> Result<Network> {
+    let present: Vec<&str> = network.vessels().map(|(_, vessel)| vessel.label.as_str()).collect();
+    if let Some(unknown) = labels.iter().map(AsRef::as_ref).find(|label| !present.contains(label)) {
+        let meant = did_you_mean(unknown, present.iter().copied());
+        let accepted = format!("{meant}expected labels among {}", present.join(", "));
+        return Err(Error::parameter("without", format!("\"{unknown}\""), accepted));
+    }
+    let rest = restricted(network, |vessel| labels.iter().all(|label| label.as_ref() != vessel.label));
+    for role in [Role::Inlet, Role::Outlet] {
+        if !rest.nodes().any(|node| node.role == Some(role)) {
+            let names: Vec<&str> = labels.iter().map(AsRef::as_ref).collect();
+            let accepted = format!("leaves no {}; expected fewer vessels", role.name());
+            return Err(Error::parameter("without", format!("\"{}\"", names.join(",")), accepted));
+        }
+    }
+    Ok(rest)
+}

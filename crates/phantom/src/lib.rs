@@ -1,0 +1,99 @@
+//! Test anatomy with a known answer: complete networks, uncertain extractions of them, and masks.
+//!
+//! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
+
+pub mod alastruey;
+mod arterial;
+mod capillary;
+mod circle;
+mod contacts;
+pub mod curve;
+mod damage;
+mod extraction;
+mod gaps;
+mod interruptions;
+mod kind;
+mod large;
+mod mask;
+mod mask_truth;
+mod tree;
+mod truth;
+mod tube;
+mod veins;
+
+use std::fmt::Display;
+
+use willis_core::error::{Error, Result};
+use willis_core::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
+use willis_core::support::geometry::Point;
+
+pub use arterial::arterial;
+pub use capillary::capillary;
+pub use circle::{cerebral, circle_of_willis, without};
+pub use damage::Breaks;
+pub use extraction::break_up;
+pub use gaps::{Gaps, over_connected, with_gaps};
+pub use kind::{Kind, Recipe};
+pub use large::Large;
+pub use mask::{MOST_VOXELS, Scan, draw_mask, draw_scan};
+pub use mask_truth::{Contact, MaskBreak, MaskTruth};
+pub use tree::{Tree, branching_tree};
+pub use truth::{BreakKind, Truth, landmarks};
+pub use tube::Tube;
+
+/// Adds an inner node whose id is the next number.
+fn add_node(network: &mut Network, position: Point, radius: Option<f64>) -> usize {
+    let id = (network.node_count() + 1).to_string();
+    network.add_node(Node { id, position: Some(position), radius, role: Some(Role::Inner), ..Node::default() })
+}
+
+/// Adds a vessel of constant radius and known length along points.
+fn add_curved_vessel(network: &mut Network, ends: [usize; 2], points: Vec<Point>, length: f64, radius: f64, label: &str) {
+    let path = points.into_iter().map(|position| PathPoint { position, radius, id: None }).collect();
+    let along = Vessel::along(path, RadiusRule::Mean);
+    network.add_vessel(ends, Vessel { length, radius, label: label.to_owned(), ..along });
+}
+
+/// Gives the nodes of a vessel at least its radius.
+fn widen_nodes(network: &mut Network, nodes: [usize; 2], radius: f64) {
+    for node in nodes {
+        let current = &mut network.node_mut(node).radius;
+        *current = Some(current.map_or(radius, |current| current.max(radius)));
+    }
+}
+
+/// Makes a node an inlet at 100 mmHg.
+fn make_inlet(network: &mut Network, row: usize) {
+    let node = network.node_mut(row);
+    node.role = Some(Role::Inlet);
+    node.condition = Some(Condition::INLET);
+}
+
+/// Refuses a value out of its range.
+fn check_range<T: PartialOrd + Display + Copy>(name: &str, value: T, least: T, most: T) -> Result<()> {
+    if least <= value && value <= most {
+        return Ok(());
+    }
+    Err(Error::parameter(name, value, format!("expected {least} to {most}")))
+}
+
+/// Refuses a length (m) that is not positive.
+fn check_length(name: &str, value: f64) -> Result<()> {
+    if value.is_finite() && value > 0.0 { Ok(()) } else { Err(Error::parameter(name, value, "expected a positive length, m")) }
+}
+
+/// Refuses two values that are out of their range or not in order.
+fn check_pair<T: PartialOrd + Display + Copy>(name: &str, [low, high]: [T; 2], least: T, most: T) -> Result<()> {
+    if least <= low && low <= high && high <= most {
+        return Ok(());
+    }
+    Err(Error::parameter(name, format!("{low},{high}"), format!("expected {least} to {most}, the lesser first")))
+}
+
+/// Refuses a network with a node that has no position.
+fn check_positions(network: &Network) -> Result<()> {
+    match network.nodes().find(|node| node.position.is_none()) {
+        Some(node) => Err(Error::parameter("node", &node.id, "has no position; expected one for every node")),
+        None => Ok(()),
+    }
+}

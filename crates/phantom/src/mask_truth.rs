@@ -1,0 +1,186 @@
+//! The true answer to a mask: the vessels that were drawn, where the mask interrupts them, and where it joins what is apart.
+
+use std::io::{self, Write};
+
+use serde::{Serialize, Serializer};
+
+use super::contacts::contacts;
+use super::interruptions::Shown;
+use super::truth::BreakKind;
+use super::tube::{Grid, Tube};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Network, Role};
+use willis_core::support::geometry::Point;
+use willis_io::masks::Mask;
+
+/// A place where the mask interrupts a vessel.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct MaskBreak {
+    /// The ends of the vessel's two pieces, mm. Next to a junction the first or the last lies in the lumen of another vessel.
+    #[serde(serialize_with = "rounded_pair")]
+    pub ends_mm: [Point; 2],
+    /// Next to a junction or along the vessel.
+    pub kind: BreakKind,
+    /// The row of the vessel.
+    pub vessel: usize,
+    /// Its label.
+    pub label: String,
+    /// The arc length from the first node of the vessel at which the missing stretch begins, mm.
+    #[serde(serialize_with = "rounded")]
+    pub from_mm: f64,
+    /// The arc length at which it ends, mm.
+    #[serde(serialize_with = "rounded")]
+    pub to_mm: f64,
+    /// Its length, mm.
+    #[serde(serialize_with = "rounded")]
+    pub gap_mm: f64,
+}
+
+/// A place where two vessels that are apart touch in the mask.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Contact {
+    /// The rows of the two vessels.
+    pub vessels: [usize; 2],
+    /// Their labels.
+    pub labels: [String; 2],
+    /// The middle of the voxels that touch, mm.
+    #[serde(serialize_with = "rounded_point")]
+    pub position_mm: Point,
+}
+
+/// The true answer to a mask.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MaskTruth {
+    /// The vessels by row: those of the network, then the veins.
+    pub tubes: Vec<Tube>,
+    /// The ids of the nodes of the network.
+    pub nodes: Vec<String>,
+    /// The rows of the vessels of which the mask shows nothing outside the lumen of others.
+    pub lost: Vec<usize>,
+    /// Where the inlets are, mm.
+    pub inlets: Vec<Point>,
+    /// Where the mask interrupts a vessel, in order of vessel and arc length.
+    pub breaks: Vec<MaskBreak>,
+    /// Where vessels touch that are apart, in order of vessels.
+    pub contacts: Vec<Contact>,
+    /// The length of a voxel, mm.
+    pub voxel: f64,
+}
+
+#[derive(Serialize)]
+struct Document<'a> {
+    vessels: Vec<&'a str>,
+    lost_vessels: &'a [usize],
+    spurious_vessels: Vec<usize>,
+    voxel_mm: f64,
+    #[serde(serialize_with = "rounded_points")]
+    inlets_mm: &'a [Point],
+    breaks: &'a [MaskBreak],
+    contacts: &'a [Contact],
+    centerlines: Vec<Centerline<'a>>,
+}
+
+#[derive(Serialize)]
+struct Centerline<'a> {
+    vessel: usize,
+    nodes: Option<[&'a str; 2]>,
+    #[serde(serialize_with = "rounded_points")]
+    points_mm: Vec<Point>,
+    #[serde(serialize_with = "rounded_all")]
+    radii_mm: Vec<f64>,
+}
+
+/// A length in whole micrometres.
+fn micrometres(x: f64) -> f64 {
+    (x * 1e3).round() / 1e3
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn rounded<S: Serializer>(x: &f64, out: S) -> Result<S::Ok, S::Error> {
+    micrometres(*x).serialize(out)
+}
+
+fn rounded_all<S: Serializer>(all: &[f64], out: S) -> Result<S::Ok, S::Error> {
+    out.collect_seq(all.iter().map(|x| micrometres(*x)))
+}
+
+fn rounded_point<S: Serializer>(point: &Point, out: S) -> Result<S::Ok, S::Error> {
+    point.map(micrometres).serialize(out)
+}
+
+fn rounded_pair<S: Serializer>(points: &[Point; 2], out: S) -> Result<S::Ok, S::Error> {
+    points.map(|point| point.map(micrometres)).serialize(out)
+}
+
+fn rounded_points<S: Serializer>(points: &[Point], out: S) -> Result<S::Ok, S::Error> {
+    out.collect_seq(points.iter().map(|point| point.map(micrometres)))
+}
+
+impl MaskTruth {
+    /// Writes the answer as one JSON object and a line end. Positions are in mm in the mask's frame, RAS.
+    ///
+    /// | key | what |
+    /// |---|---|
+    /// | `vessels` | labels of the vessels, then of the veins; rows below count from 0 in this list |
+    /// | `lost_vessels` | rows of vessels of which the mask shows nothing outside the lumen of others |
+    /// | `spurious_vessels` | rows of the veins |
+    /// | `voxel_mm` | the length of a voxel |
+    /// | `inlets_mm` | positions of the inlets |
+    /// | `breaks` | one `{ends_mm, kind, vessel, label, from_mm, to_mm, gap_mm}` each: the two places that a correct connection joins, `junction` or `vessel`, row and label of the vessel, arc length from its first node at which the missing stretch begins and ends, its length |
+    /// | `contacts` | one `{vessels, labels, position_mm}` each: two vessels that are apart and touch in the mask |
+    /// | `centerlines` | one `{vessel, nodes, points_mm, radii_mm}` each: the ids of the two nodes (`null` for a vein), points at most two voxels apart |
+    ///
+    /// # Errors
+    ///
+    /// Those of `out`.
+    pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
+        let document = Document {
+            vessels: self.tubes.iter().map(|tube| tube.label.as_str()).collect(),
+            lost_vessels: &self.lost,
+            spurious_vessels: self.spurious().collect(),
+            voxel_mm: self.voxel,
+            inlets_mm: &self.inlets,
+            breaks: &self.breaks,
+            contacts: &self.contacts,
+            centerlines: self.tubes.iter().enumerate().map(|(vessel, tube)| self.centerline(vessel, tube)).collect(),
+        };
+        serde_json::to_writer(&mut out, &document)?;
+        writeln!(out)?;
+        out.flush()
+    }
+
+    /// The rows of the veins.
+    pub fn spurious(&self) -> impl Iterator<Item = usize> {
+        (0..self.tubes.len()).filter(|row| self.tubes[*row].nodes.is_none())
+    }
+
+    /// Every second station of a tube, and its last.
+    fn centerline<'a>(&'a self, vessel: usize, tube: &Tube) -> Centerline<'a> {
+        let last = tube.stations.len() - 1;
+        let chosen = || (0..last).step_by(2).chain([last]);
+        Centerline {
+            vessel,
+            nodes: tube.nodes.map(|nodes| nodes.map(|node| self.nodes[node].as_str())),
+            points_mm: chosen().map(|at| tube.stations[at]).collect(),
+            radii_mm: chosen().map(|at| tube.radii[at]).collect(),
+        }
+    }
+}
+
+/// Compares the mask with the vessels that were drawn.
+pub(super) fn judge(network: &Network, tubes: Vec<Tube>, grid: &Grid, mask: &Mask) -> MaskTruth {
+    let shown = Shown::new(&tubes, network.node_count(), grid, mask);
+    let lost: Vec<usize> = (0..tubes.len()).filter(|row| shown.is_lost(*row)).collect();
+    let breaks = shown.breaks();
+    let contacts = contacts(&tubes, grid, mask);
+    let inlets = network.nodes().filter(|node| node.role == Some(Role::Inlet)).filter_map(|node| node.position);
+    MaskTruth {
+        lost,
+        inlets: inlets.map(|at| at.map(millimetres)).collect(),
+        breaks,
+        contacts,
+        voxel: grid.spacing,
+        nodes: network.nodes().map(|node| node.id.clone()).collect(),
+        tubes,
+    }
+}

@@ -1,0 +1,89 @@
+//! The style that all figures share: sizes of text and lines, where titles and legends stand, and how a legend is drawn.
+
+use super::canvas::{Align, Place, Sheet};
+use super::colour::{INK, Rgb};
+use willis_core::error::Result;
+
+/// Places and lengths on a page are in points.
+pub const POINTS_PER_INCH: f64 = 72.0;
+/// Height of text, points.
+pub const TEXT: f64 = 10.0;
+/// Height of numbers at marks and of names in tight places, points.
+pub const SMALL: f64 = 8.0;
+/// Height of a title, points.
+pub const TITLE: f64 = 12.0;
+/// Height of the middle of a title, points.
+pub const TITLE_AT: f64 = 15.0;
+/// Height of the middle of a legend, points.
+pub const LEGEND_AT: f64 = 36.0;
+/// Width of axes and ticks, points.
+pub const HAIR: f64 = 0.6;
+/// Width of a curve, and of one that matters most, points.
+pub const CURVE: f64 = 1.0;
+/// The line that everything else is compared with, points.
+pub const BOLD: f64 = 1.8;
+/// Length of a tick, points.
+pub const TICK: f64 = 4.0;
+/// The name of the axis below stands so far below its ticks, points.
+pub const NAME_BELOW: f64 = 25.0;
+/// The middle of the upright name of an axis, points from the left edge.
+pub const NAME_LEFT: f64 = 9.0;
+
+/// What a legend shows of a kind.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Key {
+    /// A line of a width in points.
+    Line(f64),
+    /// A dashed line of a width in points.
+    Dashes(f64),
+    /// A filled box.
+    Box,
+}
+
+/// Size of a key, the space before its text, and between two entries, points.
+const KEY: [f64; 2] = [18.0, 8.0];
+const SPACE: f64 = 5.0;
+const APART: f64 = 18.0;
+
+/// One entry of a legend, with the left and middle of its key at a place; returns its width.
+pub fn key(sheet: &mut Sheet<'_>, [x, y]: Place, text: &str, key: Key, rgb: Rgb) -> Result<f64> {
+    let ends = [[x, y], [x + KEY[0], y]];
+    match key {
+        Key::Line(width) => sheet.line(ends, width.max(1.5), rgb, 1.0)?,
+        Key::Dashes(width) => sheet.dashes(ends, width, rgb)?,
+        Key::Box => sheet.rectangle([x, y - KEY[1] / 2.0], KEY, rgb)?,
+    }
+    sheet.plain(text, [x + KEY[0] + SPACE, y], Align::Begin)?;
+    Ok(KEY[0] + SPACE + sheet.text_width(text, TEXT)?)
+}
+
+/// A legend in a row below the title, from the left edge of the axes.
+pub fn legend(sheet: &mut Sheet<'_>, left: f64, entries: &[(&str, Key, Rgb)]) -> Result<()> {
+    let mut x = left;
+    for (text, kind, rgb) in entries {
+        x += key(sheet, [x, LEGEND_AT], text, *kind, *rgb)? + APART;
+    }
+    Ok(())
+}
+
+/// The key of the line that everything else is compared with.
+pub const REFERENCE: (Key, Rgb) = (Key::Dashes(1.2), INK);
+
+/// More letters than fit, even narrow ones.
+const MOST_LETTERS: usize = 200;
+
+/// A name without its middle where it is wider than `most` points.
+pub fn fitting(sheet: &Sheet<'_>, name: &str, most: f64, height: f64) -> Result<String> {
+    let letters: Vec<char> = name.chars().collect();
+    let shortened = |kept: usize| {
+        let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
+        first.iter().chain(&['\u{2026}']).chain(last).collect::<String>()
+    };
+    let mut kept = letters.len().min(MOST_LETTERS);
+    let mut cut = if kept < letters.len() { shortened(kept) } else { name.to_owned() };
+    while sheet.text_width(&cut, height)? > most && kept > 0 {
+        kept -= 1;
+        cut = shortened(kept);
+    }
+    Ok(cut)
+}

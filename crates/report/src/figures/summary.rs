@@ -1,0 +1,180 @@
+//! A run in one picture: the vessels from two sides, the candidates by their probability, and the counts.
+
+use super::axis::Label;
+use super::canvas::{Align, Sheet};
+use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
+use super::colour_bar::colour_bar;
+use super::course::smoothed;
+use super::figure::Figure;
+use super::style::LEGEND_AT;
+use willis_core::error::Result;
+use willis_io::output::names::SUMMARY_PICTURE;
+
+const INCHES: [f64; 2] = [6.4, 3.9];
+/// Left edge of each panel, their top, and their width and height, points.
+const LEFT: [f64; 2] = [14.0, 206.0];
+const TOP: f64 = 46.0;
+const SIZE: [f64; 2] = [184.0, 204.0];
+/// Upper left corner of the colour bar, and its height, points.
+const BAR: [f64; 2] = [404.0, 76.0];
+const BAR_HEIGHT: f64 = 144.0;
+/// The scale bar stands so far above the lower edge of its panel, points.
+const FOOT: f64 = 8.0;
+/// The thinnest vessel, and the thinnest connection that was kept, points.
+const THIN: [f64; 2] = [0.45, 1.8];
+/// The width of a connection that was left out as a share of its diameter, and how far its colour is that of the page.
+const LEFT_OUT: [f64; 2] = [0.4, 0.3];
+/// The radius of a ring around an undecided connection, and its width, points; more than so many are not drawn.
+const RING: [f64; 2] = [6.0, 0.8];
+const MOST_RINGS: usize = 30;
+
+/// So many steps of a course are drawn in one line, as wide as the vessel is on average.
+const TOGETHER: usize = 6;
+
+/// A vessel of the picture.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DrawnVessel {
+    /// x, y, z and radius along it, mm.
+    pub course: Vec<[f64; 4]>,
+    /// The probability of one that is uncertain, in [0, 1]; `None` for one that is not, or of which none is known.
+    pub probability: Option<f64>,
+    /// Whether it is certain.
+    pub certain: bool,
+    /// Whether it is kept.
+    pub kept: bool,
+    /// Whether it is undecided.
+    pub undecided: bool,
+}
+
+/// A view: which way is right and which way is up on the page, and what each is called.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Projection {
+    /// What it is called.
+    pub name: &'static str,
+    /// The direction to the right of the page.
+    pub right: [f64; 3],
+    /// The direction up the page.
+    pub up: [f64; 3],
+    /// What stands at its left and right edge.
+    pub edges: [&'static str; 2],
+}
+
+/// Draws a run in one picture, 6.4 by 3.9 inches: what was found in words, and two views on one scale. Certain vessels are grey, darker
+/// where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. A ring is
+/// around each undecided one, up to 30. Radii and courses are smoothed along each vessel, for display only.
+pub fn summary(title: String, words: String, mut vessels: Vec<DrawnVessel>, views: [Projection; 2]) -> Figure {
+    for vessel in &mut vessels {
+        vessel.course = smoothed(&vessel.course);
+    }
+    Figure::new(SUMMARY_PICTURE, INCHES, move |sheet| draw(sheet, &title, &words, &vessels, &views))
+}
+
+/// A piece of a vessel on the page: how far off, its course, and how it is drawn.
+struct Piece {
+    near: f64,
+    path: Vec<[f64; 2]>,
+    width: f64,
+    rgb: Rgb,
+}
+
+fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel], views: &[Projection; 2]) -> Result<()> {
+    sheet.title(title, LEFT[0])?;
+    sheet.plain(words, [LEFT[0], LEGEND_AT - 3.0], Align::Begin)?;
+    let boxes = [0, 1].map(|at| extent(vessels, &views[at]));
+    // One scale for both views, points a millimetre.
+    let fits = |[[west, east], [south, north]]: [[f64; 2]; 2]| {
+        (SIZE[0] / (east - west).max(1e-9)).min((SIZE[1] - 14.0) / (north - south).max(1e-9))
+    };
+    let scale = 0.94 * fits(boxes[0]).min(fits(boxes[1]));
+    for (at, view) in views.iter().enumerate() {
+        let [[west, east], [south, north]] = boxes[at];
+        let middle = [f64::midpoint(west, east), f64::midpoint(south, north)];
+        let centre = [LEFT[at] + SIZE[0] / 2.0, TOP + (SIZE[1] - 14.0) / 2.0 + 12.0];
+        let place = |p: &[f64; 4]| {
+            let [x, y] = seen(p, view);
+            [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
+        };
+        for piece in pieces(vessels, view, scale, place) {
+            sheet.tube(piece.path, piece.width, piece.rgb)?;
+        }
+        for vessel in vessels.iter().filter(|vessel| vessel.undecided).take(MOST_RINGS) {
+            if let Some(middle) = vessel.course.get(vessel.course.len() / 2) {
+                let [x, y] = place(middle);
+                let turn = |step: i32| std::f64::consts::TAU * f64::from(step) / 36.0;
+                sheet.line((0..=36).map(|k| [x + RING[0] * turn(k).cos(), y + RING[0] * turn(k).sin()]), RING[1], INK, 1.0)?;
+            }
+        }
+        sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle)?;
+        for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
+            sheet.plain(text, [x, centre[1]], Align::Middle)?;
+        }
+    }
+    scale_bar(sheet, scale)?;
+    bar(sheet)
+}
+
+/// The extent of the vessels in a view, mm; that of a point where there is none.
+fn extent(vessels: &[DrawnVessel], view: &Projection) -> [[f64; 2]; 2] {
+    let none = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    let points = vessels.iter().flat_map(|vessel| &vessel.course);
+    let found = points.fold(none, |range, p| {
+        let at = seen(p, view);
+        [0, 1].map(|axis| [range[axis][0].min(at[axis] - p[3]), range[axis][1].max(at[axis] + p[3])])
+    });
+    if found[0][0] <= found[0][1] { found } else { [[-1.0, 1.0]; 2] }
+}
+
+fn seen(p: &[f64; 4], view: &Projection) -> [f64; 2] {
+    [&view.right, &view.up].map(|way| (0..3).map(|axis| way[axis] * p[axis]).sum())
+}
+
+/// The pieces of all vessels from far to near; those that are uncertain come last, so that nothing hides them.
+fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn(&[f64; 4]) -> [f64; 2]) -> Vec<Piece> {
+    let ([a, b, c], [d, e, f]) = (view.right, view.up);
+    let back = [b * f - c * e, c * d - a * f, a * e - b * d];
+    let depth = |p: &[f64; 4]| (0..3).map(|axis| back[axis] * p[axis]).sum::<f64>();
+    let certain = || vessels.iter().filter(|vessel| vessel.certain).flat_map(|vessel| &vessel.course).map(&depth);
+    let [far, near] = [certain().fold(f64::INFINITY, f64::min), certain().fold(f64::NEG_INFINITY, f64::max)];
+    let mut all = Vec::new();
+    for vessel in vessels {
+        let (order, thin) = match (vessel.certain, vessel.kept) {
+            (true, _) => (0.0, THIN[0]),
+            (false, false) => (1e6, THIN[0]),
+            (false, true) => (2e6, THIN[1]),
+        };
+        let left_out = !vessel.certain && !vessel.kept;
+        let share = if left_out { LEFT_OUT[0] } else { 1.0 };
+        let own = vessel.probability.map_or(INK, colour);
+        let own = if left_out { mixed(own, PAPER, LEFT_OUT[1]) } else { own };
+        // A piece begins where the one before it ends.
+        let last = vessel.course.len().saturating_sub(1);
+        all.extend((0..last).step_by(TOGETHER).map(|first| {
+            let part = &vessel.course[first..=(first + TOGETHER).min(last)];
+            let mean = |of: &dyn Fn(&[f64; 4]) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
+            let at = mean(&depth);
+            let share_near = ((at - far) / (near - far).max(1e-9)).clamp(0.0, 1.0);
+            Piece {
+                near: order + at,
+                path: part.iter().map(&place).collect(),
+                width: (2.0 * share * scale * mean(&|p| p[3])).max(thin),
+                rgb: if vessel.certain { mixed(DEPTHS[0], DEPTHS[1], share_near) } else { own },
+            }
+        }));
+    }
+    all.sort_by(|a, b| a.near.total_cmp(&b.near));
+    all
+}
+
+fn scale_bar(sheet: &mut Sheet<'_>, scale: f64) -> Result<()> {
+    let widest = 60.0 / scale;
+    let ten = 10_f64.powf(widest.log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
+    let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
+    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0)?;
+    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin)
+}
+
+fn bar(sheet: &mut Sheet<'_>) -> Result<()> {
+    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, Label::plain(share.to_string())));
+    colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability")
+}

@@ -1,0 +1,123 @@
+//! Whose blood every outlet gets: a bar an outlet, divided by inlet, with the mean time since entry beside it.
+
+use super::axis::Label;
+use super::canvas::{Align, Run, Sheet};
+use super::colour::{INK, Rgb};
+use super::figure::Figure;
+use super::style::{self, HAIR, Key, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
+use willis_core::error::Result;
+use willis_io::output::names::TERRITORY_PICTURE;
+
+const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
+/// Above the bars, points: the title, and lines of the legend of this height.
+const TOP: f64 = 31.0;
+const LEGEND: f64 = 15.0;
+/// Below the bars, points.
+const BOTTOM: f64 = 46.0;
+/// Thickness of a bar, and space between the bars of two outlets, points.
+const BAR: f64 = 9.0;
+const GAP: f64 = 7.0;
+/// For the time at the end of a bar, points.
+const ROOM: f64 = 52.0;
+/// The largest number of outlets shown, and of entries in a line of the legend.
+const MOST: usize = 40;
+const IN_A_LINE: usize = 4;
+
+/// The blood of one outlet.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutletSupply {
+    /// The name of the outlet.
+    pub name: String,
+    /// The flow by which outlets are ranked, mL/min.
+    pub flow: f64,
+    /// Before and, where there is one, after a perturbation: the share from each inlet, and the mean time since entry in ms; `None` where
+    /// no blood comes.
+    pub states: Vec<Option<(Vec<f64>, f64)>>,
+}
+
+/// Draws the up to 40 outlets of largest flow, in the order given, 6.8 inches wide; `inlets` have names and colours.
+pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure {
+    let mut rows: Vec<usize> = (0..outlets.len()).collect();
+    // In single precision, so that rounding does not change the order of equal flows.
+    rows.sort_by(|a, b| (outlets[*b].flow as f32).total_cmp(&(outlets[*a].flow as f32)));
+    rows.truncate(MOST);
+    rows.sort_unstable();
+    let shown: Vec<OutletSupply> = rows.into_iter().map(|row| outlets[row].clone()).collect();
+    let title = if outlets.len() > MOST {
+        format!("Blood of the {MOST} outlets of largest flow, by inlet")
+    } else {
+        "Blood of every outlet, by inlet".to_owned()
+    };
+    let top = TOP + LEGEND * inlets.len().div_ceil(IN_A_LINE) as f64;
+    let bottom = top + shown.iter().map(height).sum::<f64>();
+    let inlets = inlets.to_vec();
+    let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
+    Figure::new(TERRITORY_PICTURE, inches, move |sheet| draw(sheet, &shown, &inlets, &title, [top, bottom]))
+}
+
+/// The height of an outlet's bars, points.
+fn height(outlet: &OutletSupply) -> f64 {
+    GAP + BAR * outlet.states.len() as f64
+}
+
+fn draw(
+    sheet: &mut Sheet<'_>,
+    shown: &[OutletSupply],
+    inlets: &[(String, Rgb)],
+    title: &str,
+    [top, bottom]: [f64; 2],
+) -> Result<()> {
+    let mut widest: f64 = 0.0;
+    for outlet in shown {
+        widest = widest.max(sheet.text_width(&outlet.name, TEXT)?);
+    }
+    let (left, right) = (widest.min(WIDTH / 3.0) + 22.0, WIDTH - 14.0 - ROOM);
+    let x = |share: f64| left + (right - left) * share;
+    sheet.title(title, left)?;
+    legend(sheet, inlets, left)?;
+    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), Label::plain(format!("{:.0}", 100.0 * share))));
+    sheet.ticks_below([top, bottom], ticks)?;
+    sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0)?;
+    let pair = shown.iter().any(|outlet| outlet.states.len() > 1);
+    let name = if pair { "share of the blood (%), as it is above, perturbed below" } else { "share of the blood (%)" };
+    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle)?;
+    let mut above = top;
+    for outlet in shown {
+        let bars = BAR * outlet.states.len() as f64;
+        sheet.plain(&outlet.name, [left - 8.0, above + GAP / 2.0 + bars / 2.0], Align::End)?;
+        for (at, state) in outlet.states.iter().enumerate() {
+            let place = above + GAP / 2.0 + BAR * at as f64;
+            let Some((shares, time)) = state else {
+                sheet.text(
+                    &Label::plain("no blood".to_owned()),
+                    [left + 3.0, place + BAR / 2.0],
+                    SMALL,
+                    Align::Begin,
+                    Run::Right,
+                )?;
+                continue;
+            };
+            let mut from = 0.0;
+            for (share, (_, rgb)) in shares.iter().zip(inlets) {
+                let ends = [x(from), x(from + share)].map(|x| sheet.pixels(x));
+                let [upper, lower] = [place, place + BAR - 1.0].map(|y| sheet.pixels(y));
+                sheet.fill([ends[0], upper], [ends[1] - ends[0], lower - upper], *rgb)?;
+                from += share;
+            }
+            let time = Label::plain(format!("{time:.0} ms"));
+            sheet.text(&time, [right + 4.0, place + BAR / 2.0], SMALL, Align::Begin, Run::Right)?;
+        }
+        above += height(outlet);
+    }
+    Ok(())
+}
+
+/// The colours of the inlets, between the title and the bars.
+fn legend(sheet: &mut Sheet<'_>, inlets: &[(String, Rgb)], left: f64) -> Result<()> {
+    let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
+    for (at, (name, rgb)) in inlets.iter().enumerate() {
+        let (line, place) = (at / IN_A_LINE, at % IN_A_LINE);
+        style::key(sheet, [left + step * place as f64, LEGEND_AT + LEGEND * line as f64], name, Key::Box, *rgb)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,108 @@
+//! The flow of arteries over a cycle, a panel each, with mean and pulsatility index above, as ultrasound shows them.
+
+use super::axis::{Label, LinearRange};
+use super::canvas::{Align, Run, Sheet};
+use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::figure::Figure;
+use super::style::{self, HAIR, Key, POINTS_PER_INCH, SMALL, TEXT, TICK};
+use willis_core::error::Result;
+use willis_io::output::names::WAVEFORM_PICTURE;
+
+/// Panels in a row, and the most that are shown.
+const IN_A_ROW: usize = 4;
+const MOST: usize = 24;
+/// The size of a panel's axes, points, and of what is left of, above and below them.
+const PANEL: [f64; 2] = [104.0, 70.0];
+const LEFT: f64 = 40.0;
+const ABOVE: f64 = 36.0;
+const BELOW: f64 = 24.0;
+/// Above the panels: the title and the legend; below them: the name of the axis, points.
+const TOP: f64 = 42.0;
+const BOTTOM: f64 = 20.0;
+const MARGIN: f64 = 12.0;
+const LINE: f64 = 1.2;
+/// Less flow is none, mL/min.
+const NONE: f64 = 1e-3;
+
+/// The flow of one artery.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ArteryWaveform {
+    /// Its name.
+    pub name: String,
+    /// Whether it has a label of its own; those come first.
+    pub is_named: bool,
+    /// Before and, where there is one, after a perturbation: the flow at even times of a period (mL/min), its mean, and its pulsatility index.
+    pub states: Vec<(Vec<f64>, f64, f64)>,
+}
+
+/// Draws the flow of up to 24 arteries over a period of `period` s: named ones first, then those of the largest mean flow.
+pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
+    let mut rows: Vec<usize> = (0..arteries.len()).collect();
+    let flow = |row: usize| arteries[row].states.iter().map(|(_, mean, _)| mean.abs()).fold(0.0, f64::max) as f32;
+    rows.sort_by(|a, b| arteries[*b].is_named.cmp(&arteries[*a].is_named).then(flow(*b).total_cmp(&flow(*a))));
+    rows.truncate(MOST);
+    rows.sort_unstable();
+    let shown: Vec<ArteryWaveform> = rows.iter().map(|row| arteries[*row].clone()).collect();
+    let title = if arteries.len() > MOST {
+        format!("Flow over a cycle in {MOST} of {} vessels", arteries.len())
+    } else {
+        "Flow over a cycle".to_owned()
+    };
+    let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
+    let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + MARGIN;
+    let height = TOP + lines * (ABOVE + PANEL[1] + BELOW) + BOTTOM;
+    let inches = [width / POINTS_PER_INCH, height / POINTS_PER_INCH];
+    Figure::new(WAVEFORM_PICTURE, inches, move |sheet| draw(sheet, &shown, period, &title, [width, height]))
+}
+
+fn draw(sheet: &mut Sheet<'_>, shown: &[ArteryWaveform], period: f64, title: &str, [width, height]: [f64; 2]) -> Result<()> {
+    sheet.title(title, MARGIN + LEFT)?;
+    if shown.iter().any(|artery| artery.states.len() > 1) {
+        let keys = [("as it is", Key::Line(LINE), UNPERTURBED), ("perturbed", Key::Line(LINE), PERTURBED)];
+        style::legend(sheet, MARGIN + LEFT, &keys)?;
+    }
+    for (at, artery) in shown.iter().enumerate() {
+        let left = MARGIN + (at % IN_A_ROW) as f64 * (LEFT + PANEL[0]) + LEFT;
+        let top = TOP + (at / IN_A_ROW) as f64 * (ABOVE + PANEL[1] + BELOW) + ABOVE;
+        panel(sheet, artery, period, [left, top])?;
+    }
+    sheet.plain("time (s); flow in mL/min", [width / 2.0, height - BOTTOM / 2.0 - 2.0], Align::Middle)
+}
+
+fn panel(sheet: &mut Sheet<'_>, artery: &ArteryWaveform, period: f64, [left, top]: [f64; 2]) -> Result<()> {
+    let (right, bottom) = (left + PANEL[0], top + PANEL[1]);
+    let values = || artery.states.iter().flat_map(|(flow, ..)| flow.iter().copied());
+    let small = |sheet: &mut Sheet<'_>, text: &str, place: [f64; 2], align: Align| {
+        sheet.text(&Label::plain(text), place, SMALL, align, Run::Right)
+    };
+    sheet.text(&Label::plain(artery.name.clone()), [left, top - 23.0], TEXT, Align::Begin, Run::Right)?;
+    let minus = |text: String| text.replace('-', "\u{2212}");
+    let figures = |(_, mean, index): &(Vec<f64>, f64, f64)| {
+        let index = if index.is_finite() { format!("{index:.2}") } else { "-".to_owned() };
+        (minus(format!("{:.0}", mean + 0.0)), index)
+    };
+    let (means, indices): (Vec<String>, Vec<String>) = artery.states.iter().map(figures).unzip();
+    // The font of the pictures has no arrow.
+    let text = format!("mean {}  PI {}", means.join(" to "), indices.join(" to "));
+    small(sheet, &text, [left, top - 10.0], Align::Begin)?;
+    let is_none = values().all(|flow| flow.abs() < NONE);
+    let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return Ok(()) };
+    let y = |flow: f64| bottom - PANEL[1] * range.share(flow);
+    for tick in range.ticks(4) {
+        let at = y(tick.at);
+        sheet.line([[left, at], [right, at]], HAIR, if tick.at == 0.0 { INK } else { GRID }, 1.0)?;
+        sheet.text(&tick.label, [left - 3.0, at], SMALL, Align::End, Run::Right)?;
+    }
+    sheet.line([[left, top], [left, bottom], [right, bottom]], HAIR, INK, 1.0)?;
+    for (share, time) in [(0.0, 0.0), (0.5, period / 2.0), (1.0, period)] {
+        let x = left + PANEL[0] * share;
+        sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
+        small(sheet, &format!("{time:.2}"), [x, bottom + TICK + 6.0], Align::Middle)?;
+    }
+    let colours: [Rgb; 2] = [UNPERTURBED, PERTURBED];
+    for ((flow, ..), rgb) in artery.states.iter().zip(colours) {
+        let point = |at: usize| [left + PANEL[0] * at as f64 / flow.len() as f64, y(flow[at % flow.len()])];
+        sheet.line((0..=flow.len()).map(point), LINE, rgb, 1.0)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,140 @@
+//! The output folder of a resistance modulation: tables, arrays, pictures, page and record.
+
+pub mod pictures;
+mod record;
+mod tables;
+
+use std::path::Path;
+
+use super::page::{ModulationTables, Picture, modulation_page, write_page};
+use super::run_record::Provenance;
+use willis_core::error::Result;
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::modulation::{HypertensionByClass, Instances, Modulation, ModulationOptions, Reading};
+use willis_core::network::units::{ml_per_min, mmhg};
+use willis_core::network::{Condition, Network};
+use willis_io::formats::{NamedArray, write_arrays, write_csv};
+use willis_io::output::atomic::write_file;
+use willis_io::output::names;
+use willis_io::output::write_record;
+
+/// A modulation with everything that its files need.
+#[derive(Debug)]
+pub struct ModulationOutcome<'a> {
+    /// The network.
+    pub network: &'a Network,
+    /// Its boundary conditions.
+    pub boundary: &'a Boundary,
+    /// The condition of outlets without one.
+    pub outlets: FoundOutlets,
+    /// The command and input of the run.
+    pub provenance: &'a Provenance,
+    /// The options of the modulation.
+    pub params: &'a ModulationOptions,
+    /// The instances.
+    pub result: &'a Modulation,
+    /// The distribution of hypertension.
+    pub hypertension: &'a HypertensionByClass,
+    /// The time of the solves, s.
+    pub seconds: f64,
+}
+
+impl ModulationOutcome<'_> {
+    /// The content of run.json.
+    pub fn record(&self) -> impl serde::Serialize {
+        record::Record::of(self)
+    }
+
+    /// For each node whether its pressure can change.
+    fn free(&self) -> Vec<bool> {
+        let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
+        (0..self.network.node_count()).map(|node| !fixed(node)).collect()
+    }
+
+    /// The mean pressure of the free nodes by instance, mmHg.
+    fn mean_pressure(&self, instances: &Instances) -> Vec<f64> {
+        Instances::means(&instances.pressure, self.network.node_count(), &self.free(), mmhg)
+    }
+}
+
+/// Writes every file of a modulation into a folder; samples.npz only if `samples` is true.
+///
+/// # Errors
+///
+/// A file that cannot be written, or a resolution out of range.
+pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples: bool, dpi: u32) -> Result<()> {
+    let tables = ModulationTables {
+        classes: tables::class_columns(outcome),
+        nodes: tables::node_columns(outcome),
+        vessels: tables::vessel_columns(outcome),
+        hypertension: tables::hypertension_columns(outcome),
+    };
+    for (name, columns) in [
+        (names::CLASSES, &tables.classes),
+        (names::NODES, &tables.nodes),
+        (names::EDGES, &tables.vessels),
+        (names::HYPERTENSION, &tables.hypertension),
+    ] {
+        write_file(&folder.join(name), |out| write_csv(out, columns))?;
+    }
+    if samples {
+        write_file(&folder.join(names::INSTANCES), |out| write_arrays(out, arrays(outcome)))?;
+    }
+    let mut figures = Vec::new();
+    for (title, caption, picture) in
+        [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
+    {
+        picture.write(folder, dpi)?;
+        figures.push(Picture::new(title, caption, &picture)?);
+    }
+    let record = record::Record::of(outcome);
+    write_record(folder, &record)?;
+    let page = modulation_page(outcome, &record, tables, figures);
+    write_file(&folder.join(names::PAGE), |out| write_page(out, &page))
+}
+
+const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";
+const HYPERTENSION: &str = "Histograms of the hypertension force by class, with the gamma distributions fitted to them.";
+
+/// The arrays of samples.npz: `classes` (class x low, high), those of the unperturbed instance, then those of each class, numbered
+/// from 1.
+fn arrays<'a>(outcome: &'a ModulationOutcome<'_>) -> impl Iterator<Item = NamedArray> + 'a {
+    let classes = &outcome.result.classes;
+    let bounds = classes.iter().flat_map(|(class, _)| [class.low, class.high]).collect();
+    let bounds = NamedArray { name: "classes".into(), shape: vec![classes.len(), 2], values: bounds };
+    let by_class = classes.iter().enumerate().flat_map(move |(at, (_, instances))| {
+        let name = format!("class{}", at + 1);
+        of_instances(outcome, &name, instances).into_iter().chain(of_factors(outcome, &name, instances))
+    });
+    let at_rest = of_instances(outcome, "unperturbed", &outcome.result.unperturbed);
+    std::iter::once(bounds).chain(at_rest).chain(by_class)
+}
+
+fn of_instances(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+    let (n, nodes, vessels) = (instances.count(), outcome.network.node_count(), outcome.network.vessel_count());
+    let array = |name: &str, shape: &[usize], table: &[f64], unit: fn(f64) -> f64| NamedArray {
+        name: format!("{of}_{name}"),
+        shape: shape.to_vec(),
+        values: table.iter().map(|x| unit(*x)).collect(),
+    };
+    vec![
+        array("pressure_mmHg", &[n, nodes], &instances.pressure, mmhg),
+        array("flow_mL_per_min", &[n, vessels], &instances.flow, ml_per_min),
+        array("drop_mmHg", &[n, vessels], &instances.drop, mmhg),
+        array("resilience_W_per_m3", &[n, vessels], &instances.resilience, |r| r),
+        array("rho_G_W_per_m3", &[n], &instances.network_resilience, |r| r),
+        array("total_inflow_mL_per_min", &[n], &instances.inflow, ml_per_min),
+    ]
+}
+
+/// The factors of every vessel.
+fn of_factors(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+    let shape = vec![instances.count(), outcome.network.vessel_count()];
+    let array = |name, table: &[f64]| NamedArray { name: format!("{of}_{name}"), shape: shape.clone(), values: table.to_vec() };
+    let mut arrays = vec![array("resistance_factor", &instances.resistance_factor)];
+    if outcome.params.reading == Reading::Geometry {
+        arrays.push(array("radius_factor", &instances.radius_factor));
+        arrays.push(array("length_factor", &instances.length_factor));
+    }
+    arrays
+}

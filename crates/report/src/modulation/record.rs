@@ -1,0 +1,82 @@
+//! run.json of a resistance modulation: how the run was made, and its results in short.
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::ModulationOutcome;
+use crate::run_record::{conditions, outlets_found};
+use willis_core::modulation::{Hypertension, Instances};
+use willis_core::network::Role;
+use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
+use willis_core::support::Distribution;
+
+/// The results of a class, or of the unperturbed instance.
+fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {
+    let mean = |values: Vec<f64>| Distribution::of(values).mean;
+    json!({
+        "rho_G_W_per_m3": mean(instances.network_resilience.clone()),
+        "total_inflow_mL_per_min": mean(instances.inflow.iter().map(|q| ml_per_min(*q)).collect()),
+        "mean_pressure_mmHg": mean(outcome.mean_pressure(instances)),
+        "gamma_shape": hypertension.fit.map(|fit| fit.gamma.shape),
+        "gamma_scale_mmHg_per_mm2": hypertension.fit.map(|fit| mmhg_per_mm2(fit.gamma.scale)),
+        "share_above_threshold": hypertension.above,
+    })
+}
+
+/// The content of run.json.
+#[derive(Debug, Serialize)]
+pub struct Record<'a> {
+    willis: &'static str,
+    command: &'a str,
+    input: Value,
+    seed: u64,
+    parameters: Value,
+    boundary_conditions: Vec<Value>,
+    counts: Value,
+    unperturbed: Value,
+    classes: Vec<Value>,
+    solver: Value,
+    notes: &'a [String],
+    time: Value,
+}
+
+impl<'a> Record<'a> {
+    /// Gathers the record of a run.
+    pub fn of(outcome: &ModulationOutcome<'a>) -> Self {
+        let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
+        let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
+        let by_class = outcome.result.classes.iter().zip(&outcome.hypertension.classes);
+        let classes = by_class.map(|((class, instances), hypertension)| {
+            let mut value = figures(outcome, instances, hypertension);
+            value["class"] = json!(class.to_string());
+            value
+        });
+        Self {
+            willis: env!("CARGO_PKG_VERSION"),
+            command: &provenance.command,
+            input: provenance.of_input(),
+            seed: params.seed,
+            parameters: json!({
+                "classes": params.classes.iter().map(ToString::to_string).collect::<Vec<_>>(),
+                "samples": params.samples,
+                "reading": params.reading.name(),
+                "modulated_edges": modulated,
+                "viscosity_cP": centipoise(params.viscosity),
+                "threshold_mmHg_per_mm2": mmhg_per_mm2(outcome.hypertension.threshold),
+                "outlets_found": outlets_found(outcome.outlets),
+            }),
+            boundary_conditions: conditions(network, boundary),
+            counts: json!({
+                "nodes": network.node_count(),
+                "vessels": network.vessel_count(),
+                "inlets": boundary.count(Role::Inlet),
+                "outlets": boundary.count(Role::Outlet),
+            }),
+            unperturbed: figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
+            classes: classes.collect(),
+            solver: json!({ "flow": outcome.result.solver }),
+            notes: &provenance.notes,
+            time: json!({ "solving_s": outcome.seconds }),
+        }
+    }
+}

@@ -1,0 +1,62 @@
+//! cohort.html: the subjects of a cohort in a table, the most uncertain first, and the distribution of any column.
+
+use std::io::{self, Write};
+use std::path::Path;
+
+use serde_json::{Value, json};
+
+use super::{Table, Template, encode};
+use crate::cohort::{About, Row, WALL_TIME};
+use willis_io::formats::Column;
+use willis_io::output::names::{PAGE, SUMMARY_PICTURE};
+
+const COHORT: Template = Template {
+    goal: "subjects",
+    main: include_str!("assets/cohort.html"),
+    scripts: &[
+        include_str!("assets/dom.js"),
+        include_str!("assets/data.js"),
+        include_str!("assets/table.js"),
+        include_str!("assets/distribution.js"),
+        include_str!("assets/cohort.js"),
+    ],
+};
+/// The columns that the page leaves out: what differs between two runs of one command, and what nobody reads.
+const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
+
+/// Writes the page of a cohort: `columns` are those of its `rows`, in the order in which they are shown.
+///
+/// # Errors
+///
+/// An error of the writer.
+pub fn write_cohort_page(
+    out: &mut impl Write,
+    rows: &[Row],
+    columns: Vec<Column>,
+    about: &About<'_>,
+    folder: &Path,
+) -> io::Result<()> {
+    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
+    let table = Table { title: "Subjects".to_owned(), columns, exact: &[], of_vessels: false };
+    let failed = rows.iter().filter(|row| row.figures.is_err()).count();
+    let mut data = json!({
+        "command": about.line,
+        "willis": env!("CARGO_PKG_VERSION"),
+        "parameters": about.parameters,
+        "failed": failed,
+        "opens": PAGE,
+        "table": encode::table(&table)?,
+    });
+    if rows.iter().any(|row| row.page.is_some()) {
+        data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();
+    }
+    data["pictures"] = rows.iter().map(|row| picture(row, folder)).collect();
+    COHORT.fill(out, &format!("willis {}: {} subjects", about.command, rows.len()), &data)
+}
+
+/// The picture of a subject, seen from the folder of the cohort; null where there is none.
+fn picture(row: &Row, folder: &Path) -> Value {
+    let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
+    let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
+    if row.figures.is_ok() && folder.join(&beside).is_file() { json!(beside) } else { Value::Null }
+}

@@ -1,0 +1,145 @@
+//! The page of an inference: vessels by likelihood, and a threshold that the reader can move.
+
+use std::collections::HashSet;
+
+use serde_json::Value;
+
+use super::scene::{cuts, scene, suggestions};
+use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
+use crate::inference::{Outcome, pairing_columns, suggested_cut_columns};
+use crate::run_record::{Summary, unit_of};
+use willis_core::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
+use willis_io::formats::{Column, END_POSITION_COLUMNS};
+
+/// The column of the page that is 1 where a vessel is uncertain.
+const UNCERTAIN: &str = "uncertain";
+const UNDECIDED: &str = "undecided";
+const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
+
+/// The page of an inference from the columns of edges.csv and nodes.csv.
+pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
+    let mut record = record(summary);
+    let mut warnings = super::warnings(&record);
+    if let Some(warning) = outcome.few_perfused() {
+        warnings.insert(0, warning);
+    }
+    let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
+    // For a later command, not for a reader.
+    take(&mut record, "named");
+    let conditions = conditions(&take(&mut record, "boundary_conditions"));
+    // The page draws the positions.
+    let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
+    let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
+    // What a person decided is certain to the run, and can be taken back on the page.
+    let by_person: HashSet<usize> = record["parameters"]["decisions"]["made"]
+        .as_array()
+        .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
+    let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
+    columns.push(Column::whole(UNCERTAIN, open));
+    let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
+    columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
+    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
+    let unit = unit_of(outcome.sampling.weight);
+    let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
+    let evidence = has_evidence(outcome.network);
+    let mut names = vec![
+        ("nodes", "/counts/nodes", ""),
+        ("observed vessels", "/counts/observed", ""),
+        ("candidates", "/counts/candidates", ""),
+        ("uncertain vessels", "/counts/uncertain", ""),
+        ("kept of these", "/counts/topology/kept", ""),
+        ("undecided", "/convergence/undecided", ""),
+        ("rule", "/threshold/rule", ""),
+        ("threshold", "/threshold/value", of_threshold),
+        ("samples", "/parameters/samples", ""),
+        ("occlusion probability \u{3b5}", "/parameters/epsilon", ""),
+        ("seed", "/seed", ""),
+        ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ];
+    if !outcome.suggested_cuts.is_empty() {
+        names.push(("suggested cuts", "/counts/suggested_cuts", ""));
+    }
+    if outcome.contacts() > 0 {
+        names.push(("contacts of vessels", "/counts/contacts", ""));
+        names.push(("cut of these", "/counts/cut", ""));
+    }
+    if evidence {
+        names.push(("expected wrong connections", "/expected_errors/wrong", ""));
+        names.push(("expected missed connections", "/expected_errors/missed", ""));
+    }
+    let scene = scene(outcome.network, &outcome.held()).map(|mut scene| {
+        scene.markers.extend(cuts(outcome.network, outcome.cuts()));
+        scene.markers.extend(suggestions(outcome.suggested_cuts));
+        scene
+    });
+    let suggested = (!outcome.suggested_cuts.is_empty())
+        .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
+    let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
+    Page {
+        title: title("infer", &record),
+        lead: Vec::new(),
+        warnings,
+        facts: facts(&record, &names),
+        record,
+        phenotype,
+        scene,
+        colourings: colourings(unit, evidence),
+        image_cuts: outcome.image_cuts.to_vec(),
+        segmentation: outcome.segmentation.cloned(),
+        threshold: Some(threshold(outcome, unit)),
+        figures,
+        tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
+            .into_iter()
+            .flatten()
+            .collect(),
+    }
+}
+
+fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
+    let colouring = |name, unit, scale, uncertain_only, column| Colouring {
+        name,
+        unit,
+        scale,
+        uncertain_only,
+        variants: vec![(String::new(), 0, String::from(column))],
+        legend: Vec::new(),
+    };
+    let mut all = vec![
+        colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
+        colouring("frequency in the forest", "", Scale::Share, true, "frequency"),
+        colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
+    ];
+    if evidence {
+        all.insert(0, colouring("probability P", "", Scale::Share, true, "probability"));
+    }
+    all
+}
+
+fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
+    let rule = outcome.rule;
+    let (figure, name) = match rule {
+        Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => ("probability", "probability P"),
+        Keep::Frequency(_) => ("frequency", "frequency"),
+        _ => ("likelihood", "likelihood L"),
+    };
+    let of_likelihood = figure == "likelihood";
+    let no_threshold = matches!(rule, Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_));
+    Threshold {
+        figure,
+        name,
+        unit: if of_likelihood { unit } else { "" },
+        error: of_likelihood.then_some("std_error"),
+        samples: outcome.result.samples,
+        at_least: !of_likelihood,
+        midway: of_likelihood && !matches!(rule, Keep::Value(_)),
+        within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
+        cut: outcome.answer.threshold,
+        median: outcome.answer.median.filter(|_| of_likelihood),
+        kept: no_threshold.then_some("kept"),
+        middle: rule.turning_point().filter(|_| no_threshold),
+        band: rule.asks_evidence().then_some(UNDECIDED_BAND),
+        uncertain: UNCERTAIN,
+        undecided: UNDECIDED,
+        nodes: outcome.network.node_count(),
+    }
+}

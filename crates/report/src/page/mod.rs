@@ -1,0 +1,369 @@
+//! report.html: one self-contained page of a run, to open in any browser and to send to a colleague.
+
+pub(crate) mod cohort;
+mod encode;
+mod inference;
+pub mod lead;
+mod modulation;
+pub(crate) mod phenotype;
+mod pulse;
+pub mod scene;
+mod simulation;
+
+pub use inference::page as infer_page;
+pub use modulation::{Tables as ModulationTables, page as modulation_page};
+pub use scene::scene;
+pub use simulation::page as simulation_page;
+
+use std::io::{self, Write};
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::figures::colour::Rgb;
+use super::figures::{DEFAULT_DPI, Figure};
+use super::inference::{ImageCut, Segmentation};
+use scene::Scene;
+use willis_core::error::Result;
+use willis_io::formats::{Column, Values, escape};
+use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
+
+/// The page of a run, of any command.
+#[derive(Debug, Clone)]
+pub struct Page {
+    /// The heading.
+    pub title: String,
+    /// The record of the run, as in run.json: command, seed, parameters, notes.
+    pub record: Value,
+    /// The sentence that it begins with; empty where the page makes one of its vessels.
+    pub lead: Vec<lead::Part>,
+    /// What a reader should know before anything else.
+    pub warnings: Vec<String>,
+    /// The figures at the end of the page.
+    pub facts: Vec<Fact>,
+    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
+    pub phenotype: Option<Value>,
+    /// The vessels in space, or the reason why they cannot be shown.
+    pub scene: std::result::Result<Scene, String>,
+    /// The figures that can colour the vessels of the scene; the page starts with the first.
+    pub colourings: Vec<Colouring>,
+    /// What an image shows along doubtful vessels.
+    pub image_cuts: Vec<ImageCut>,
+    /// The segmentation that the vessels were found in.
+    pub segmentation: Option<Segmentation>,
+    /// A threshold that the reader can move.
+    pub threshold: Option<Threshold>,
+    /// The pictures.
+    pub figures: Vec<Picture>,
+    /// The tables.
+    pub tables: Vec<Table>,
+}
+
+/// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
+pub type Fact = (&'static str, Value, &'static str);
+
+/// Figures of the record by name, JSON pointer and unit. A list stands for its length.
+fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Vec<Fact> {
+    let value = |pointer: &str| match record.pointer(pointer) {
+        Some(Value::Array(items)) => items.len().into(),
+        value => value.cloned().unwrap_or_default(),
+    };
+    let frame = record.pointer("/input/frame").map(|_| ("frame of the coordinates", "/input/frame", ""));
+    names.iter().copied().chain(frame).map(|(name, pointer, unit)| (name, value(pointer), unit)).collect()
+}
+
+/// The most warnings on a page.
+const MOST_WARNINGS: usize = 6;
+
+/// What a reader of a run should know before anything else: inlets that nobody stated, parts without flow, doubtful units.
+fn warnings(record: &Value) -> Vec<String> {
+    let mut all = Vec::new();
+    let conditions = record["boundary_conditions"].as_array().map_or(&[][..], Vec::as_slice);
+    let of = |role: &str| conditions.iter().filter(|c| c["role"] == role).count();
+    let found = |role: &str| conditions.iter().filter(|c| c["role"] == role && c["found"] == true).count();
+    let inlets = found("inlet");
+    match inlets {
+        0 => {}
+        1 => all.push(
+            "Nobody stated where blood enters: the widest free end is assumed to be the inlet. --inlet states it.".to_owned(),
+        ),
+        n => all.push(format!("Nobody stated where blood enters: {n} free ends are assumed to be inlets. --inlet states them.")),
+    }
+    if !conditions.is_empty() && of("outlet") == 0 {
+        all.push("There is no outlet, so that no blood flows.".to_owned());
+    }
+    match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
+        None | Some(0) => {}
+        Some(1) => all.push("One part of what the run kept carries no flow: it lacks an inlet or an outlet.".to_owned()),
+        Some(n) => all.push(format!("{n} parts of what the run kept carry no flow: they lack an inlet or an outlet.")),
+    }
+    let notes = record["notes"].as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(Value::as_str);
+    let plain = |note: &&str| note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING);
+    all.extend(notes.filter(|note| !plain(note)).map(|note| {
+        let mut letters = note.chars();
+        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    }));
+    all.truncate(MOST_WARNINGS);
+    all
+}
+
+/// A table of the page.
+#[derive(Debug, Clone)]
+pub struct Table {
+    /// Its heading.
+    pub title: String,
+    /// The columns, all of the same length. The page leaves out columns without any value.
+    pub columns: Vec<Column>,
+    /// The columns that the page holds in double precision; it holds others in single precision.
+    pub exact: &'static [&'static str],
+    /// Whether row i is vessel i.
+    pub of_vessels: bool,
+}
+
+/// How a figure is converted to a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Scale {
+    /// By its logarithm.
+    Log,
+    /// By its value.
+    Linear,
+    /// By its value, which lies between 0 and 1; the ends of the scale stay there.
+    Share,
+    /// By its value, with one colour for each side of zero.
+    Diverging,
+    /// It is a colour itself, red · 2¹⁶ + green · 2⁸ + blue.
+    Mixed,
+}
+
+/// A figure that colours the vessels.
+#[derive(Debug, Clone, Serialize)]
+pub struct Colouring {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// How it is converted to a colour. All scales but [`Scale::Diverging`] use the magnitude.
+    pub scale: Scale,
+    /// Whether vessels that are certain stay grey.
+    pub uncertain_only: bool,
+    /// Its variants: name, number of the table, and column. All variants share one scale.
+    pub variants: Vec<(String, usize, String)>,
+    /// What is mixed by [`Scale::Mixed`]: names and colours.
+    pub legend: Vec<(String, Rgb)>,
+}
+
+/// A threshold on a column of the first table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Threshold {
+    /// The column that is compared with the threshold.
+    pub figure: &'static str,
+    /// The name of the figure.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// The column of its standard error. Without one, the error is that of a share of `samples`, sqrt(f(1-f)/n).
+    pub error: Option<&'static str>,
+    /// How many samples there were.
+    pub samples: u64,
+    /// Whether a figure equal to the threshold passes.
+    pub at_least: bool,
+    /// Whether a decision changes midway between the two figures next to the threshold, or at the threshold itself.
+    pub midway: bool,
+    /// How many standard errors from there a decision counts as certain.
+    pub within: f64,
+    /// The threshold of the run.
+    pub cut: Option<f64>,
+    /// The median of the positive figures of uncertain vessels, where the page can offer it.
+    pub median: Option<f64>,
+    /// Where the rule of the run is not a threshold on the figure: the column that is 1 where it kept a vessel ...
+    pub kept: Option<&'static str>,
+    /// ... and the figure near which its decisions are uncertain.
+    pub middle: Option<f64>,
+    /// The distance from the threshold within which a figure without standard error is undecided.
+    pub band: Option<f64>,
+    /// The column that is 1 where a vessel is uncertain.
+    pub uncertain: &'static str,
+    /// The column that is 1 where a decision of the run is undecided.
+    pub undecided: &'static str,
+    /// How many nodes there are.
+    pub nodes: usize,
+}
+
+/// The frame around the content of every page.
+const FRAME: &str = include_str!("assets/frame.html");
+/// The section of a Circle of Willis, which several pages have.
+const CIRCLE: &str = include_str!("assets/circle.html");
+const STYLE: &str = include_str!("assets/page.css");
+/// The page of a run. Its script is made of these files in order; each has one purpose and uses those before it.
+const RUN: Template = Template {
+    goal: "tables",
+    main: include_str!("assets/page.html"),
+    scripts: &[
+        include_str!("assets/dom.js"),
+        include_str!("assets/data.js"),
+        include_str!("assets/colour.js"),
+        include_str!("assets/camera.js"),
+        include_str!("assets/shaders.js"),
+        include_str!("assets/surface.js"),
+        include_str!("assets/webgl.js"),
+        include_str!("assets/canvas.js"),
+        include_str!("assets/shape.js"),
+        include_str!("assets/overlay.js"),
+        include_str!("assets/scene.js"),
+        include_str!("assets/gestures.js"),
+        include_str!("assets/threshold.js"),
+        include_str!("assets/decisions.js"),
+        include_str!("assets/review.js"),
+        include_str!("assets/histogram.js"),
+        include_str!("assets/table.js"),
+        include_str!("assets/image.js"),
+        include_str!("assets/record.js"),
+        include_str!("assets/circle.js"),
+        include_str!("assets/cycle.js"),
+        include_str!("assets/page.js"),
+    ],
+};
+
+/// The content of a kind of page.
+struct Template {
+    /// The id of the section that the first link skips to.
+    goal: &'static str,
+    main: &'static str,
+    scripts: &'static [&'static str],
+}
+
+/// Writes a page: markup, style, data and scripts in one file that refers to no other.
+///
+/// # Errors
+///
+/// An error of the writer; a table whose columns differ in length.
+pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
+    RUN.fill(out, &page.title, &encode::page(page)?)
+}
+
+impl Template {
+    /// Writes the frame with the content in its places.
+    fn fill(&self, out: &mut impl Write, title: &str, data: &Value) -> io::Result<()> {
+        let mut rest = FRAME;
+        while let Some((before, after)) = rest.split_once("{{") {
+            let (name, after) = after.split_once("}}").unwrap_or((after, ""));
+            out.write_all(before.as_bytes())?;
+            match name {
+                "title" => out.write_all(escape(title).as_bytes())?,
+                "style" => out.write_all(STYLE.as_bytes())?,
+                "goal" => out.write_all(self.goal.as_bytes())?,
+                "main" => out.write_all(self.main.replace("{{circle}}", CIRCLE).as_bytes())?,
+                "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
+                _ => self.scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
+            }
+            rest = after;
+        }
+        out.write_all(rest.as_bytes())
+    }
+}
+
+/// JSON that is safe within a script element.
+fn as_script(json: &str) -> String {
+    const ESCAPES: [(char, &str); 5] =
+        [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")];
+    ESCAPES.iter().fold(json.to_owned(), |text, (mark, escape)| text.replace(*mark, escape))
+}
+
+/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show.
+fn record(of: &impl Serialize) -> Value {
+    let mut record = serde_json::to_value(of).unwrap_or_default();
+    if let Some(fields) = record.as_object_mut() {
+        fields.remove("time");
+    }
+    if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
+        convergence.remove("undecided_edges");
+    }
+    record
+}
+
+/// The heading of a run: its command and the name of its input.
+fn title(command: &str, record: &Value) -> String {
+    let path = record["input"]["path"].as_str().unwrap_or_default();
+    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
+    format!("willis {command}: {name}")
+}
+
+/// Removes a part of the record that becomes a table.
+fn take(record: &mut Value, name: &str) -> Value {
+    record.get_mut(name).map_or(json!([]), Value::take)
+}
+
+/// The largest SVG in a page, bytes. A larger picture becomes a PNG.
+const LARGEST_SVG: usize = 200_000;
+
+/// A picture of the page, with its description.
+#[derive(Debug, Clone, Serialize)]
+pub struct Picture {
+    /// Its heading.
+    pub title: &'static str,
+    /// What it shows: its caption, and its text for readers who cannot see it.
+    pub caption: &'static str,
+    /// The picture itself as a data URL.
+    source: String,
+    /// Whether it takes the width of two.
+    wide: bool,
+}
+
+impl Picture {
+    /// A figure as SVG, or as PNG where the SVG is large.
+    ///
+    /// # Errors
+    ///
+    /// A figure that cannot be drawn.
+    pub fn new(title: &'static str, caption: &'static str, figure: &Figure) -> Result<Self> {
+        let drawing = figure.svg()?;
+        let (kind, bytes) =
+            if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
+        let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+        Ok(Self { title, caption, source, wide: figure.is_wide() })
+    }
+}
+
+/// A table with one row per item. A column holds numbers where all its values are numbers. `None` without an item.
+fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Table> {
+    let items = items.as_array().filter(|items| !items.is_empty())?;
+    let column = |&name: &&'static str| {
+        let values = || items.iter().map(|item| &item[name]);
+        let numbers = values().all(|v| v.is_null() || v.is_number());
+        let values = if numbers {
+            Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
+        } else {
+            Values::Text(values().map(word).collect())
+        };
+        Column { name: name.into(), values }
+    };
+    Some(Table { title: title.to_owned(), columns: columns.iter().map(column).collect(), exact: &[], of_vessels: false })
+}
+
+fn word(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// The boundary conditions of a record.
+fn conditions(items: &Value) -> Option<Table> {
+    const COLUMNS: [&str; 9] = [
+        "node",
+        "id",
+        "role",
+        "found",
+        "holds",
+        "pressure_mmHg",
+        "resistance_mmHg_s_per_mL",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
+    list("Boundary conditions", items, &COLUMNS)
+}

@@ -1,0 +1,123 @@
+//! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
+
+use super::scene::scene;
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, record, take, title};
+use crate::modulation::ModulationOutcome;
+use willis_io::formats::{Column, Values};
+
+/// The tables of the output folder.
+#[derive(Debug)]
+pub struct Tables {
+    /// classes.csv.
+    pub classes: Vec<Column>,
+    /// nodes.csv.
+    pub nodes: Vec<Column>,
+    /// edges.csv, in the order of class, vessel, quantity (flow, drop, resilience, hypertension).
+    pub vessels: Vec<Column>,
+    /// hypertension.csv.
+    pub hypertension: Vec<Column>,
+}
+
+/// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns, column of its variation.
+const QUANTITIES: [(&str, &str, &str, &str); 4] = [
+    ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
+    ("pressure drop", "mmHg", "drop_mmHg", "drop_variation"),
+    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation"),
+    ("hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation"),
+];
+/// The names of the colourings by variation.
+const VARIATION: [&str; 4] =
+    ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
+
+/// The page of a modulation.
+pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Picture>) -> Page {
+    let mut record = record(of_run);
+    let warnings = super::warnings(&record);
+    let lead = super::lead::modulation(&record);
+    let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
+    let facts = facts(
+        &record,
+        &[
+            ("nodes", "/counts/nodes", ""),
+            ("vessels", "/counts/vessels", ""),
+            ("instances per class", "/parameters/samples", ""),
+            ("reading", "/parameters/reading", ""),
+            ("seed", "/seed", ""),
+            ("\u{3c1}_G unperturbed", "/unperturbed/rho_G_W_per_m3", "W/m\u{b3}"),
+            ("inflow unperturbed", "/unperturbed/total_inflow_mL_per_min", "mL/min"),
+            ("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
+        ],
+    );
+    let plain = |title: &str, columns| Table { title: title.to_owned(), columns, exact: &[], of_vessels: false };
+    let mut all: Vec<Table> = classes
+        .iter()
+        .enumerate()
+        .map(|(at, class)| Table {
+            title: format!("Vessels, u in {class}"),
+            columns: of_class(outcome, &tables.vessels, at),
+            exact: &[],
+            of_vessels: true,
+        })
+        .collect();
+    all.push(plain("Classes", tables.classes));
+    all.push(plain("Nodes", tables.nodes));
+    all.push(plain("Hypertension", tables.hypertension));
+    all.extend(conditions(&take(&mut record, "boundary_conditions")));
+    Page {
+        title: title("modulate", &record),
+        record,
+        lead,
+        warnings,
+        facts,
+        phenotype: None,
+        scene: scene(outcome.network, outcome.boundary),
+        colourings: colourings(&classes),
+        image_cuts: Vec::new(),
+        segmentation: None,
+        threshold: None,
+        figures,
+        tables: all,
+    }
+}
+
+/// One row per vessel, from the rows of edges.csv of one class.
+fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
+    let vessels = outcome.network.vessel_count();
+    let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;
+    let figures = |name: &str| match tidy.iter().find(|c| c.name == name).map(|c| &c.values) {
+        Some(Values::Real(values)) => &values[..],
+        _ => &[],
+    };
+    let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
+    let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
+    let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
+    let mut columns = crate::inference::select(&of_rows, &rows);
+    for (quantity, (_, _, name, variation_name)) in QUANTITIES.into_iter().enumerate() {
+        let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
+        let (mean, std) = (of("mean"), of("std"));
+        let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
+        let variation: Vec<f64> = variation.collect();
+        columns.extend([
+            Column::real(format!("{name}_mean"), mean.into_iter()),
+            Column::real(format!("{name}_std"), std.into_iter()),
+            Column::real(variation_name, variation.into_iter()),
+            Column::real(format!("{name}_unperturbed"), of("unperturbed").into_iter()),
+        ]);
+    }
+    columns
+}
+
+fn colourings(classes: &[String]) -> Vec<Colouring> {
+    let by_class = |column: String| {
+        let variant = move |(at, class): (usize, &String)| (format!("u in {class}"), at, column.clone());
+        classes.iter().enumerate().map(variant)
+    };
+    let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
+        let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
+        let colouring =
+            |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() };
+        let mean = colouring(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
+        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
+    });
+    each.flatten().collect()
+}

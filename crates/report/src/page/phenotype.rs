@@ -1,0 +1,43 @@
+//! The page of a classification: the circle as a drawing, its variant in words, and what becomes of the flow without each feeder.
+
+use std::io::{self, Write};
+
+use serde_json::{Value, json};
+
+use super::encode::{self, colours};
+use super::{Table, Template, title};
+use willis_io::formats::Column;
+
+const PHENOTYPE_PAGE: Template = Template {
+    goal: "circle",
+    main: include_str!("assets/phenotype.html"),
+    scripts: &[
+        include_str!("assets/dom.js"),
+        include_str!("assets/data.js"),
+        include_str!("assets/colour.js"),
+        include_str!("assets/table.js"),
+        include_str!("assets/record.js"),
+        include_str!("assets/circle.js"),
+        include_str!("assets/phenotype.js"),
+    ],
+};
+
+/// Writes the page of a classification from its record and the columns of collateral.csv.
+///
+/// # Errors
+///
+/// An error of the writer.
+pub fn write_phenotype_page(out: &mut impl Write, record: &Value, collaterals: Vec<Column>) -> io::Result<()> {
+    let mut record = record.clone();
+    let phenotype = record["phenotype"].take();
+    record["collateral"].take();
+    let table = Table { title: "Flow without each feeder".to_owned(), columns: collaterals, exact: &[], of_vessels: false };
+    let title = title("classify", &record);
+    let data = json!({
+        "phenotype": phenotype,
+        "record": record,
+        "colours": colours(),
+        "collaterals": encode::table(&table)?,
+    });
+    PHENOTYPE_PAGE.fill(out, &title, &data)
+}

@@ -1,0 +1,111 @@
+//! The vessels of a page in space: their centerlines, without points that make no visible difference.
+
+use willis_core::flow::Boundary;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Network, Role};
+use willis_core::support::geometry::{Point, box_diagonal};
+use willis_models::contacts::suggested_cuts::SuggestedCut;
+
+/// x, y, z and radius, mm.
+pub type Place = [f64; 4];
+
+/// Points nearer to the line than this share of the box around the network are left out, since no screen shows them.
+const INVISIBLE: f64 = 1.0 / 4000.0;
+
+/// The vessels of a page in space.
+#[derive(Debug, Clone, Default)]
+pub struct Scene {
+    /// The centerline of each vessel, at least two points.
+    pub vessels: Vec<Vec<Place>>,
+    /// Where blood enters and leaves, and what is cut.
+    pub markers: Vec<Marker>,
+}
+
+/// A place that the page marks: a node with a condition, or a contact that is cut.
+#[derive(Debug, Clone)]
+pub struct Marker {
+    /// The position of the node and the radius of its widest vessel, or the middle of the contact and its radius.
+    pub place: Place,
+    /// What is there: `inlet`, `outlet`, `cut` or `suggested`.
+    pub kind: &'static str,
+    /// The node's label or id, or the probability of the contact.
+    pub name: String,
+}
+
+/// A network in space.
+///
+/// # Errors
+///
+/// A message for the reader when nodes have no coordinates.
+pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
+    if !network.has_positions() {
+        return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
+    }
+    let position = |node: usize| network.node(node).position.unwrap_or_default();
+    let visible = INVISIBLE * millimetres(box_diagonal((0..network.node_count()).map(position)));
+    let place = |p: [f64; 3], radius: f64| [p[0], p[1], p[2], radius].map(millimetres);
+    let mut widest = vec![0.0_f64; network.node_count()];
+    let vessels = network.vessels().map(|(ends, vessel)| {
+        for node in ends {
+            widest[node] = widest[node].max(vessel.radius);
+        }
+        if vessel.path.len() < 2 {
+            return ends.map(|node| place(position(node), vessel.radius)).to_vec();
+        }
+        thinned(&vessel.path.iter().map(|p| place(p.position, p.radius)).collect::<Vec<_>>(), visible)
+    });
+    let vessels = vessels.collect();
+    let markers = boundary.roles.iter().enumerate().filter(|(_, role)| **role != Role::Inner);
+    let markers = markers.map(|(row, role)| {
+        let node = network.node(row);
+        let name = if node.label.is_empty() { node.id.clone() } else { node.label.clone() };
+        Marker { place: place(position(row), widest[row]), kind: role.name(), name }
+    });
+    Ok(Scene { vessels, markers: markers.collect() })
+}
+
+/// A mark at each of some contacts, where two vessels only touch.
+pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> impl Iterator<Item = Marker> {
+    contacts.map(|row| {
+        let vessel = network.vessel(row);
+        let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
+        cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
+    })
+}
+
+/// A mark at each suggested cut.
+pub fn suggestions(cuts: &[SuggestedCut]) -> impl Iterator<Item = Marker> {
+    cuts.iter().map(|suggested| cut("suggested", suggested.position, suggested.radius, suggested.probability))
+}
+
+/// A mark where vessels touch that are one with a probability.
+fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Marker {
+    let [x, y, z] = position.map(millimetres);
+    Marker { place: [x, y, z, millimetres(radius)], kind, name: format!("P = {probability:.3}") }
+}
+
+/// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
+pub fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
+    let mut kept = vec![false; line.len()];
+    let mut open = vec![(0, line.len() - 1)];
+    while let Some((first, last)) = open.pop() {
+        (kept[first], kept[last]) = (true, true);
+        let far = |at: usize| from_segment(line[at], line[first], line[last]);
+        let farthest = (first + 1..last).max_by(|a, b| far(*a).total_cmp(&far(*b)));
+        if let Some(at) = farthest.filter(|at| far(*at) > distance) {
+            open.extend([(first, at), (at, last)]);
+        }
+    }
+    line.iter().zip(kept).filter(|(_, kept)| *kept).map(|(place, _)| *place).collect()
+}
+
+/// The distance of a place from the segment between two others, in all four coordinates.
+fn from_segment(p: Place, a: Place, b: Place) -> f64 {
+    let along: Place = std::array::from_fn(|i| b[i] - a[i]);
+    let from: Place = std::array::from_fn(|i| p[i] - a[i]);
+    let product = |u: Place, v: Place| u.iter().zip(v).map(|(x, y)| x * y).sum::<f64>();
+    let length = product(along, along);
+    let share = if length > 0.0 { (product(from, along) / length).clamp(0.0, 1.0) } else { 0.0 };
+    let off: Place = std::array::from_fn(|i| from[i] - share * along[i]);
+    product(off, off).sqrt()
+}

@@ -1,0 +1,135 @@
+//! The page of a forward simulation: vessels by flow, before and after the changes.
+
+use super::pulse::cycle;
+use super::scene::scene;
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take, title};
+use crate::figures::colour::Rgb;
+use crate::simulation::{FlowRecord, Simulated};
+use crate::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
+use willis_core::simulation::PERTURBED;
+use willis_io::formats::Column;
+
+/// The figures that colour the vessels: name, unit, column.
+const COLOURINGS: [(&str, &str, &str); 6] = [
+    ("flow", "mL/min", "flow_mL_per_min"),
+    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3"),
+    ("wall shear stress", "Pa", "wall_shear_Pa"),
+    ("pressure drop", "mmHg", "drop_mmHg"),
+    ("velocity", "mm/s", "velocity_mm_per_s"),
+    ("Reynolds number", "", "reynolds"),
+];
+
+/// The page of a simulation from the columns of edges.csv and nodes.csv.
+pub fn page(
+    simulated: &Simulated<'_>,
+    flow_record: &FlowRecord,
+    vessels: Vec<Column>,
+    nodes: Vec<Column>,
+    figures: Vec<Picture>,
+) -> Page {
+    let perturbed = simulated.result.perturbed.is_some();
+    let mut record = record(flow_record);
+    let warnings = super::warnings(&record);
+    let lead = super::lead::simulation(&record);
+    let mut facts = facts(&record, &FACTS);
+    facts.extend(super::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
+    let mut part = |name| take(&mut record, name);
+    let lists = [
+        list("Perturbations", &part("perturbations"), &PERTURBATION),
+        list("Collaterals", &part("collaterals"), &COLLATERAL),
+        list("Reversed flows", &part("reversed"), &COLLATERAL),
+        conditions(&part("boundary_conditions")),
+    ];
+    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &[], of_vessels };
+    let mut tables: Vec<Table> =
+        [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))].into_iter().chain(lists).flatten().collect();
+    let mut colourings = colourings(perturbed);
+    if let Some(transports) = simulated.transports {
+        colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
+        tables.push(table("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
+        tables.push(table("Arrival", transit_columns(simulated, transports), false));
+    }
+    if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
+        tables.push(flows);
+        colourings.push(over_the_cycle);
+    }
+    Page {
+        title: title("simulate", &record),
+        record,
+        lead,
+        warnings,
+        facts,
+        phenotype: None,
+        scene: scene(simulated.network, simulated.boundary),
+        colourings,
+        image_cuts: Vec::new(),
+        segmentation: None,
+        threshold: None,
+        figures,
+        tables,
+    }
+}
+
+const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
+const COLLATERAL: [&str; 6] = ["edge", "label", "flow_mL_per_min", "flow_mL_per_min_perturbed", "gain_mL_per_min", "reversed"];
+
+/// The figures of every simulation, and those of one with perturbations.
+const FACTS: [(&str, &str, &str); 5] = [
+    ("nodes", "/counts/nodes", ""),
+    ("vessels", "/counts/vessels", ""),
+    ("\u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
+    ("inflow", "/total_inflow_mL_per_min", "mL/min"),
+    ("vessels beyond laminar flow", "/not_laminar/vessels", ""),
+];
+const PERTURBED_FACTS: [(&str, &str, &str); 5] = [
+    ("\u{3c1}_G perturbed", "/rho_G_W_per_m3_perturbed", "W/m\u{b3}"),
+    ("inflow perturbed", "/total_inflow_mL_per_min_perturbed", "mL/min"),
+    ("perturbations", "/perturbations", ""),
+    ("reversed flows", "/reversed", ""),
+    ("vessels beyond laminar flow, perturbed", "/not_laminar/vessels_perturbed", ""),
+];
+
+fn colourings(perturbed: bool) -> Vec<Colouring> {
+    let each = COLOURINGS.map(|(name, unit, column)| {
+        let mut variants = vec![("unperturbed".to_owned(), 0, column.to_owned())];
+        if perturbed {
+            variants.insert(0, ("perturbed".to_owned(), 0, format!("{column}{PERTURBED}")));
+        }
+        Colouring { name, unit, scale: Scale::Log, uncertain_only: false, variants, legend: Vec::new() }
+    });
+    let change = Colouring {
+        name: "change of flow",
+        unit: "mL/min",
+        scale: Scale::Diverging,
+        uncertain_only: false,
+        variants: vec![(String::new(), 0, "flow_change".to_owned())],
+        legend: Vec::new(),
+    };
+    each.into_iter().chain(perturbed.then_some(change)).collect()
+}
+
+/// The colourings by where blood comes from and when; the colours are in the table `at`.
+fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) -> [Colouring; 2] {
+    let variants = |table: usize, column: &str| {
+        let suffixes = [("perturbed", PERTURBED), ("unperturbed", "")];
+        let shown = suffixes.into_iter().filter(|(_, suffix)| perturbed || suffix.is_empty());
+        shown.map(|(name, suffix)| (name.to_owned(), table, format!("{column}{suffix}"))).collect()
+    };
+    let supply = Colouring {
+        name: "blood from",
+        unit: "",
+        scale: Scale::Mixed,
+        uncertain_only: false,
+        variants: variants(at, MIXED),
+        legend,
+    };
+    let arrival = Colouring {
+        name: "mean time since entry",
+        unit: "ms",
+        scale: Scale::Linear,
+        uncertain_only: false,
+        variants: variants(0, "arrival_ms"),
+        legend: Vec::new(),
+    };
+    [supply, arrival]
+}

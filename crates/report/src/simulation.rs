@@ -1,0 +1,272 @@
+//! The output folder of a forward simulation: its record, tables, picture and page.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::figures::flow_bars::{VesselFlow, flow_bars};
+use super::inference::condition_columns;
+use super::page::{Picture, simulation_page, write_page};
+use super::pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
+use super::run_record::{Provenance, conditions, outlets_found};
+use super::transport::{transport_columns, write_transports};
+use willis_core::error::Result;
+use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+use willis_core::network::{Network, RadiusRule, Role};
+use willis_core::simulation::PERTURBED;
+use willis_core::simulation::pulse::Pulses;
+use willis_core::simulation::transport::Transports;
+use willis_core::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
+use willis_io::formats::{
+    Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
+    write_vtp,
+};
+use willis_io::output::atomic::write_file;
+use willis_io::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use willis_io::output::write_record;
+
+/// How many collaterals are listed, those of the largest gain of flow.
+pub const MOST_COLLATERALS: usize = 5;
+
+/// The content of run.json of a simulation.
+#[derive(Debug, Clone, Serialize)]
+pub struct FlowRecord {
+    willis: &'static str,
+    command: String,
+    input: Value,
+    parameters: Value,
+    boundary_conditions: Vec<Value>,
+    counts: Value,
+    #[serde(rename = "rho_G_W_per_m3")]
+    network_resilience: f64,
+    #[serde(rename = "rho_G_W_per_m3_perturbed", skip_serializing_if = "Option::is_none")]
+    network_resilience_perturbed: Option<f64>,
+    #[serde(rename = "total_inflow_mL_per_min")]
+    inflow: f64,
+    #[serde(rename = "total_inflow_mL_per_min_perturbed", skip_serializing_if = "Option::is_none")]
+    inflow_perturbed: Option<f64>,
+    not_laminar: Value,
+    perturbations: Vec<Value>,
+    collaterals: Vec<Value>,
+    reversed: Vec<Value>,
+    #[serde(skip_serializing_if = "Value::is_null")]
+    pulse: Value,
+    notes: Vec<String>,
+}
+
+impl FlowRecord {
+    /// Gathers the record of a simulation.
+    pub fn new(simulated: &Simulated<'_>, provenance: &Provenance, radius_rule: RadiusRule, outlets: FoundOutlets) -> Self {
+        let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+        let changes = simulated.perturbations;
+        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
+            after.map_or_else(Vec::new, |after| find(before, after, changes))
+        };
+        let turbulent = |state: &State| -> Vec<Value> {
+            let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
+            state.beyond_laminar().map(beyond).collect()
+        };
+        let mut counts = json!({
+            "nodes": network.node_count(),
+            "vessels": network.vessel_count(),
+            "inlets": boundary.count(Role::Inlet),
+            "outlets": boundary.count(Role::Outlet),
+            "diffused": before.diffused(),
+        });
+        let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
+        if let Some(after) = after {
+            counts["diffused_perturbed"] = json!(after.diffused());
+            not_laminar["vessels_perturbed"] = json!(turbulent(after));
+        }
+        Self {
+            willis: env!("CARGO_PKG_VERSION"),
+            command: provenance.command.clone(),
+            input: provenance.of_input(),
+            parameters: json!({
+                "viscosity_cP": centipoise(simulated.viscosity),
+                "radius": radius_rule.name(),
+                "outlets_found": outlets_found(outlets),
+                "stenosis_model": "poiseuille",
+            }),
+            boundary_conditions: conditions(network, boundary),
+            counts,
+            network_resilience: before.network_resilience,
+            network_resilience_perturbed: after.map(|state| state.network_resilience),
+            inflow: ml_per_min(before.inflow),
+            inflow_perturbed: after.map(|state| ml_per_min(state.inflow)),
+            not_laminar,
+            perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
+            collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
+            reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
+            pulse: simulated.pulses.map(|(_, record)| record.clone()).unwrap_or_default(),
+            notes: provenance.notes.clone(),
+        }
+    }
+}
+
+fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbation) -> Value {
+    let mut value = json!({ "edge": vessel, "label": network.vessel(*vessel).label });
+    match change {
+        Change::Occlusion => value["kind"] = json!("occlusion"),
+        Change::Tortuosity(factor) => {
+            value["kind"] = json!("tortuosity");
+            value["length_factor"] = json!(factor);
+        }
+        Change::Stenosis(stenosis) => {
+            value["kind"] = json!("stenosis");
+            value["open_diameter_share"] = json!(stenosis.open_diameter);
+            value["stretch_mm"] = json!(stenosis.stretch.map(millimetres));
+        }
+    }
+    value
+}
+
+fn collateral(network: &Network, c: &FlowChange) -> Value {
+    json!({
+        "edge": c.vessel,
+        "label": network.vessel(c.vessel).label,
+        "flow_mL_per_min": ml_per_min(c.before),
+        "flow_mL_per_min_perturbed": ml_per_min(c.after),
+        "gain_mL_per_min": ml_per_min(c.gain()),
+        "reversed": c.is_reversed(),
+    })
+}
+
+/// The columns of nodes.csv.
+pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
+    let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+    let mut columns =
+        super::inference::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
+    columns.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
+    let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
+    let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
+    columns.extend(perturbed);
+    columns.extend(condition_columns(network, boundary));
+    columns.extend(windkessel_columns(&network.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
+    columns
+}
+
+/// The columns of edges.csv.
+pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
+    let (network, result) = (simulated.network, simulated.result);
+    let mut columns = vessel_columns_of_graph(network);
+    columns.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
+    columns.extend(flow_columns(&result.unperturbed, ""));
+    if let Some(perturbed) = &result.perturbed {
+        columns.extend(flow_columns(perturbed, PERTURBED));
+        let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
+        columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
+    }
+    columns.extend(wall_columns(network));
+    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_vessel_columns(pulses)).unwrap_or_default());
+    columns.extend(simulated.transports.map(|found| transport_columns(simulated, found)).unwrap_or_default());
+    columns
+}
+
+/// The columns of the flow in each vessel; `suffix` ends their names.
+fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
+    let figure = |name: &str, of: fn(&VesselState) -> f64| Column::real(format!("{name}{suffix}"), state.vessels.iter().map(of));
+    vec![
+        figure("resistance_mmHg_s_per_mL", |v| mmhg_s_per_ml(v.resistance)),
+        figure("drop_mmHg", |v| mmhg(v.drop)),
+        figure("flow_mL_per_min", |v| ml_per_min(v.flow)),
+        figure("velocity_mm_per_s", |v| millimetres(v.velocity)),
+        figure("wall_shear_Pa", |v| v.wall_shear),
+        figure("reynolds", |v| v.reynolds),
+        figure("resilience_W_per_m3", |v| v.resilience),
+        Column::whole(format!("diffused{suffix}"), state.vessels.iter().map(|v| usize::from(v.diffused))),
+    ]
+}
+
+/// A simulation with everything that its files need.
+#[derive(Debug)]
+pub struct Simulated<'a> {
+    /// The vessels.
+    pub network: &'a Network,
+    /// Their boundary conditions.
+    pub boundary: &'a Boundary,
+    /// The changes.
+    pub perturbations: &'a [Perturbation],
+    /// The flow before and after the changes.
+    pub result: &'a Simulation,
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+    /// Where the blood comes from and when, if it was asked for.
+    pub transports: Option<&'a Transports>,
+    /// The pulse, if it was asked for, and its record.
+    pub pulses: Option<&'a (Pulses, Value)>,
+}
+
+impl Simulated<'_> {
+    /// The state whose columns end so.
+    pub(super) fn state(&self, suffix: &str) -> Option<&State> {
+        if suffix.is_empty() { Some(&self.result.unperturbed) } else { self.result.perturbed.as_ref() }
+    }
+}
+
+/// Writes every file of a simulation into a folder and returns notes about files that are left out.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRecord, dpi: u32) -> Result<Vec<String>> {
+    let mut notes = Vec::new();
+    let vessels = vessel_columns(simulated);
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
+    let nodes = node_columns(simulated);
+    write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
+    if simulated.network.has_positions() {
+        write_file(&folder.join(format!("{TOPOLOGY}.vtp")), |out| write_vtp(out, simulated.network, &vessels))?;
+    } else {
+        notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
+    }
+    let bars = flow_bars(&flows(simulated))?;
+    bars.write(folder, dpi)?;
+    let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
+    let mut figures = vec![Picture::new("Flow", caption, &bars)?];
+    if let Some(transports) = simulated.transports {
+        let territories = write_transports(folder, simulated, transports, dpi)?;
+        let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
+        figures.push(Picture::new("Territories", caption, &territories)?);
+    }
+    if let Some((pulses, _)) = simulated.pulses {
+        let waveforms = write_pulses(folder, simulated, pulses, dpi)?;
+        let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
+        figures.push(Picture::new("Waveforms", caption, &waveforms)?);
+    }
+    write_record(folder, record)?;
+    let page = simulation_page(simulated, record, vessels, nodes, figures);
+    write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
+    Ok(notes)
+}
+
+/// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
+pub(super) fn picture_names(network: &Network) -> Vec<String> {
+    let mut uses = BTreeMap::new();
+    for (_, vessel) in network.vessels() {
+        *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
+    }
+    let name = |(row, (_, vessel)): (usize, (_, &willis_core::network::Vessel))| match vessel.label.as_str() {
+        "" => format!("edge {row}"),
+        label if uses[label] > 1 => format!("{label} (edge {row})"),
+        label => label.to_owned(),
+    };
+    network.vessels().enumerate().map(name).collect()
+}
+
+/// The flow of every vessel.
+fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
+    let result = simulated.result;
+    let flow = |(row, name): (usize, String)| VesselFlow {
+        name,
+        unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),
+        perturbed: result.perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
+    };
+    picture_names(simulated.network).into_iter().enumerate().map(flow).collect()
+}

@@ -1,0 +1,380 @@
+//! Fits the contact model to skeletons whose true vessels are known: boosted trees over pairs of branch ends, then the weights of
+//! partitions on scores of trees that never saw the subject.
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+use ndarray::Array2;
+
+use super::boosting::boost;
+use super::cross_validation::fold_of;
+use super::example::{Case, image_name, shown};
+use super::logistic::calibrate_in_order;
+use super::minimise::minimise;
+use willis_core::error::{Error, Result};
+use willis_core::network::Origin;
+use willis_core::support::boosted_trees::Boosted;
+use willis_core::support::in_order;
+use willis_core::support::model_provenance::ModelProvenance;
+use willis_io::formats::{ReadOptions, read_mask};
+use willis_io::masks::{Field, Foreground};
+use willis_models::candidates::kind::Kind;
+use willis_models::candidates::resample::Resampled;
+use willis_models::contacts::crowding::Crowding;
+use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
+use willis_models::contacts::partition::{
+    MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
+};
+use willis_models::contacts::split::split;
+use willis_models::contacts::{Basis, ContactTable};
+
+/// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
+const INNER: usize = 3;
+/// The penalty of the weights of partitions, and the evaluations of their fit.
+const L2: f64 = 1e-3;
+const ITERATIONS: usize = 200;
+
+/// A skeleton with its contacts measured and what is true of them.
+pub struct ContactExample<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Its contacts.
+    pub table: ContactTable,
+    /// What the skeleton tells of its pairs, shape (pairs, features).
+    of_skeleton: Array2<f32>,
+    /// What the mask tells of them, where there is one.
+    of_mask: Option<Array2<f32>>,
+    /// What mask and image tell of them, for each image, with its name.
+    of_images: Vec<(String, Array2<f32>)>,
+    /// Per pair whether its ends are one vessel; `None` where that is not known.
+    pub joined: Vec<Option<bool>>,
+    /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
+    pub classes: Vec<Vec<Option<usize>>>,
+}
+
+impl<'a> ContactExample<'a> {
+    /// Measures the contacts of a case.
+    ///
+    /// # Errors
+    ///
+    /// A mask or an image that cannot be read, an image that does not show the vessels.
+    pub fn new(case: &'a Case) -> Result<Self> {
+        let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
+        let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
+        let field = lumen.as_ref().map(Field::of);
+        let table = ContactTable::new(&case.network);
+        let classes = case.contacts.as_ref().map(|truth| truth.classes(&table.branches)).unwrap_or_default();
+        let joined = table.pairs.iter().map(|pair| {
+            let [a, b] = pair.ends.map(|end| classes.get(pair.cluster).and_then(|of| of[end]));
+            Some(a? == b?)
+        });
+        let joined: Vec<Option<bool>> = joined.collect();
+        let of_mask = field.as_ref().map(|field| table.features(Some(field), None));
+        let images: &[PathBuf] = if field.is_some() { &case.images } else { &[] };
+        let extraction = Resampled::new(&case.network, Kind::Skeleton).extraction(&[])?;
+        let of_images = images.iter().map(|path| {
+            let scene = shown(path, &extraction)?;
+            Ok((image_name(path), table.features(field.as_ref(), Some(&scene))))
+        });
+        let of_images = of_images.collect::<Result<Vec<_>>>()?;
+        Ok(Self { case, of_skeleton: table.features(None, None), of_mask, of_images, table, joined, classes })
+    }
+
+    /// Whether there is a mask.
+    pub fn has_mask(&self) -> bool {
+        self.of_mask.is_some()
+    }
+
+    /// What is measured of the pairs, each with the name of the image, which is empty without one.
+    fn views(&self, basis: Basis) -> Vec<View<'_>> {
+        let view = |image, features| View { e: self, image, features };
+        match basis {
+            Basis::Skeleton => vec![view("", &self.of_skeleton)],
+            Basis::Mask => self.of_mask.iter().map(|features| view("", features)).collect(),
+            Basis::Image => self.of_images.iter().map(|(image, features)| view(image.as_str(), features)).collect(),
+        }
+    }
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// As [`ContactExample::new`].
+    pub fn measure(cases: &[&'a Case]) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case)).into_iter().collect()
+    }
+
+    /// The contacts that are found by some scores of pairs: how probably the partitions join each, and whether it is one vessel, as far as
+    /// that is known; and how crowded they make the vessels.
+    fn found(&self, scores: &[f64], weights: &PartitionWeights) -> (Vec<(f64, bool)>, Crowding) {
+        let (network, branches) = (&self.case.network, &self.table.branches);
+        let opened = split(network, branches, &self.table.blocks(scores, weights), |joined| joined);
+        let crowding = Crowding::new(network, branches, opened.junctions.len());
+        let known = self.case.contacts.as_ref().map(|truth| truth.contacts(&opened.graph)).unwrap_or_default();
+        let contacts = opened.graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
+        let judged = contacts.zip(known).filter_map(|((_, vessel), known)| Some((vessel.prior, known?)));
+        (judged.collect(), crowding)
+    }
+
+    fn ends(&self, pair: usize) -> usize {
+        self.table.branches.clusters[self.table.pairs[pair].cluster].ends.len()
+    }
+
+    /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
+    fn designs(&self, scores: &[f64]) -> Vec<Design> {
+        let tables = self.table.by_cluster(scores);
+        let mut out = Vec::new();
+        for (table, classes) in tables.iter().zip(&self.classes) {
+            let (Some(table), Some(classes)) = (table, classes.iter().copied().collect::<Option<Vec<usize>>>()) else { continue };
+            let ends = classes.len();
+            if !(2..=MOST_ENDS).contains(&ends) {
+                continue;
+            }
+            let all = partitions(ends);
+            let mut numbers = Vec::new();
+            let blocks: Vec<usize> = classes
+                .iter()
+                .map(|class| {
+                    numbers.iter().position(|c| c == class).unwrap_or_else(|| {
+                        numbers.push(*class);
+                        numbers.len() - 1
+                    })
+                })
+                .collect();
+            let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
+            out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
+        }
+        out
+    }
+}
+
+struct Design {
+    size: usize,
+    rows: Vec<[f64; PARTITION_FEATURES]>,
+    truth: usize,
+}
+
+/// A case as it is seen: without image, or in one.
+struct View<'a> {
+    e: &'a ContactExample<'a>,
+    image: &'a str,
+    /// Shape (pairs, features).
+    features: &'a Array2<f32>,
+}
+
+/// Fits the contact model to measured cases. The same cases give the same bits at any number of threads.
+///
+/// # Errors
+///
+/// No case with a mask, fewer subjects than inner folds, no pair of which anything is known.
+pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
+    let skeleton = fit_part(examples, Basis::Skeleton)?;
+    progress("without mask");
+    let mask = fit_part(examples, Basis::Mask)?;
+    progress("with mask");
+    let has_images = examples.iter().any(|e| !e.of_images.is_empty());
+    let image = has_images.then(|| fit_part(examples, Basis::Image)).transpose()?;
+    if has_images {
+        progress("with images");
+    }
+    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
+    let provenance = ModelProvenance::of(examples.len(), subjects.len());
+    Ok(ContactModel { kind: ContactKind::Contacts, skeleton, mask, image, provenance, figures: Vec::new() })
+}
+
+fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
+    let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+    let subjects: BTreeSet<&str> = views.iter().map(|view| view.e.case.subject.as_str()).collect();
+    if subjects.len() < INNER {
+        let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
+        return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects.len()), accepted));
+    }
+    let order: Vec<&str> = subjects.iter().copied().collect();
+    let fold = |view: &View| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
+    let trees = fit_trees(&views.iter().collect::<Vec<_>>(), basis)?;
+    let (mut designs, mut unseen) = (Vec::new(), Vec::new());
+    for held in 0..INNER {
+        let inner: Vec<&View> = views.iter().filter(|view| fold(view) != held).collect();
+        let trees = fit_trees(&inner, basis)?;
+        for view in views.iter().filter(|view| fold(view) == held) {
+            let scores = trees.scores(view.features);
+            designs.extend(view.e.designs(&scores));
+            unseen.push((view, scores));
+        }
+    }
+    let (features, weights) = (basis.feature_names(), fit_weights(&designs));
+    let mut part = ContactPart { features, weights, calibration: NOT_CALIBRATED, crowding: None, trees };
+    calibrate_part(&mut part, &unseen);
+    Ok(part)
+}
+
+/// Calibrates a part on the contacts that it finds by scores of trees that never saw the subject; nothing changes without one.
+fn calibrate_part(part: &mut ContactPart, unseen: &[(&View, Vec<f64>)]) {
+    let found = in_order(unseen, |_, (view, scores)| view.e.found(scores, &part.weights));
+    let pairs: Vec<(f64, bool)> = found.iter().flat_map(|(pairs, _)| pairs.iter().copied()).collect();
+    if let Some(calibration) = calibrate_in_order(&pairs) {
+        part.calibration = calibration;
+        part.crowding = found.into_iter().map(|(_, crowding)| crowding).reduce(Crowding::most);
+    }
+}
+
+/// Calibrates a model on cases of its subjects or others that it was not fitted to, and changes nothing else in it.
+pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample]) {
+    for basis in Basis::ALL {
+        let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+        let part = match basis {
+            Basis::Skeleton => &mut model.skeleton,
+            Basis::Mask => &mut model.mask,
+            Basis::Image => match &mut model.image {
+                Some(part) => part,
+                None => continue,
+            },
+        };
+        let unseen: Vec<(&View, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
+        calibrate_part(part, &unseen);
+    }
+}
+
+/// Boosted trees over the pairs whose answer is known.
+fn fit_trees(views: &[&View], basis: Basis) -> Result<Boosted> {
+    let (mut rows, mut right) = (Vec::new(), Vec::new());
+    for (at, view) in views.iter().enumerate() {
+        for (row, joined) in view.e.joined.iter().enumerate() {
+            if let Some(joined) = joined {
+                rows.push((at, row));
+                right.push(*joined);
+            }
+        }
+    }
+    let columns = basis.feature_names().len();
+    boost(rows.len(), columns, |row, column| views[rows[row].0].features[[rows[row].1, column]], &right)
+}
+
+/// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
+fn fit_weights(designs: &[Design]) -> PartitionWeights {
+    let at = |size: usize| size * PARTITION_FEATURES;
+    let loss = |theta: &[f64]| {
+        let mut value = L2 * theta.iter().map(|t| t * t).sum::<f64>();
+        let mut slope: Vec<f64> = theta.iter().map(|t| 2.0 * L2 * t).collect();
+        let n = designs.len().max(1) as f64;
+        for design in designs {
+            let own = &theta[at(design.size)..at(design.size + 1)];
+            let log: Vec<f64> = design.rows.iter().map(|f| f.iter().zip(own).map(|(f, t)| f * t).sum()).collect();
+            let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+            let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
+            let total: f64 = weight.iter().sum();
+            value -= (log[design.truth] - most - total.ln()) / n;
+            for k in 0..PARTITION_FEATURES {
+                let mean = design.rows.iter().zip(&weight).map(|(f, w)| f[k] * w).sum::<f64>() / total;
+                slope[at(design.size) + k] += (mean - design.rows[design.truth][k]) / n;
+            }
+        }
+        (value, slope)
+    };
+    let mut start = vec![0.0; SIZES * PARTITION_FEATURES];
+    (0..SIZES).for_each(|size| start[at(size)] = 0.5);
+    let found = minimise(start, ITERATIONS, &loss).point;
+    let mut weights = PartitionWeights::default();
+    for (size, own) in weights.iter_mut().enumerate() {
+        own.copy_from_slice(&found[at(size)..at(size + 1)]);
+    }
+    weights
+}
+
+/// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
+type Judged = (f64, f64, bool);
+
+fn judge(view: &View, part: &ContactPart) -> Vec<Judged> {
+    let e = view.e;
+    let scores = part.trees.scores(view.features);
+    let tables = e.table.by_cluster(&scores);
+    let mut probability = Vec::with_capacity(scores.len());
+    for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
+        let ends = cluster.ends.len();
+        if let Some(table) = table {
+            let pairs = ends * (ends - 1) / 2;
+            if ends <= MOST_ENDS {
+                probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
+            } else {
+                probability.extend(std::iter::repeat_n(None, pairs));
+            }
+        }
+    }
+    let rows = (0..scores.len()).filter(|pair| e.ends(*pair) <= MOST_ENDS);
+    rows.filter_map(|pair| Some((scores[pair], probability[pair]?, e.joined[pair]?))).collect()
+}
+
+/// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
+/// all cases by data set and folder.
+///
+/// # Errors
+///
+/// Those of [`fit_contacts`].
+pub fn cross_validate_contacts(
+    examples: &[ContactExample],
+    folds: usize,
+    progress: &mut dyn FnMut(usize, &str),
+) -> Result<(Vec<ContactModel>, Vec<ContactScores>)> {
+    let (mut models, mut judged) = (Vec::new(), Vec::new());
+    for fold in 0..folds {
+        let held = |e: &&ContactExample| fold_of(&e.case.subject, folds) == fold;
+        let inner: Vec<&ContactExample> = examples.iter().filter(|e| !held(e)).collect();
+        let mut model = fit_contacts(&inner, &mut |step| progress(fold + 1, step))?;
+        let outer: Vec<&ContactExample> = examples.iter().filter(held).collect();
+        let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
+        model.provenance.held_out = subjects.into_iter().cloned().collect();
+        for e in outer {
+            for basis in Basis::ALL {
+                judged.extend(e.views(basis).iter().map(|view| (e, (basis, view.image), judge(view, model.part(basis)))));
+            }
+        }
+        models.push(model);
+    }
+    let groups: BTreeSet<(&str, &str, (Basis, &str))> =
+        judged.iter().map(|(e, seen, _)| (e.case.data_set.as_str(), e.case.group.as_str(), *seen)).collect();
+    let figures = groups.into_iter().map(|(data_set, group, seen)| {
+        let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
+        let of: Vec<&[Judged]> = judged.iter().filter(|(e, other, _)| own(e) && *other == seen).map(|(.., j)| &j[..]).collect();
+        let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
+        scores_of(name, seen, &of)
+    });
+    let figures = figures.collect();
+    Ok((models, figures))
+}
+
+const BINS: usize = 10;
+const LEAST_IN_BIN: f64 = 50.0;
+
+fn scores_of(of: String, (basis, image): (Basis, &str), cases: &[&[Judged]]) -> ContactScores {
+    let mut all: Vec<Judged> = cases.iter().flat_map(|case| case.iter().copied()).collect();
+    all.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let pairs = all.len();
+    let joined = all.iter().filter(|(.., joined)| *joined).count();
+    let mut bins = [[0.0; 3]; BINS];
+    for (_, p, joined) in &all {
+        let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
+        *bin = [bin[0] + 1.0, bin[1] + p, bin[2] + f64::from(u8::from(*joined))];
+    }
+    let errors = bins.iter().filter(|bin| bin[0] >= LEAST_IN_BIN).map(|bin| ((bin[1] - bin[2]) / bin[0]).abs());
+    // Of pairs in rising order of their scores: how many false ones come before each true one.
+    let (mut apart, mut before, mut precision) = (0.0, 0.0, 0.0);
+    for (row, (.., joined)) in all.iter().enumerate() {
+        if *joined {
+            before += apart;
+        } else {
+            apart += 1.0;
+            precision += apart / (row + 1) as f64;
+        }
+    }
+    ContactScores {
+        of,
+        with_mask: basis != Basis::Skeleton,
+        image: image.to_owned(),
+        cases: cases.len(),
+        pairs,
+        joined: joined as f64 / pairs.max(1) as f64,
+        auc: before / (apart * joined as f64).max(1.0),
+        average_precision: precision / apart.max(1.0),
+        largest_bin_error: errors.fold(0.0, f64::max),
+    }
+}

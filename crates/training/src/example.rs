@@ -1,0 +1,115 @@
+//! A case: an extraction whose true connections are known.
+
+use std::path::{Path, PathBuf};
+
+use sha2::{Digest, Sha256};
+
+use super::contact_truth::ContactTruth;
+use super::known_connections::{KnownConnections, Match};
+use super::scores::found;
+use willis_core::error::{Fault, Result};
+use willis_core::network::Network;
+use willis_core::support::in_order;
+use willis_io::formats::{ReadOptions, read_image};
+use willis_io::masks::{Appearance, Scene, View};
+use willis_models::candidates::features::Extraction;
+use willis_models::candidates::kind::Kind;
+use willis_models::candidates::model::feature_table::CandidateTable;
+use willis_models::candidates::resample::Resampled;
+use willis_models::candidates::search::{SearchOptions, search};
+
+/// An extraction with its known connections.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// The data set it belongs to, for scores.
+    pub data_set: String,
+    /// The folder within the data set, for scores; empty without one.
+    pub group: String,
+    /// Whom it shows. No subject is on both sides of a fold.
+    pub subject: String,
+    /// Its name within the data set.
+    pub name: String,
+    /// What the image showed.
+    pub network: Network,
+    /// The nodes where blood is known to enter.
+    pub inlets: Vec<usize>,
+    /// The known connections, by the points of [`Extraction`].
+    pub truth: KnownConnections,
+    /// What its contacts are, where that is asked for.
+    pub contacts: Option<ContactTruth>,
+    /// Its mask, where it has one beside it.
+    pub mask: Option<PathBuf>,
+    /// Its images, where it has some beside it.
+    pub images: Vec<PathBuf>,
+}
+
+/// A case with its candidates measured.
+pub struct Example<'a> {
+    /// The case.
+    pub case: &'a Case,
+    /// Its extraction, with or without inlets.
+    pub extraction: Extraction,
+    /// Its candidates.
+    pub table: CandidateTable,
+    /// Per candidate whether the truth allows its child to be attached by it.
+    pub allowed: Vec<bool>,
+    /// Per pair of the table the connection that it makes, if it is right.
+    pub matches: Vec<Option<Match>>,
+}
+
+impl<'a> Example<'a> {
+    /// Searches and measures the candidates of a case, with its inlets or as if nobody had named any.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position; fragments in a tangle.
+    pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
+        let extraction = Resampled::new(&case.network, Kind::Tracing).extraction(if with_inlets { &case.inlets } else { &[] })?;
+        let table = CandidateTable::new(&extraction, &search(&extraction, &SearchOptions::default())?)?;
+        let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
+        let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();
+        let allowed = case.truth.allowed(&candidates);
+        let mut matches = vec![None; table.pairs];
+        for (([from, to], _), pair) in candidates.iter().zip(&table.pair) {
+            matches[*pair] = case.truth.matching(*from, *to).or(matches[*pair]);
+        }
+        Ok(Self { case, extraction, table, allowed, matches })
+    }
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position.
+    pub fn measure(cases: &[&'a Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case, with_inlets(case))).into_iter().collect()
+    }
+
+    /// How many of the candidates that the truth needs are among those found.
+    pub fn reached(&self) -> usize {
+        found(self.matches.iter().flatten().copied())
+    }
+}
+
+/// A number in [0, 1) that looks random, the same for the same words on every machine.
+pub fn share_of(words: &[&str]) -> f64 {
+    let digest = Sha256::digest(words.join("\u{0}").as_bytes());
+    digest.iter().take(6).rev().fold(0.0, |x, byte| (x + f64::from(*byte)) / 256.0)
+}
+
+/// The image in a file, around the vessels of an extraction.
+///
+/// # Errors
+///
+/// A file that cannot be read, an image that does not show the vessels.
+pub fn shown(path: &Path, extraction: &Extraction) -> Result<Scene> {
+    let (image, _) = read_image(path, &ReadOptions::default())?;
+    Scene::new(&extraction.centerlines(), View { image, appearance: Appearance::Auto })
+        .map_err(|why| Fault::file(format!("it does not show the vessels: {why}"), "expected an image of them").in_file(path))
+}
+
+/// The name of an image: that of its file before .nii.
+pub fn image_name(path: &Path) -> String {
+    let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    name.split(".nii").next().unwrap_or_default().to_owned()
+}

@@ -1,0 +1,211 @@
+//! The known connections of a case: where fragments belong together, and which candidates are therefore right.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use willis_core::support::geometry::{Point, distance};
+use willis_models::candidates::features::Extraction;
+use willis_models::candidates::search::point_index::PointIndex;
+
+/// Points within so many tolerances beyond the nearest are meant too.
+const AS_NEAR: f64 = 0.3;
+/// A candidate may attach within so many spacings of a loose end ...
+const LOOSE_SPACINGS: f64 = 2.0;
+/// ... and on a standing vessel within so many spacings, diameters or gaps of the true place.
+const STANDING_SPACINGS: f64 = 3.0;
+const STANDING_RADII: f64 = 2.0;
+const STANDING_GAPS: f64 = 0.75;
+
+/// Which side of a connection is attached to which; the words in files are `parent` and `child`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Side {
+    /// The one that is nearer to an inlet.
+    Parent,
+    /// The one that is attached to it.
+    Child,
+}
+
+/// A place where pieces belong together: per piece its side and the rows of the points at which a candidate may attach.
+pub type KnownConnection = Vec<(Side, Vec<usize>)>;
+
+/// Which connection a candidate makes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Match {
+    /// The connection.
+    pub connection: usize,
+    /// The pieces it joins there, by their places in it.
+    pub pieces: [usize; 2],
+}
+
+/// The connections that belong in an extraction. A connection of n pieces needs n - 1 candidates.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct KnownConnections {
+    /// Per connection the sides of its pieces.
+    sides: Vec<Vec<Side>>,
+    /// Per point of the extraction the connections and pieces that a candidate to it reaches.
+    sites: Vec<Vec<(usize, usize)>>,
+    /// Places (m) and how far they reach (m): what is joined there is neither right nor wrong.
+    pub unclear: Vec<(Point, f64)>,
+}
+
+impl KnownConnections {
+    /// Connections that name points of their own (m): a point of the extraction represents the nearest within `tolerance` (m), and
+    /// those hardly further away.
+    pub fn snapped(extraction: &Extraction, points: &[Point], tolerance: f64, connections: &[KnownConnection]) -> Self {
+        let mut named = vec![Vec::new(); points.len()];
+        for (connection, pieces) in connections.iter().enumerate() {
+            for (piece, (_, rows)) in pieces.iter().enumerate() {
+                for row in rows {
+                    named[*row].push((connection, piece));
+                }
+            }
+        }
+        let index = PointIndex::new(points.to_vec());
+        let sites = extraction.position.iter().map(|p| {
+            let nearest = index.nearest(*p, tolerance);
+            let reach = nearest.distance + AS_NEAR * tolerance;
+            let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, reach) };
+            near.into_iter().flat_map(|(_, row)| named[row].iter().copied()).collect()
+        });
+        Self {
+            sites: sites.collect(),
+            sides: connections.iter().map(|l| l.iter().map(|(side, _)| *side).collect()).collect(),
+            unclear: Vec::new(),
+        }
+    }
+
+    /// Connections between points of the extraction. Those near to either end are right too: 2 spacings along a loose end; on a
+    /// standing vessel 3 spacings, a diameter or 3/4 of the gap. What is nearer to one of the `inlets` (nodes) is the parent.
+    pub fn between(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Self {
+        let mut this = Self { sides: Vec::new(), sites: vec![Vec::new(); extraction.position.len()], unclear: Vec::new() };
+        let index = PointIndex::new(extraction.position.clone());
+        let order = outwards(extraction, pairs, inlets);
+        for (connection, (ends, order)) in pairs.iter().zip(order).enumerate() {
+            let gap = distance(extraction.position[ends[0]], extraction.position[ends[1]]);
+            for (piece, point) in ends.iter().enumerate() {
+                let (h, r) = (extraction.spacing, extraction.radius[*point]);
+                let standing = (STANDING_SPACINGS * h).max(STANDING_RADII * r).max(STANDING_GAPS * gap);
+                let reach = if extraction.end_at[*point].is_some() { LOOSE_SPACINGS * h } else { standing };
+                for (_, near) in index.within(extraction.position[*point], reach) {
+                    if extraction.fragment[near] == extraction.fragment[*point] {
+                        this.sites[near].push((connection, piece));
+                    }
+                }
+            }
+            this.sides.push(order.to_vec());
+        }
+        this
+    }
+
+    /// Whether a candidate between two points (m) is neither right nor wrong, unless it makes a connection.
+    pub fn is_unclear(&self, ends: [Point; 2]) -> bool {
+        self.unclear.iter().any(|(place, reach)| ends.iter().any(|end| distance(*end, *place) < *reach))
+    }
+
+    /// How many connections there are.
+    pub fn connections(&self) -> usize {
+        self.sides.len()
+    }
+
+    /// How many candidates it takes to make all connections.
+    pub fn needed(&self) -> usize {
+        self.sides.iter().map(|pieces| pieces.len().saturating_sub(1)).sum()
+    }
+
+    /// The first connection and piece that no point reaches.
+    pub fn unreachable(&self) -> Option<(usize, usize)> {
+        let mut reached: Vec<Vec<bool>> = self.sides.iter().map(|pieces| vec![false; pieces.len()]).collect();
+        self.sites.iter().flatten().for_each(|(connection, piece)| reached[*connection][*piece] = true);
+        reached.iter().enumerate().find_map(|(connection, pieces)| Some((connection, pieces.iter().position(|r| !r)?)))
+    }
+
+    /// The connection that a candidate between two points makes, if any; the pieces in the order of the points.
+    pub fn matching(&self, from: usize, to: usize) -> Option<Match> {
+        let pairs = self.sites[from].iter().flat_map(|a| self.sites[to].iter().map(move |b| (a, b)));
+        let mut made = pairs.filter(|(a, b)| a.0 == b.0 && a.1 != b.1);
+        made.next().map(|(a, b)| Match { connection: a.0, pieces: [a.1, b.1] })
+    }
+
+    /// Per candidate (child point, parent point; child fragment, parent fragment) whether the likelihood may take it: those that
+    /// attach a child to its parent. Of several connections of a fragment the first counts; a candidate that would close a circle of
+    /// fragments does not.
+    pub fn allowed(&self, candidates: &[([usize; 2], [usize; 2])]) -> Vec<bool> {
+        let mut connection_of: BTreeMap<usize, usize> = BTreeMap::new();
+        let mut parents_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut may = |(points, [child, parent]): &([usize; 2], [usize; 2])| {
+            let Some(Match { connection, pieces }) = self.matching(points[0], points[1]) else { return false };
+            if pieces.map(|piece| self.sides[connection][piece]) != [Side::Child, Side::Parent] {
+                return false;
+            }
+            if parents_of.get(child).is_some_and(|on| on.contains(parent)) {
+                return connection_of[child] == connection;
+            }
+            if connection_of.get(child).is_some_and(|l| *l != connection) || leads(&parents_of, *parent, *child) {
+                return false;
+            }
+            connection_of.insert(*child, connection);
+            parents_of.entry(*child).or_default().push(*parent);
+            true
+        };
+        candidates.iter().map(&mut may).collect()
+    }
+}
+
+/// Whether a fragment is attached to another, directly or through others.
+fn leads(parents_of: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bool {
+    let (mut open, mut seen) = (vec![from], vec![from]);
+    while let Some(at) = open.pop() {
+        if at == to {
+            return true;
+        }
+        for next in parents_of.get(&at).into_iter().flatten() {
+            if !seen.contains(next) {
+                seen.push(*next);
+                open.push(*next);
+            }
+        }
+    }
+    false
+}
+
+/// Per pair of points the sides of its ends when each connected group of fragments is fed from the one with an inlet; of several, or without
+/// any, from the widest, then the longest. Pairs that close a circle have no child.
+fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Vec<[Side; 2]> {
+    let ends: Vec<[usize; 2]> = pairs.iter().map(|ends| ends.map(|point| extraction.fragment[point])).collect();
+    let mut at = vec![Vec::new(); extraction.fragments.len()];
+    for (pair, fragments) in ends.iter().enumerate() {
+        for fragment in fragments {
+            at[*fragment].push(pair);
+        }
+    }
+    let fed: Vec<usize> = inlets.iter().map(|node| extraction.fragment[*node]).collect();
+    let rank = |f: usize| {
+        let fragment = &extraction.fragments[f];
+        (fed.contains(&f), fragment.widest_end.unwrap_or(0.0), fragment.length)
+    };
+    let mut order: Vec<usize> = (0..at.len()).collect();
+    order.sort_by(|a, b| {
+        let (a, b) = (rank(*a), rank(*b));
+        b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(b.2.total_cmp(&a.2))
+    });
+    let mut sides = vec![[Side::Parent; 2]; pairs.len()];
+    let mut reached = vec![false; at.len()];
+    for root in order {
+        if std::mem::replace(&mut reached[root], true) {
+            continue;
+        }
+        let mut queue = std::collections::VecDeque::from([root]);
+        while let Some(parent) = queue.pop_front() {
+            for pair in &at[parent] {
+                let child = usize::from(ends[*pair][0] == parent);
+                if !std::mem::replace(&mut reached[ends[*pair][child]], true) {
+                    sides[*pair][child] = Side::Child;
+                    queue.push_back(ends[*pair][child]);
+                }
+            }
+        }
+    }
+    sides
+}

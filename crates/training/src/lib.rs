@@ -1,0 +1,31 @@
+//! Fits the evidence model to cases: extractions whose true connections are known, read from folders.
+//!
+//! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
+
+pub mod boosting;
+mod cases;
+pub mod contact_truth;
+pub mod contacts;
+pub mod cross_validation;
+pub mod example;
+pub mod fit;
+pub mod joins;
+pub mod known_connections;
+pub mod logistic;
+pub mod minimise;
+pub mod names;
+pub mod objective;
+pub mod scores;
+mod truth_file;
+
+pub use cases::{Cases, Model, read_cases};
+pub use contacts::{ContactExample, calibrate_contacts, cross_validate_contacts, fit_contacts};
+pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
+pub use example::{Case, Example};
+pub use fit::{Step, TrainParams, fit, goes_without_inlets};
+pub use joins::{JoinExample, cross_validate_joins, fit_joins};
+pub use known_connections::Match;
+pub use logistic::calibrate;
+pub use objective::{Objective, case_weights};
+pub use scores::{average_precision, calibration_error, case_scores, held_out_scores};
+pub use willis_models::contacts::model::{ContactModel, ContactScores};

@@ -1,0 +1,165 @@
+//! Reads labelled cases from folders: the centerlines, the artery of each point, and which segments of the ring are there.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::truth::{LabelledNodes, label_nodes};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::network::{Frame, Network, RadiusRule};
+use willis_core::support::in_order;
+use willis_io::formats::tables::reader::TableReader;
+use willis_io::formats::{Content, ReadOptions, bytes_of, read as read_file};
+use willis_models::candidates::model::Weights;
+use willis_models::candidates::{CandidateOptions, build_with_evidence};
+use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
+use willis_models::naming::states::{LABELS, Label, OTHER, label_of};
+
+/// Folders further down are not looked into.
+const DEEPEST: usize = 8;
+const TRUTH: &str = "truth.json";
+const LABELS_FILE: &str = "labels.csv";
+
+/// A case whose arteries are known.
+#[derive(Debug, Clone)]
+pub struct LabelledCase {
+    /// The folder's name.
+    pub name: String,
+    /// The patient.
+    pub subject: String,
+    /// What was done to the tracing: `whole`, `easy`, ...
+    pub level: String,
+    /// Whether nothing was done: the atlas is fitted to such cases.
+    pub is_whole: bool,
+    /// Its centerlines.
+    pub network: Network,
+    /// The over-connected graph.
+    pub graph: Network,
+    /// Its nodes with their true labels.
+    pub truth: LabelledNodes,
+    /// Per segment of the ring whether it is there, where that is known.
+    pub present: [Option<bool>; 7],
+}
+
+#[derive(Deserialize)]
+struct Truth {
+    subject: String,
+    #[serde(default)]
+    level: String,
+    #[serde(default)]
+    whole: bool,
+    #[serde(default)]
+    frame: String,
+    #[serde(default)]
+    phenotype: Vec<Segment>,
+}
+
+#[derive(Deserialize)]
+struct Segment {
+    segment: String,
+    present: bool,
+}
+
+/// Reads all cases below some folders, in the order of their paths. A case folder holds `fragments.swc`, `labels.csv` (`id,label`: the artery of
+/// each point, `other` for none of the circle), `truth.json` (`subject`, `level`, `whole`, `frame`, `phenotype`), and `loops.csv` where
+/// there are any.
+///
+/// # Errors
+///
+/// A folder without a case; a file that cannot be read; a label that is no artery; a point that is not in the tracing.
+pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
+    let mut found = Vec::new();
+    for folder in folders {
+        let before = found.len();
+        walk(folder, 0, &mut found)?;
+        if found.len() == before {
+            let accepted = "expected folders with fragments.swc, labels.csv and truth.json in them";
+            return Err(Error::parameter("CASES", format!("{}: no labelled case", folder.display()), accepted));
+        }
+    }
+    let weights = Weights::shipped()?;
+    in_order(&found, |_, folder| read_case(folder, &weights)).into_iter().collect()
+}
+
+fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<()> {
+    let unread = |source| Error::Read { path: folder.to_owned(), source };
+    let mut entries: Vec<PathBuf> =
+        fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<std::io::Result<_>>().map_err(unread)?;
+    entries.sort();
+    if [TRUTH, LABELS_FILE].iter().all(|name| folder.join(name).is_file()) {
+        found.push(folder.to_owned());
+        return Ok(());
+    }
+    for path in entries.into_iter().filter(|path| path.is_dir() && depth < DEEPEST) {
+        walk(&path, depth + 1, found)?;
+    }
+    Ok(())
+}
+
+fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
+    let path = folder.join("fragments.swc");
+    let loops = Some(folder.join("loops.csv")).filter(|path| path.is_file());
+    let document = read_file(&path, &ReadOptions { loops, ..ReadOptions::default() })?;
+    let mut network = match document.content {
+        Content::Graph(_) => Err(Fault::file("a candidate graph", "expected centerlines")),
+        lines => lines.into_network(RadiusRule::Mean, None).map(|made| made.network),
+    }
+    .map_err(|fault| fault.in_file(&path))?;
+    let truth_file = folder.join(TRUTH);
+    let truth: Truth = serde_json::from_slice(&bytes_of(&truth_file)?).map_err(|e| {
+        Fault::line(e.line().max(1), e.to_string(), "expected an object with subject and phenotype").in_file(&truth_file)
+    })?;
+    if !network.frame.is_known() {
+        network.frame = Frame::of_word(&truth.frame);
+    }
+    let labels_file = folder.join(LABELS_FILE);
+    let labels = read_labels(&bytes_of(&labels_file)?).map_err(|fault| fault.in_file(&labels_file))?;
+    let mut present = [None; 7];
+    for segment in &truth.phenotype {
+        let artery = artery_of_label(&segment.segment, LabelScheme::Names);
+        let Some(row) = RING.iter().position(|ring| Some(*ring) == artery) else {
+            let why =
+                Fault::item(format!("segment \"{}\"", segment.segment), "is none", "expected one of the ring, such as L-A1");
+            return Err(why.in_file(&truth_file));
+        };
+        present[row] = Some(segment.present);
+    }
+    let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
+    let truth_of_nodes = label_nodes(&graph, &labels);
+    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(LabelledCase {
+        name,
+        subject: truth.subject,
+        level: truth.level,
+        is_whole: truth.whole,
+        network,
+        graph,
+        truth: truth_of_nodes,
+        present,
+    })
+}
+
+/// The label of each point.
+fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, Label>, Fault> {
+    let mut rows = TableReader::ragged(bytes)?;
+    let line = rows.header_line();
+    let column =
+        |name: &str| rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected id,label"));
+    let (id, label) = (column("id")?, column("label")?);
+    let mut labels = BTreeMap::new();
+    while let Some(row) = rows.next()? {
+        let text = row.text(label).to_owned();
+        let number: u64 =
+            row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;
+        let known = label_of(&text).or_else(|| label_of(&text.replace("M3", "M2")));
+        let Some(known) = known.or_else(|| (text.is_empty() || text.ends_with("VA")).then_some(OTHER)) else {
+            let names: BTreeSet<String> = (0..LABELS).map(willis_models::naming::name_of).collect();
+            let accepted = format!("expected one of {}", names.into_iter().collect::<Vec<_>>().join(", "));
+            return Err(Fault::line(row.line, format!("label \"{text}\""), accepted));
+        };
+        labels.insert(number, known);
+    }
+    Ok(labels)
+}

@@ -1,0 +1,285 @@
+//! Fits a whole naming model: the atlas, which pieces are false and which segments are there, each subject named by an atlas without it.
+
+use std::collections::BTreeSet;
+
+use super::atlas::fit_atlas;
+use super::cases::LabelledCase;
+use crate::logistic::{Row, logistic};
+use willis_core::error::{Error, Result};
+use willis_core::sampling::SamplingOptions;
+use willis_core::support::in_order;
+use willis_core::support::model_provenance::ModelProvenance;
+use willis_models::candidates::model::Weights;
+use willis_models::candidates::{CandidateOptions, build_with_evidence};
+use willis_models::naming::atlas::Atlas;
+use willis_models::naming::model::{Logistic, NamingModel, logistic_probability};
+use willis_models::naming::pieces::PIECE_FEATURES;
+use willis_models::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
+use willis_models::naming::states::{BA, LABELS, Label, OTHER, Sided};
+use willis_models::naming::{Names, NamingScores, labels_of, log_odds, name_again, name_with, topologies_say};
+
+/// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
+const L2: f64 = 0.5;
+/// The same for the presence of segments.
+const PRESENCE_L2: f64 = 1.5;
+
+/// A model of all subjects, and one without each fold's subjects.
+#[derive(Debug)]
+pub struct FittedNames {
+    /// Of all subjects.
+    pub model: NamingModel,
+    /// Without those of each fold.
+    pub folds: Vec<NamingModel>,
+    /// How the models of the folds did on the subjects that they never saw, by level.
+    pub scores: Vec<NamingScores>,
+}
+
+/// A case as an atlas without its subject sees it.
+struct Named<'a> {
+    case: &'a LabelledCase,
+    fold: usize,
+    names: Names,
+}
+
+/// Fits the model. With fewer folds than subjects, subjects are dealt to the folds in the order of their names.
+///
+/// # Errors
+///
+/// Fewer than three subjects, or fewer than two folds; no whole tracing; no broken one.
+pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(&str)) -> Result<FittedNames> {
+    let subjects: Vec<&str> = cases.iter().map(|c| c.subject.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
+    check(cases, subjects.len(), folds)?;
+    let fold_of = |case: &LabelledCase| subjects.iter().position(|s| *s == case.subject).unwrap_or(0) % folds;
+    let without = |fold: usize| -> Vec<&LabelledCase> { cases.iter().filter(|case| fold_of(case) != fold).collect() };
+    let numbers: Vec<usize> = (0..=folds).collect();
+    let mut atlases: Vec<Atlas> = in_order(&numbers, |_, fold| fit_atlas(&without(*fold)));
+    let Some(of_all) = atlases.pop() else {
+        return Err(Error::parameter("folds", folds, "expected 2 or more"));
+    };
+    progress("atlases");
+
+    let bare = |atlas: &Atlas| NamingModel {
+        provenance: ModelProvenance::default(),
+        figures: Vec::new(),
+        atlas: atlas.clone(),
+        false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
+        presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
+        presence_with_topology: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
+        share: [0.5; KINDS],
+    };
+    let mut models: Vec<NamingModel> = atlases.iter().map(bare).collect();
+    let mut model = bare(&of_all);
+
+    // Twice: the second pass sees the pieces as the first one left them.
+    let mut named: Vec<Named> = Vec::new();
+    for pass in 0..2 {
+        let found = in_order(cases, |_, case| {
+            let of = &models[fold_of(case)];
+            name_with(&case.graph, of, |features, before| {
+                let mut x = features.to_vec();
+                x.extend(before);
+                let weights = &of.false_pieces[usize::from(before.is_some())];
+                if before.is_none() && pass == 0 { 0.0 } else { logistic_probability(weights, &x) }
+            })
+        });
+        named = cases
+            .iter()
+            .zip(found)
+            .filter_map(|(case, names)| Some(Named { case, fold: fold_of(case), names: names? }))
+            .collect();
+        progress(["first pass", "second pass"][pass]);
+        let first = model.false_pieces[0].clone();
+        let firsts: Vec<Logistic> = models.iter().map(|m| m.false_pieces[0].clone()).collect();
+        let rows = |fold: Option<usize>| piece_rows(&named, fold, pass, &first, &firsts);
+        for (fold, of) in models.iter_mut().enumerate() {
+            of.false_pieces[pass] = fit(&rows(Some(fold)), L2);
+        }
+        model.false_pieces[pass] = fit(&rows(None), L2);
+    }
+    let weights = Weights::shipped()?;
+    let judged: Vec<Judged> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
+    let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<Row> {
+        let mut rows = Vec::new();
+        for one in judged.iter().filter(|one| Some(one.fold) != fold) {
+            for segment in (0..7).filter(|s| kind_of(*s) == kind) {
+                if let Some(there) = one.case.present[segment] {
+                    rows.push(([&[1.0][..], &one.features(segment, with_topology)].concat(), there, 1.0));
+                }
+            }
+        }
+        rows
+    };
+    let share = |rows: &[Row]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
+    for kind in 0..KINDS {
+        for (fold, of) in models.iter_mut().enumerate() {
+            let rows = presence_rows(Some(fold), kind, false);
+            (of.presence[kind], of.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
+            of.presence_with_topology[kind] = fit(&presence_rows(Some(fold), kind, true), PRESENCE_L2);
+        }
+        let rows = presence_rows(None, kind, false);
+        (model.presence[kind], model.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
+        model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true), PRESENCE_L2);
+    }
+    progress("presence");
+    let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
+    let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
+    model.provenance = ModelProvenance::of(cases.len(), subjects.len());
+    model.figures.clone_from(&scores);
+    for (fold, of) in models.iter_mut().enumerate() {
+        let held_out: Vec<String> =
+            subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
+        let own = cases.iter().filter(|case| fold_of(case) != fold).count();
+        of.provenance =
+            ModelProvenance { held_out: held_out.clone(), ..ModelProvenance::of(own, subjects.len() - held_out.len()) };
+    }
+    Ok(FittedNames { model, folds: models, scores })
+}
+
+/// Whether there is enough to fit to.
+fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
+    if subjects < 3 {
+        return Err(Error::parameter("CASES", format!("{subjects} subjects"), "expected three at least"));
+    }
+    if !(2..=subjects).contains(&folds) {
+        return Err(Error::parameter("folds", folds, format!("expected 2 to {subjects}, the number of subjects")));
+    }
+    for (what, whole) in [("whole tracing", true), ("broken tracing", false)] {
+        if cases.iter().all(|case| case.is_whole != whole) {
+            return Err(Error::parameter("CASES", format!("no {what}"), "expected both whole and broken tracings"));
+        }
+    }
+    Ok(())
+}
+
+/// What a model without its subject says of a case.
+fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a> {
+    let pieces: Vec<f64> = one.names.piece_features[1]
+        .iter()
+        .zip(&one.names.piece_features[0])
+        .map(|(x, before)| {
+            let before = logistic_probability(&of.false_pieces[0], before);
+            logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
+        })
+        .collect();
+    let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
+    let names = &one.names;
+    let at_first = || Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
+    let (seen, topologies) = seen_again(names, one.case, of, weights).unwrap_or_else(|| (at_first(), [0.5; 7]));
+    Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
+}
+
+/// What is seen of a case, and the share of its plausible topologies with each segment, once candidates know where blood enters: as `infer`
+/// and `classify` see it. `None` where no circle was found.
+fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &Weights) -> Option<(Seen, [f64; 7])> {
+    let (circle, _) = name_again(&case.network, of, names)?.located(&case.network, of).ok()?;
+    let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?.0;
+    let names = name_again(&graph, of, names)?;
+    let (circle, _) = names.located(&graph, of).ok()?;
+    let topologies = topologies_say(&circle, &names.circle(of), &graph, &SamplingOptions::default());
+    Some((names.seen, topologies))
+}
+
+/// How the models of the folds did at a level of damage.
+fn scores_at(level: &str, judged: &[Judged], models: &[NamingModel]) -> NamingScores {
+    let own: Vec<&Judged> = judged.iter().filter(|one| one.case.level == level).collect();
+    let n = own.len() as f64;
+    // Segments right, all; cases with every segment right: by names alone, and with topologies.
+    let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
+    for one in &own {
+        let mut whole = [true, true];
+        for segment in 0..7 {
+            let Some(there) = one.case.present[segment] else { continue };
+            let (kind, of) = (kind_of(segment), &models[one.fold]);
+            let said = [
+                logistic_probability(&of.presence[kind], &one.features(segment, false)),
+                logistic_probability(&of.presence_with_topology[kind], &one.features(segment, true)),
+            ];
+            all += 1.0;
+            for k in 0..2 {
+                let is_right = (said[k] > 0.5) == there;
+                right[k] += f64::from(u8::from(is_right));
+                whole[k] &= is_right;
+            }
+        }
+        (0..2).for_each(|k| exact[k] += f64::from(u8::from(whole[k])));
+    }
+    NamingScores {
+        of: level.to_owned(),
+        cases: own.len(),
+        length_right: own.iter().map(|one| one.right[0]).sum::<f64>() / n,
+        length_right_mca: own.iter().map(|one| one.right[1]).sum::<f64>() / n,
+        presence_right: right.map(|right| right / f64::max(all, 1.0)),
+        exact: exact.map(|exact| exact / n),
+    }
+}
+
+/// A case with what names and topologies say of its segments.
+struct Judged<'a> {
+    case: &'a LabelledCase,
+    fold: usize,
+    /// The shares of the length with the right name.
+    right: [f64; 2],
+    seen: Seen,
+    /// Per segment the share of the plausible topologies that have it.
+    topologies: [f64; 7],
+}
+
+impl Judged<'_> {
+    fn features(&self, segment: usize, with_topology: bool) -> Vec<f64> {
+        let mut x = self.seen.features(segment).to_vec();
+        x.extend(with_topology.then(|| log_odds(self.topologies[segment])));
+        x
+    }
+}
+
+/// The features of pieces that an atlas without their subject found, with whether they are false.
+fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64], firsts: &[Logistic]) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for one in named.iter().filter(|one| Some(one.fold) != without) {
+        let nodes = &one.names.nodes;
+        let known = &one.case.truth;
+        if known.nodes.len() != nodes.len() {
+            continue;
+        }
+        let (mut wrong, mut total) = (vec![0.0; nodes.pieces], vec![1e-9; nodes.pieces]);
+        for n in 0..nodes.len() {
+            total[nodes.piece[n]] += nodes.weight[n];
+            wrong[nodes.piece[n]] += if known.label[n] == OTHER { nodes.weight[n] } else { 0.0 };
+        }
+        let before = match without {
+            Some(fold) => &firsts[fold],
+            None => first,
+        };
+        for piece in 0..nodes.pieces {
+            let mut x = vec![1.0];
+            x.extend(one.names.piece_features[pass][piece]);
+            if pass == 1 {
+                x.push((logistic_probability(before, &one.names.piece_features[0][piece]) + 1e-3).ln());
+            }
+            rows.push((x, wrong[piece] / total[piece] > 0.5, 1.0));
+        }
+    }
+    rows
+}
+
+fn fit(rows: &[Row], l2: f64) -> Logistic {
+    logistic(rows, l2 / rows.len().max(1) as f64)
+}
+
+/// The shares of the true length that have the right name: all names, and M1 and M2 as one.
+fn length_right(one: &Named, labels: &[[f64; LABELS]]) -> [f64; 2] {
+    let known = &one.case.truth;
+    let (mut right, mut merged, mut all) = (0.0, 0.0, 1e-9);
+    if known.nodes.len() != labels.len() {
+        return [0.0; 2];
+    }
+    let as_one = |label: Label| if label < BA && label / 2 == Sided::M2 as usize { label - 2 } else { label };
+    for (n, p) in labels.iter().enumerate().filter(|(n, _)| known.label[*n] != OTHER) {
+        let best = (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        let w = known.nodes.weight[n];
+        all += w;
+        right += if best == known.label[n] { w } else { 0.0 };
+        merged += if as_one(best) == as_one(known.label[n]) { w } else { 0.0 };
+    }
+    [right / all, merged / all]
+}
