@@ -68,6 +68,6 @@ pub use willis_core::sampling::{FoundConditions, Likelihood, SamplingOptions, So
 pub use willis_core::simulation::Change;
 pub use willis_core::simulation::pulse::Friction;
 pub use willis_io::formats::ReadOptions;
-pub use willis_io::masks::{Appearance, RadiusFrom};
+pub use willis_io::masks::{Appearance, Cavities, RadiusFrom};
 pub use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
 pub use willis_models::circle_of_willis::LabelScheme;

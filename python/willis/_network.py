@@ -193,6 +193,7 @@ def read(
     observed: bool = False,
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
+    cavities: Literal["fill", "keep"] = "fill",
     box: Sequence[float] | None = None,
     frame: Literal["RAS", "LPS"] | None = None,
     max_input: int | str = "2GiB",
@@ -350,6 +351,7 @@ def from_mask(
     spacing: float | Sequence[float],
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
+    cavities: Literal["fill", "keep"] = "fill",
     box: Sequence[float] | None = None,
     max_input: int | str = "2GiB",
 ) -> Network:

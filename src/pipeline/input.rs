@@ -12,7 +12,7 @@ use willis_core::network::{Network, Origin};
 use willis_core::support::geometry::Point;
 use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
-use willis_io::masks::{Foreground, RadiusFrom};
+use willis_io::masks::{Cavities, Foreground, RadiusFrom};
 use willis_models::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
 use willis_report::Provenance;
 
@@ -162,6 +162,9 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
     }
     if options.radius_from != RadiusFrom::default() && !format.is_mask() {
         return Err(Error::parameter("radius_from", options.radius_from.name(), masks));
+    }
+    if options.cavities == Cavities::Keep && !format.is_mask() {
+        return Err(Error::parameter("cavities", "keep", masks));
     }
     if !format.is_mask() {
         options.scale.check_coordinates()?;

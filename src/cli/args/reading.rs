@@ -7,7 +7,7 @@ use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;
-use crate::{LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
+use crate::{Cavities, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
 use clap::Args;
 use serde_json::Value;
 
@@ -64,6 +64,11 @@ pub struct ReadingArgs {
         ("distance", "The distance to the nearest voxel outside"),
         ("inscribed", "That of the largest sphere inside")]))]
     pub radius_from: RadiusFrom,
+    /// What is done with the cavities of a mask, background that nothing connects to the outside
+    #[arg(long, default_value = "fill", hide_short_help = true, value_parser = words::<Cavities>(&[
+        ("fill", "They become part of the vessel around them"),
+        ("keep", "They stay; each becomes a closed surface with dozens of loops")]))]
+    pub cavities: Cavities,
     /// The box of the image, in mm: its least and its largest x,y,z; a vessel that ends at its faces goes on outside, so nothing is joined there
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, hide_short_help = true)]
     pub field_of_view: Option<Vec<f64>>,
@@ -140,6 +145,7 @@ impl ReadingArgs {
             level: self.level,
             field_of_view: self.field_of_view()?,
             radius_from: self.radius_from,
+            cavities: self.cavities,
             frame: self.frame,
             max_input: self.max_input,
         };

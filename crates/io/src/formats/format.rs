@@ -26,7 +26,7 @@ use super::vtk::legacy::read_vtk;
 use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
-use crate::masks::{Foreground, Image, Mask, RadiusFrom, trace};
+use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::network::centerlines::Centerlines;
@@ -217,7 +217,11 @@ impl Format {
 pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
-    format.read_voxels(path, &bytes, options)
+    let mut mask = format.read_voxels(path, &bytes, options)?;
+    if options.cavities == Cavities::Fill {
+        mask.fill_cavities();
+    }
+    Ok(mask)
 }
 
 /// Reads the image in a file, of any of the formats of masks, and its SHA-256.
@@ -243,7 +247,9 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     let ([x, y, z], spacing) = (mask.shape, mask.spacing());
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
-    let traced = trace(&mask.in_scanner_order(), options.radius_from);
+    let mut mask = mask.in_scanner_order();
+    let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
+    let traced = trace(&mask, options.radius_from);
     let traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     let mut notes = vec![format!(
@@ -256,6 +262,17 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
             notes.push(format!("radii take voxels at a wall in part: {outside} is outside a vessel, {inside} inside"));
         }
         None => {}
+    }
+    if filled.cavities > 0 {
+        notes.push(format!(
+            "{} of {} filled",
+            if filled.cavities == 1 { "1 cavity".to_owned() } else { format!("{} cavities", filled.cavities) },
+            plural(filled.voxels, "voxel")
+        ));
+    }
+    if filled.wide > 0 {
+        let are = if filled.wide == 1 { "1 cavity is".to_owned() } else { format!("{} cavities are", filled.wide) };
+        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities` keep leaves all as they are"));
     }
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));

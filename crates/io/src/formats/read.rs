@@ -13,7 +13,7 @@ use crate::formats::images::nifti::{self, is_nifti};
 use crate::formats::input::{LimitedFile, MAX_INPUT, bytes_up_to, checksum, content_within, unpacked, unpacked_head};
 use crate::formats::tables::lists::add_loops;
 use crate::formats::tables::reader::plural;
-use crate::masks::{Foreground, RadiusFrom};
+use crate::masks::{Cavities, Foreground, RadiusFrom};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::{Scale, millimetres};
@@ -70,6 +70,8 @@ pub struct ReadOptions {
     pub level: Option<f64>,
     /// What the radius of a mask's centerlines is.
     pub radius_from: RadiusFrom,
+    /// What is done with the cavities of a mask.
+    pub cavities: Cavities,
     /// The corners of the image's box with the least and the largest coordinates, m, in the frame of the file. A free end at its faces is
     /// where a vessel leaves the image. A mask states its own.
     #[serde(rename = "box_m")]
@@ -93,6 +95,7 @@ impl Default for ReadOptions {
             level: None,
             field_of_view: None,
             radius_from: RadiusFrom::default(),
+            cavities: Cavities::default(),
             frame: None,
             max_input: MAX_INPUT,
         }

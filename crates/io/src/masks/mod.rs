@@ -3,6 +3,7 @@
 //! | step | file |
 //! |---|---|
 //! | a mask in the scanner's frame, in one order of axes | `mask.rs` |
+//! | cavities that are filled before | `cavities.rs` |
 //! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
 //! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
 //! | voxels to nodes and branches, spurs | `skeleton.rs` |
@@ -15,6 +16,7 @@
 //! | background, noise and the contrast of every vessel in it | `scene.rs` |
 //! | small pictures of it along a vessel | `strips.rs` |
 
+mod cavities;
 mod distance;
 mod field;
 mod foreground;
@@ -29,6 +31,7 @@ pub mod strips;
 mod thinning;
 mod trace;
 
+pub use cavities::{Cavities, Filled};
 pub use distance::distances;
 pub use field::Field;
 pub use foreground::Foreground;

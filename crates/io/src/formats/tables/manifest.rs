@@ -8,7 +8,7 @@ use willis_core::error::Fault;
 use willis_core::support::suggestions::did_you_mean;
 
 /// The options that a subject may have of its own, by the names of the command line, with `_` for `-`; whether each names a file.
-const OPTIONS: [(&str, bool); 18] = [
+const OPTIONS: [(&str, bool); 19] = [
     ("units", false),
     ("spacing", false),
     ("radius_array", false),
@@ -17,6 +17,7 @@ const OPTIONS: [(&str, bool); 18] = [
     ("loops", true),
     ("level", false),
     ("radius_from", false),
+    ("cavities", false),
     ("box", false),
     ("landmarks", true),
     ("labels", false),
