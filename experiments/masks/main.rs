@@ -11,7 +11,7 @@ use std::time::Instant;
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use willis::internals::formats::{ReadOptions, read_nifti, read_npy_mask};
-use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
+use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis::internals::support::random::stream;
 use willis::internals::support::statistics::{median, quantile};
@@ -131,7 +131,7 @@ impl Tube {
 
     /// The median of found over true radius around the middle; none where no line is there.
     fn ratio(&self, mask: &Mask, rule: RadiusFrom) -> Option<f64> {
-        let lines = trace(mask, rule)?.lines;
+        let lines = trace(mask, rule, Cavities::Fill)?.lines;
         let near = 10.0 * self.spacing.iter().product::<f64>().cbrt();
         let central = lines
             .points
@@ -225,7 +225,7 @@ fn dense(is_map: bool) {
     println!("distance: {:.1} s", started.elapsed().as_secs_f64());
     drop(vessels);
     let started = Instant::now();
-    drop(trace(&mask, RadiusFrom::Area));
+    drop(trace(&mask, RadiusFrom::Area, Cavities::Fill));
     println!("mask to lines: {:.1} s", started.elapsed().as_secs_f64());
     match most_memory().zip(before) {
         Some((all, before)) => println!("memory: {:.1} bytes a voxel beyond the mask", (all - before) / (N * N * N) as f64),
@@ -241,7 +241,7 @@ fn volume(path: &Path) -> Result<()> {
     let voxels = mask.classes.iter().filter(|class| **class > 0).count() as f64 * mask.voxel_volume();
     let mask = mask.in_scanner_order();
     let drawing = Instant::now();
-    let Some(Traced { lines, .. }) = trace(&mask, RadiusFrom::Area) else { return Ok(()) };
+    let Some(Traced { lines, .. }) = trace(&mask, RadiusFrom::Area, Cavities::Fill) else { return Ok(()) };
     let (drawing, seconds) = (drawing.elapsed().as_secs_f64(), started.elapsed().as_secs_f64());
     let of = |[a, b]: &[u32; 2]| {
         let (r, s) = (lines.radii[*a as usize], lines.radii[*b as usize]);

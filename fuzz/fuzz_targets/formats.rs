@@ -11,7 +11,7 @@ use willis::internals::circle_of_willis::{Circle, LabelScheme, VariantFrequencie
 use willis::internals::contacts::model::ContactModel;
 use willis::internals::formats::tables::conditions;
 use willis::internals::formats::{self, Content, ReadOptions};
-use willis::internals::masks::{Mask, RadiusFrom, trace};
+use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
 use willis::internals::naming::NamingModel;
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::Scale;
@@ -43,7 +43,7 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
 /// Masks go on to become centerlines.
 fn mask(read: Result<Mask, Fault>) {
     if let Ok(mask) = read {
-        let _ = trace(&mask.in_scanner_order(), RadiusFrom::Area);
+        let _ = trace(&mask.in_scanner_order(), RadiusFrom::Area, Cavities::Fill);
     }
 }
 

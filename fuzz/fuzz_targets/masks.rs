@@ -4,7 +4,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use willis::internals::formats::{read_nifti, write_nifti};
-use willis::internals::masks::{Foreground, Mask, RadiusFrom, distances, thin, trace};
+use willis::internals::masks::{Cavities, Foreground, Mask, RadiusFrom, distances, thin, trace};
 use willis::internals::network::{RadiusRule, contract};
 
 /// Parts of voxels that touch at least at a corner, and Euler's number of the closed cubes: corners - edges + faces - cubes.
@@ -94,7 +94,7 @@ fuzz_target!(|bytes: &[u8]| {
         assert!(distances(&vessels, turned.spacing()).iter().all(|d| *d > 0.0 && d.is_finite() == has_outside));
     }
     for from in [RadiusFrom::Area, RadiusFrom::Distance, RadiusFrom::Inscribed] {
-        let Some(traced) = trace(&turned, from) else { continue };
+        let Some(traced) = trace(&turned, from, Cavities::Keep) else { continue };
         let mut lines = traced.lines;
         assert!(lines.points.iter().all(|place| place.iter().all(|x| x.is_finite())));
         lines.weld(1e-6);

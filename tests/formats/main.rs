@@ -20,6 +20,7 @@ mod hostile;
 mod hostile_outputs;
 mod icafe;
 mod images;
+mod mask_noise;
 mod masks;
 mod partial_volume;
 mod peer_files;

@@ -9,16 +9,16 @@ use crate::draw::Draw;
 use crate::peers::{python, shared};
 use petgraph::unionfind::UnionFind;
 use willis::internals::formats::{Content, ReadOptions, read, read_mask};
-use willis::internals::masks::{Affine, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
+use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub};
 
 /// A mask of cubic voxels of 1 mm, the first axis fastest.
-fn mask(shape: [usize; 3], is_vessel: impl Fn([usize; 3]) -> bool) -> Mask {
+pub fn mask(shape: [usize; 3], is_vessel: impl Fn([usize; 3]) -> bool) -> Mask {
     spaced(shape, [1.0; 3], is_vessel)
 }
 
-fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3]) -> bool) -> Mask {
+pub fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3]) -> bool) -> Mask {
     let [x, y, z] = shape;
     let at = |row: usize| [row % x, row / x % y, row / (x * y)];
     let classes = (0..x * y * z).map(|row| u8::from(is_vessel(at(row)))).collect();
@@ -27,7 +27,7 @@ fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3]) -
 }
 
 /// Random voxels, smoothed by a vote of neighbours so that there are lumps, tunnels and cavities of all sizes.
-fn lumps(seed: u64) -> Mask {
+pub fn lumps(seed: u64) -> Mask {
     let mut draw = Draw::new(seed);
     let shape = [4 + draw.below(9), 4 + draw.below(9), 4 + draw.below(9)];
     let share = draw.within(0.1, 0.6);
@@ -86,7 +86,7 @@ fn skeleton(mask: &Mask) -> (Foreground, Vec<[usize; 3]>) {
 }
 
 /// Components and independent cycles of the lines.
-fn graph(lines: &Centerlines) -> (usize, i64) {
+pub fn graph(lines: &Centerlines) -> (usize, i64) {
     let mut joined = UnionFind::<u32>::new(lines.points.len());
     let united = lines.links.iter().filter(|[a, b]| joined.union(*a, *b)).count();
     let components = lines.points.len() - united;
@@ -111,7 +111,7 @@ fn the_graph_has_the_loops_of_the_mask() {
     let mut loops = 0;
     for seed in 0..200 {
         let mask = lumps(seed);
-        let Some(traced) = trace(&mask, RadiusFrom::Area) else { continue };
+        let Some(traced) = trace(&mask, RadiusFrom::Area, Cavities::Keep) else { continue };
         let (vessels, thinned) = skeleton(&mask);
         let (components, euler) = topology(mask.shape, &thinned);
         // Of a cavity a shell is left, which no lines can stand for; in a mask without cavities tunnels = components - Euler's number.
@@ -126,7 +126,7 @@ fn the_graph_has_the_loops_of_the_mask() {
 }
 
 /// Whether some background is shut in by vessels: faces lead from the outside to all that is not.
-fn has_cavity(mask: &Mask) -> bool {
+pub fn has_cavity(mask: &Mask) -> bool {
     let shape = mask.shape.map(|n| n + 2);
     let row = |p: [usize; 3]| p[0] + shape[0] * (p[1] + shape[1] * p[2]);
     let mut closed = vec![false; shape.iter().product()];
@@ -153,7 +153,7 @@ fn a_bar_becomes_its_axis_a_ring_a_ring_and_a_cross_four_arms() {
     let bar = mask([31, 9, 9], |[x, y, z]| (3..28).contains(&x) && (2..7).contains(&y) && (2..7).contains(&z));
     let axis = skeleton(&bar).1;
     assert!(axis.iter().all(|[_, y, z]| *y == 4 && *z == 4), "{axis:?}");
-    let traced = trace(&bar, RadiusFrom::Area).expect("lines");
+    let traced = trace(&bar, RadiusFrom::Area, Cavities::Keep).expect("lines");
     let xs: Vec<f64> = traced.lines.points.iter().map(|p| p[0] * 1e3).collect();
     let (low, high) = (xs.iter().copied().fold(f64::MAX, f64::min), xs.iter().copied().fold(f64::MIN, f64::max));
     // Thinning takes the ends too, but no more than half of the bar's width from its faces, which lie at 2.5 and 27.5; the lines end half
@@ -166,11 +166,11 @@ fn a_bar_becomes_its_axis_a_ring_a_ring_and_a_cross_four_arms() {
         let around = ((x - 20.0).hypot(y - 20.0) - 14.0).hypot(z - 4.0);
         around <= 3.0
     });
-    let traced = trace(&ring, RadiusFrom::Area).expect("lines");
+    let traced = trace(&ring, RadiusFrom::Area, Cavities::Keep).expect("lines");
     assert_eq!(graph(&traced.lines), (1, 1));
     assert!(traced.lines.points.iter().all(|p| ((p[0] * 1e3 - 20.0).hypot(p[1] * 1e3 - 20.0) - 14.0).abs() < 0.8));
     let cross = mask([41, 41, 7], |[x, y, z]| (2..5).contains(&z) && ((19..22).contains(&x) || (19..22).contains(&y)));
-    let traced = trace(&cross, RadiusFrom::Area).expect("lines");
+    let traced = trace(&cross, RadiusFrom::Area, Cavities::Keep).expect("lines");
     let mut degrees = vec![0; traced.lines.points.len()];
     traced.lines.links.iter().flatten().for_each(|end| degrees[*end as usize] += 1);
     let count = |n: usize| degrees.iter().filter(|degree| **degree == n).count();
@@ -225,7 +225,7 @@ fn the_radius_of_a_tube_is_found_at_all_angles_and_shapes_of_voxels() {
             let radius = wide * voxel;
             let found = (0..15).map(|_| {
                 let (mask, middle, along) = tube(&mut draw, spacing, radius, 40.0 * voxel);
-                let lines = trace(&mask, RadiusFrom::Area).expect("lines").lines;
+                let lines = trace(&mask, RadiusFrom::Area, Cavities::Keep).expect("lines").lines;
                 let central = lines
                     .points
                     .iter()
@@ -279,12 +279,12 @@ fn reordered(mask: &Mask, order: [usize; 3], flipped: [bool; 3]) -> Mask {
 fn neither_the_order_of_axes_nor_a_crop_changes_the_lines() {
     let mut draw = Draw::new(3);
     let (whole, ..) = tube(&mut draw, [0.5, 0.5, 0.75], 1.7, 25.0);
-    let truth = places(&trace(&whole.clone().in_scanner_order(), RadiusFrom::Area).expect("lines"));
+    let truth = places(&trace(&whole.clone().in_scanner_order(), RadiusFrom::Area, Cavities::Keep).expect("lines"));
     for order in [[0, 1, 2], [2, 1, 0], [1, 2, 0], [0, 2, 1]] {
         for flipped in [[false; 3], [true, false, false], [true, true, false], [true; 3]] {
             let other = reordered(&whole, order, flipped).in_scanner_order();
             assert_eq!(other.shape, whole.clone().in_scanner_order().shape);
-            assert!(truth == places(&trace(&other, RadiusFrom::Area).expect("lines")), "{order:?} {flipped:?}");
+            assert!(truth == places(&trace(&other, RadiusFrom::Area, Cavities::Keep).expect("lines")), "{order:?} {flipped:?}");
         }
     }
     let [x, y, z] = whole.shape;
@@ -296,7 +296,10 @@ fn neither_the_order_of_axes_nor_a_crop_changes_the_lines() {
     for (axis, margin) in margin.into_iter().enumerate() {
         wide.affine[axis][3] -= f64::from(margin) * wide.affine[axis][axis];
     }
-    assert!(truth == places(&trace(&wide.in_scanner_order(), RadiusFrom::Area).expect("lines")), "a margin of background");
+    assert!(
+        truth == places(&trace(&wide.in_scanner_order(), RadiusFrom::Area, Cavities::Keep).expect("lines")),
+        "a margin of background"
+    );
 }
 
 /// Loops as scikit-image's skeletons of these masks have them (data/tubetk-masks/PROVENANCE.md), lines near the expert's tubes, and the
@@ -306,10 +309,14 @@ fn real_masks_give_lines_where_the_expert_drew_them() {
     for (subject, pieces, loops) in [("002", 15, 93), ("003", 51, 92)] {
         let Some(path) = shared(&format!("tubetk-masks/labels-{subject}.nii.gz")) else { return };
         let tubes = path.with_file_name(format!("tubes-{subject}.vtp"));
-        let lines_of = |path: &std::path::Path| match read(path, &ReadOptions::default()).expect("read").content {
-            Content::Centerlines(lines) => lines,
-            other => panic!("{other:?}"),
-        };
+        let lines_of =
+            |path: &std::path::Path| match read(path, &ReadOptions { cavities: Cavities::Keep, ..ReadOptions::default() })
+                .expect("read")
+                .content
+            {
+                Content::Centerlines(lines) => lines,
+                other => panic!("{other:?}"),
+            };
         let (lines, expert) = (lines_of(&path), lines_of(&tubes));
         assert_eq!(graph(&lines), (pieces, loops), "{subject}");
         // The tubes are in the frame of indices times spacing: x and y run the other way.
@@ -399,13 +406,13 @@ fn of_a_mask_of_vessels_the_voxels_of_scikit_image_are_left() {
 fn a_vessel_that_leaves_the_image_ends_at_its_border() {
     // A bar from face to face, and one that ends inside.
     let through = mask([30, 9, 9], |[_, y, z]| (3..6).contains(&y) && (3..6).contains(&z));
-    let traced = trace(&through, RadiusFrom::Area).expect("lines");
+    let traced = trace(&through, RadiusFrom::Area, Cavities::Keep).expect("lines");
     assert_eq!(traced.lines.at_border.len(), 2);
     let xs: Vec<f64> = traced.lines.points.iter().map(|p| p[0] * 1e3).collect();
     let (low, high) = (xs.iter().copied().fold(f64::MAX, f64::min), xs.iter().copied().fold(f64::MIN, f64::max));
     assert!((low + 0.5).abs() < 0.3 && (high - 29.5).abs() < 0.3, "{low} {high}");
     let inside = mask([30, 9, 9], |[x, y, z]| x > 6 && (3..6).contains(&y) && (3..6).contains(&z));
-    let lines = trace(&inside, RadiusFrom::Area).expect("lines").lines;
+    let lines = trace(&inside, RadiusFrom::Area, Cavities::Keep).expect("lines").lines;
     assert_eq!(lines.at_border.len(), 1);
     let row = lines.ids.iter().position(|id| lines.at_border.contains(id)).expect("an end");
     assert!(lines.points[row][0] > 28e-3, "{:?}", lines.points[row]);
@@ -415,7 +422,7 @@ fn a_vessel_that_leaves_the_image_ends_at_its_border() {
 #[test]
 fn a_shell_is_thinned_and_drawn() {
     let ball = mask([64, 64, 64], |p| (26.0..29.0).contains(&norm_squared(p.map(|x| x as f64 - 32.0)).sqrt()));
-    let traced = trace(&ball, RadiusFrom::Area).expect("lines");
+    let traced = trace(&ball, RadiusFrom::Area, Cavities::Keep).expect("lines");
     assert!(traced.lines.points.len() > 5000 && traced.lines.radii.iter().all(|r| *r > 0.0));
 }
 

@@ -5,7 +5,7 @@ use crate::draw::Draw;
 use crate::images::npy;
 use crate::masks::{median, places};
 use willis::internals::formats::read_npy_mask;
-use willis::internals::masks::{Mask, RadiusFrom, Traced, trace};
+use willis::internals::masks::{Cavities, Mask, RadiusFrom, Traced, trace};
 use willis::internals::support::geometry::{Point, dot, norm_squared, sub};
 
 /// The values of an image of cubic voxels of 1 mm, the first axis fastest.
@@ -41,7 +41,7 @@ impl Map {
 }
 
 fn lines(mask: &Mask) -> Traced {
-    trace(mask, RadiusFrom::Area).expect("lines")
+    trace(mask, RadiusFrom::Area, Cavities::Fill).expect("lines")
 }
 
 /// A tube of a radius at a random angle, 40 mm long: the part of each voxel that is inside, its middle and its direction.

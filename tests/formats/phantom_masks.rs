@@ -10,7 +10,7 @@ use crate::peers::python;
 use crate::refused::{contents, refused};
 use petgraph::unionfind::UnionFind;
 use willis::internals::formats::{read_nifti, write_nifti};
-use willis::internals::masks::{Mask, RadiusFrom, trace};
+use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::phantom::{Kind, MaskTruth, Recipe, Scan, draw_mask};
 use willis::internals::support::geometry::{Point, distance, lerp};
@@ -155,7 +155,7 @@ fn the_skeleton_of_a_clean_mask_is_the_anatomy() {
     let network = anatomy(Kind::Cerebral);
     let (mask, truth) = draw_mask(&network, 0.5e-3, None).expect("a mask");
     assert!(truth.breaks.is_empty() && truth.contacts.is_empty() && truth.lost.is_empty());
-    let lines = trace(&mask, RadiusFrom::Area).expect("lines").lines;
+    let lines = trace(&mask, RadiusFrom::Area, Cavities::Fill).expect("lines").lines;
     let mut joined = UnionFind::<u32>::new(lines.points.len());
     let united = lines.links.iter().filter(|[a, b]| joined.union(*a, *b)).count();
     assert_eq!(lines.points.len() - united, 1, "components");

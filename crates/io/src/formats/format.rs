@@ -30,6 +30,7 @@ use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace}
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::network::centerlines::Centerlines;
+use willis_core::network::units::millimetres;
 
 /// How many first bytes of a file are looked at to find its format.
 pub(crate) const HEAD: u64 = 1 << 16;
@@ -249,7 +250,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
     let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
-    let traced = trace(&mask, options.radius_from);
+    let traced = trace(&mask, options.radius_from, options.cavities);
     let traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     let mut notes = vec![format!(
@@ -277,8 +278,12 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
     }
+    if traced.handles > 0 {
+        notes.push(format!("{} opened around a hole narrower than the vessels", plural(traced.handles, "loop")));
+    }
     if traced.specks > 0 {
-        notes.push(format!("{} left out: too small for a line", plural(traced.specks, "speck")));
+        let length = millimetres(traced.speck_length);
+        notes.push(format!("{} left out, shorter than wide: {length:.0} mm in all", plural(traced.specks, "speck")));
     }
     Ok((traced.lines, traced.lumen, notes))
 }

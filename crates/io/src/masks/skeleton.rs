@@ -117,6 +117,16 @@ impl Skeleton {
         }
     }
 
+    /// Removes branches, given by row, and joins those that they leave behind.
+    pub fn remove(&mut self, gone: &[bool]) {
+        let mut row = 0;
+        self.branches.retain(|_| {
+            row += 1;
+            !gone[row - 1]
+        });
+        self.join_through();
+    }
+
     /// Makes one branch of the two that meet at a node where no other does.
     fn join_through(&mut self) {
         let mut at: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
