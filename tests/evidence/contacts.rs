@@ -10,7 +10,9 @@ use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
 use willis::internals::contacts::model::ContactModel;
 use willis::internals::contacts::pairings::Pairings;
-use willis::internals::contacts::partition::{Blocks, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions};
+use willis::internals::contacts::partition::{
+    Blocks, PARTITION_FEATURES, SIZES, Together, most_probable, pair_probabilities, partitions,
+};
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
 use willis::internals::contacts::{Basis, ContactTable};
@@ -94,7 +96,7 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
         ends.iter().map(|end| usize::from([1, 4].contains(&branches.branches[end.branch].vessels[0].0))).collect();
     let blocks = if of_end[0] == 0 { of_end } else { of_end.iter().map(|block| 1 - block).collect() };
     let graph =
-        split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)], ways: Vec::new() }], |p| 2.0 * p)
+        split(&network, &branches, &[Blocks { of_end: blocks, joined: vec![([0, 1], 0.25)], ..Blocks::default() }], |p| 2.0 * p)
             .graph;
     let observed = fragments(&graph, |_, v| v.origin == Origin::Observed);
     let through = |a: usize, b: usize| {
@@ -383,7 +385,7 @@ fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
     let p = pair_probabilities(&scores, 2, &weights)[0].1;
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
-    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights);
+    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights, &Together::ANY);
     assert_eq!(blocks.of_end, [0, 1]);
     assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
 }
@@ -393,7 +395,7 @@ fn a_crossing_is_two_vessels() {
     // 0-1 and 2-3 pass straight through, the rest bends.
     let scores = Table::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let blocks = most_probable(&scores, 4, &weights);
+    let blocks = most_probable(&scores, 4, &weights, &Together::ANY);
     assert_eq!(blocks.of_end, [0, 0, 1, 1]);
     // By hand: of the fifteen partitions those where a pair of the two vessels is together.
     let joined =
@@ -417,5 +419,5 @@ fn a_crossing_is_two_vessels() {
 #[test]
 fn a_clump_is_put_together_while_that_pays() {
     let scores = Table::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
-    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES]).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], &Together::ANY).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
 }

@@ -12,6 +12,7 @@ mod shuffle;
 mod vessels;
 
 mod candidates;
+mod contact_loops;
 mod contacts;
 mod features;
 mod image_outputs;

@@ -1,67 +1,11 @@
-//! Cavities and loops that a segmenter leaves in a mask: what is noise goes, what is a vessel stays. Truth: the drawings, and SciPy's count.
+//! Cavities and specks that a segmenter leaves in a mask: what is noise goes, what is a vessel stays. Truth: the drawings, and SciPy's count.
 
 use std::fs;
 
 use crate::command::{folder, stderr, willis};
-use crate::draw::Draw;
-use crate::masks::{graph, has_cavity, lumps, mask, spaced};
+use crate::masks::{graph, has_cavity, lumps, mask};
 use crate::peers::python;
-use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
-
-/// Independent cycles of the lines of a mask.
-fn cycles(mask: &Mask) -> i64 {
-    let mut mask = mask.clone();
-    mask.fill_cavities();
-    graph(&trace(&mask, RadiusFrom::Area, Cavities::Fill).expect("lines").lines).1
-}
-
-/// A ring in a plane: the radii of the ring and of its vessel, mm, in voxels of a size.
-fn ring(around: f64, radius: f64, voxel: f64) -> Mask {
-    let half = around + radius + 3.0 * voxel;
-    let shape = [half, half, radius + 3.0 * voxel].map(|half| (2.0 * half / voxel).ceil() as usize);
-    spaced(shape, [voxel; 3], |at| {
-        let [x, y, z] = [0, 1, 2].map(|axis| (at[axis] as f64 + 0.5 - shape[axis] as f64 / 2.0) * voxel);
-        (x.hypot(y) - around).hypot(z) <= radius
-    })
-}
-
-#[test]
-fn a_ring_that_is_wider_than_its_vessel_stays_and_a_pinhole_goes() {
-    for voxel in [0.25, 0.4, 0.5, 0.8] {
-        for around in [3.0, 4.0, 6.0] {
-            assert_eq!(cycles(&ring(around, 1.0, voxel)), 1, "a ring of {around} mm in voxels of {voxel} mm");
-        }
-        assert_eq!(cycles(&ring(1.3, 1.0, voxel)), 0, "a hole of 0.3 mm in voxels of {voxel} mm");
-    }
-}
-
-#[test]
-fn holes_within_a_vessel_and_rungs_between_two_make_no_loops() {
-    let mut draw = Draw::new(3);
-    // A vessel of 6 x 6 voxels with ways of one voxel through it.
-    let through: Vec<usize> = (0..6).map(|n| 6 + 7 * n + draw.below(3)).collect();
-    let pierced = mask([60, 12, 12], |[x, y, z]| {
-        (3..57).contains(&x) && (3..9).contains(&y) && (3..9).contains(&z) && !(through.contains(&x) && y == 5)
-    });
-    assert_eq!(graph(&trace(&pierced, RadiusFrom::Area, Cavities::Keep).expect("lines").lines).1, 6, "as drawn");
-    assert_eq!(cycles(&pierced), 0);
-    // Two vessels one voxel apart that touch in eight places.
-    let touching: Vec<usize> = (0..8).map(|n| 6 + 6 * n + draw.below(2)).collect();
-    let pair = mask([60, 16, 12], |[x, y, z]| {
-        (3..57).contains(&x)
-            && (3..9).contains(&z)
-            && ((3..7).contains(&y) || (8..12).contains(&y) || y == 7 && (5..7).contains(&z) && touching.contains(&x))
-    });
-    assert_eq!(graph(&trace(&pair, RadiusFrom::Area, Cavities::Keep).expect("lines").lines).1, 7, "as drawn");
-    let lines = trace(&pair, RadiusFrom::Area, Cavities::Fill).expect("lines").lines;
-    assert_eq!(graph(&lines), (1, 0));
-    // Both are there along all of their length.
-    for y in [4.5_f64, 9.5] {
-        let near = lines.points.iter().filter(|p| (p[1] * 1e3 - y).abs() < 1.6);
-        let (low, high) = near.fold((f64::MAX, f64::MIN), |(low, high), p| (low.min(p[0] * 1e3), high.max(p[0] * 1e3)));
-        assert!(low < 8.0 && high > 51.0, "{y}: {low} to {high}");
-    }
-}
+use willis::internals::masks::{Cavities, RadiusFrom, trace};
 
 /// A tube with one voxel missing is the same one vessel; with `--cavities keep` it is what thinning makes of a closed surface.
 #[test]
@@ -120,6 +64,20 @@ fn what_is_filled_takes_the_class_of_its_wall_and_nothing_else_changes() {
     let mut shell =
         mask([40, 40, 40], |p| (12.0..14.0).contains(&p.map(|x| (x as f64 - 20.0).powi(2)).iter().sum::<f64>().sqrt()));
     assert_eq!(shell.fill_cavities().wide, 1, "a ball of which only the wall is segmented");
+}
+
+/// Parts shorter than they are wide are left out and counted, those that are longer stay.
+#[test]
+fn specks_are_left_out_and_told() {
+    let drawn = mask([60, 40, 20], |[x, y, z]| {
+        let tube = (4..56).contains(&x) && (y as f64 - 10.0).hypot(z as f64 - 10.0) < 3.5;
+        let ball = [x as f64 - 30.0, y as f64 - 28.0, z as f64 - 10.0].iter().map(|d| d * d).sum::<f64>() < 16.0;
+        let short = (6..24).contains(&x) && (y as f64 - 28.0).hypot(z as f64 - 10.0) < 2.0;
+        tube || ball || short
+    });
+    let traced = trace(&drawn, RadiusFrom::Area, Cavities::Fill).expect("lines");
+    assert_eq!((graph(&traced.lines).0, traced.specks), (2, 1), "the ball is no vessel");
+    assert!(trace(&drawn, RadiusFrom::Area, Cavities::Keep).is_some_and(|all| graph(&all.lines).0 + all.specks == 3));
 }
 
 /// SciPy fills the same voxels (`binary_fill_holes`) and counts as many cavities.

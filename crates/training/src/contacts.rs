@@ -108,7 +108,7 @@ impl<'a> ContactExample<'a> {
     /// that is known; and how crowded they make the vessels.
     fn found(&self, scores: &[f64], weights: &PartitionWeights) -> (Vec<(f64, bool)>, Crowding) {
         let (network, branches) = (&self.case.network, &self.table.branches);
-        let opened = split(network, branches, &self.table.blocks(scores, weights), |joined| joined);
+        let opened = split(network, branches, &self.table.blocks(&self.table.by_cluster(scores), weights), |joined| joined);
         let crowding = Crowding::new(network, branches, opened.junctions.len());
         let known = self.case.contacts.as_ref().map(|truth| truth.contacts(&opened.graph)).unwrap_or_default();
         let contacts = opened.graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);

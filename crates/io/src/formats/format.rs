@@ -278,9 +278,6 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
     }
-    if traced.handles > 0 {
-        notes.push(format!("{} opened around a hole narrower than the vessels", plural(traced.handles, "loop")));
-    }
     if traced.specks > 0 {
         let length = millimetres(traced.speck_length);
         notes.push(format!("{} left out, shorter than wide: {length:.0} mm in all", plural(traced.specks, "speck")));

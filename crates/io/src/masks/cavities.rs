@@ -10,12 +10,12 @@ use super::distance::distances;
 use super::foreground::Foreground;
 use super::mask::Mask;
 
-/// What is done with the cavities of a mask, and with loops around holes that are narrower than its vessels. Thinning keeps a cavity as a
-/// closed surface, of which the skeleton makes dozens of loops.
+/// What is done with the cavities of a mask, and with its specks. Thinning keeps a cavity as a closed surface, of which the skeleton makes
+/// dozens of loops.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Cavities {
-    /// Cavities become part of the vessel around them, and narrow loops are opened.
+    /// Cavities become part of the vessel around them, and specks are left out.
     #[default]
     Fill,
     /// The lines have the topology of the mask.

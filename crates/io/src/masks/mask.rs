@@ -40,14 +40,6 @@ impl Mask {
         self.affine.map(|[a, b, c, d]| a * voxel[0] + b * voxel[1] + c * voxel[2] + d)
     }
 
-    /// The place of a position (mm) in voxels.
-    pub fn index(&self, position: Point) -> Point {
-        let columns = [0, 1, 2].map(|axis| self.column(axis));
-        let by = [0, 1, 2].map(|row| position[row] - self.affine[row][3]);
-        let volume = dot(columns[0], cross(columns[1], columns[2]));
-        [0, 1, 2].map(|axis| dot(by, cross(columns[(axis + 1) % 3], columns[(axis + 2) % 3])) / volume)
-    }
-
     /// The same mask with its axes in the order and the direction of the scanner's frame, as close as whole turns bring them, so that
     /// a result does not depend on how the file orders its axes.
     #[must_use]

@@ -7,7 +7,6 @@
 //! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
 //! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
 //! | voxels to nodes and branches, spurs | `skeleton.rs` |
-//! | loops that are noise, opened | `handles.rs` |
 //! | how much of a voxel at the wall is inside | `partial.rs` |
 //! | the depth below the wall of the lumen at any place | `field.rs` |
 //! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
@@ -21,7 +20,6 @@ mod cavities;
 mod distance;
 mod field;
 mod foreground;
-mod handles;
 mod image;
 mod lumen;
 mod mask;

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use super::cavities::Cavities;
 use super::distance::distances;
 use super::foreground::Foreground;
-use super::handles::{Course, open_narrow_loops};
 use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
@@ -25,8 +24,6 @@ const FARTHEST: f64 = 0.866;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
-/// Holes that are not wider than so many voxels are no better known than the wall.
-const RESOLUTION: f64 = 1.5;
 /// The weights reach this many standard deviations.
 const REACH: f64 = 3.0;
 
@@ -64,16 +61,14 @@ pub struct Traced {
     pub lumen: Foreground,
     /// Spurs that were removed.
     pub spurs: usize,
-    /// Loops around holes narrower than the vessels, which were opened.
-    pub handles: usize,
     /// Specks: parts of the mask too small for a line, or with one that is shorter than they are wide.
     pub specks: usize,
     /// The length of the lines of specks, m.
     pub speck_length: f64,
 }
 
-/// The centerlines of a mask; `None` for a mask without vessels, or one too large to index. Unless cavities are kept, loops around holes
-/// that are narrower than the vessels are opened; to fill cavities is a step before ([`Mask::fill_cavities`]).
+/// The centerlines of a mask; `None` for a mask without vessels, or one too large to index. Unless cavities are kept, specks are
+/// left out; to fill cavities is a step before ([`Mask::fill_cavities`]).
 pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option<Traced> {
     let vessels = Foreground::of(mask)?;
     let thinned = thin(&vessels);
@@ -81,21 +76,12 @@ pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option
     let mut graph = skeleton(&vessels, &thinned);
     let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
-    let handles = match cavities {
-        Cavities::Fill => open_narrow_loops(
-            &mut graph,
-            |graph, branch| tracer.course(graph, branch),
-            |place, within| tracer.is_clear(place, within),
-            RESOLUTION * tracer.step(),
-        ),
-        Cavities::Keep => 0,
-    };
     let (specks, speck_length) = match cavities {
         Cavities::Fill => tracer.leave_out_specks(&mut graph),
         Cavities::Keep => (0, 0.0),
     };
     let lines = tracer.lines(&graph, radius_from);
-    Some(Traced { lines, lumen: vessels, spurs, handles, specks: graph.specks + specks, speck_length })
+    Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks + specks, speck_length })
 }
 
 /// The distances of the skeleton's voxels alone; the others are as many as the mask is large.
@@ -182,39 +168,6 @@ impl Tracer<'_> {
         let gone: Vec<bool> = graph.branches.iter().map(|branch| is_speck(branch.ends[0])).collect();
         graph.remove(&gone);
         (specks.len(), metres(specks.iter().sum()))
-    }
-
-    fn course(&self, graph: &Skeleton, branch: &Branch) -> Course {
-        let line = self.line(graph, branch);
-        Course::new(line.points, line.depths)
-    }
-
-    /// Whether no voxel of a vessel is within a distance of a place, mm.
-    fn is_clear(&self, place: Point, within: f64) -> bool {
-        let steps = [0, 1, 2].map(|axis| self.mask.column(axis));
-        let at = self.mask.index(place);
-        let reach = self.mask.spacing().map(|step| (within / step).ceil() as isize);
-        let near = at.map(f64::round);
-        for z in -reach[2]..=reach[2] {
-            for y in -reach[1]..=reach[1] {
-                for x in -reach[0]..=reach[0] {
-                    let index = [near[0] as isize + x, near[1] as isize + y, near[2] as isize + z];
-                    if index.iter().any(|i| *i < 0) {
-                        continue;
-                    }
-                    let index = index.map(|i| i as usize);
-                    let inside = self.vessels.place_of(index).is_some_and(|place| self.vessels.contains(place));
-                    if inside {
-                        let by = [0, 1, 2].map(|axis| index[axis] as f64 - at[axis]);
-                        let apart = [0, 1, 2].map(|row| (0..3).map(|axis| steps[axis][row] * by[axis]).sum::<f64>());
-                        if dot(apart, apart) < within * within {
-                            return false;
-                        }
-                    }
-                }
-            }
-        }
-        true
     }
 
     /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.

@@ -12,6 +12,7 @@ pub mod crowding;
 pub mod evidence;
 pub mod features;
 pub mod image;
+mod loops;
 pub mod model;
 pub mod pairings;
 pub mod partition;
@@ -27,8 +28,9 @@ use crowding::Crowding;
 use evidence::{mask_feature_names, mask_features};
 use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
 use image::image_feature_names;
+use loops::without_narrow_loops;
 use model::ContactModel;
-use partition::{Blocks, PartitionWeights, most_probable};
+use partition::{Blocks, PartitionWeights, Together, most_probable};
 use split::{Opened, split};
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
@@ -115,14 +117,13 @@ impl ContactTable {
         out
     }
 
-    /// The most probable blocks of each cluster, given the scores of all pairs.
-    pub fn blocks(&self, scores: &[f64], weights: &PartitionWeights) -> Vec<Blocks> {
-        let tables = self.by_cluster(scores);
-        let of = |(table, cluster): (Option<Table>, &branches::Cluster)| match table {
-            Some(table) => most_probable(&table, cluster.ends.len(), weights),
+    /// The most probable blocks of each cluster, given the scores of its pairs.
+    pub fn blocks(&self, tables: &[Option<Table>], weights: &PartitionWeights) -> Vec<Blocks> {
+        let of = |(table, cluster): (&Option<Table>, &branches::Cluster)| match table {
+            Some(table) => most_probable(table, cluster.ends.len(), weights, &Together::ANY),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
-        tables.into_iter().zip(&self.branches.clusters).map(of).collect()
+        tables.iter().zip(&self.branches.clusters).map(of).collect()
     }
 }
 
@@ -138,7 +139,11 @@ pub fn with_contacts(
     let table = ContactTable::new(network);
     let scene = scene.filter(|_| model.image.is_some());
     let part = model.part(Basis::of(mask, scene));
-    let blocks = table.blocks(&part.trees.scores(&table.features(mask, scene)), &part.weights);
+    let tables = table.by_cluster(&part.trees.scores(&table.features(mask, scene)));
+    let mut blocks = table.blocks(&tables, &part.weights);
+    if let Some(field) = mask {
+        blocks = without_narrow_loops(&table.branches, &tables, blocks, &part.weights, field);
+    }
     let opened = split(network, &table.branches, &blocks, |joined| part.probability(joined));
     let here = Crowding::new(network, &table.branches, opened.junctions.len());
     (opened, part.crowding.and_then(|most| here.unlike(most)))

@@ -3,7 +3,7 @@
 //! P(z) ~ exp(θ·f(z)), where f adds up the scores of pairs in one block, and counts blocks. A cluster of more ends than the exact sum
 //! takes is put together greedily.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::features::Table;
 use willis_core::support::statistics::sigmoid;
@@ -59,6 +59,24 @@ pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_F
     [sum, against, count as f64 - 1.0, of_size(1) as f64, pairs, f64::from(u8::from(one_pair))]
 }
 
+/// Which ends of a cluster may be one vessel.
+#[derive(Debug, Clone, Copy)]
+pub struct Together<'a>(Option<&'a BTreeSet<[usize; 2]>>);
+
+impl<'a> Together<'a> {
+    /// Any.
+    pub const ANY: Self = Self(None);
+
+    /// Any but these pairs, the lower end first.
+    pub fn except(apart: &'a BTreeSet<[usize; 2]>) -> Self {
+        Self(Some(apart))
+    }
+
+    fn allows(&self, of_end: &[usize]) -> bool {
+        self.0.is_none_or(|apart| apart.iter().all(|[a, b]| of_end[*a] != of_end[*b]))
+    }
+}
+
 /// The blocks of a cluster's ends, and how probable it is that two blocks are one vessel after all.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Blocks {
@@ -66,8 +84,10 @@ pub struct Blocks {
     pub of_end: Vec<usize>,
     /// Pairs of blocks with the probability that some end of one is joined to some end of the other.
     pub joined: Vec<([usize; 2], f64)>,
-    /// The most probable partitions with their probabilities, this one first; none where they are not summed.
+    /// The most probable partitions with their probabilities, this one among them; none where they are not summed.
     pub ways: Vec<(Vec<usize>, f64)>,
+    /// The logarithm of the weight of these blocks.
+    pub log: f64,
 }
 
 impl Blocks {
@@ -77,15 +97,16 @@ impl Blocks {
     }
 }
 
-/// The most probable blocks of the ends of a cluster, given the scores of their pairs.
-pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) -> Blocks {
+/// The most probable blocks of the ends of a cluster, given the scores of their pairs, of those that are allowed.
+pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights, together: &Together<'_>) -> Blocks {
     if ends > MOST_ENDS {
-        return greedy(scores, ends);
+        return greedy(scores, ends, together);
     }
     let theta = weights[size_of(ends)];
     let all = partitions(ends);
     let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
-    let best = (0..all.len()).max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
+    let allowed = (0..all.len()).filter(|z| together.allows(&all[*z]));
+    let best = allowed.max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
     let total: f64 = weight.iter().sum();
     let of_end = all[best].clone();
@@ -96,8 +117,12 @@ pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights) ->
     });
     let mut order: Vec<usize> = (0..all.len()).filter(|z| *z == best || weight[*z] >= LEAST_OF_WAY * total).collect();
     order.sort_by(|a, b| weight[*b].total_cmp(&weight[*a]).then(a.cmp(b)));
+    if let Some(dropped) = order.get(MOST_WAYS..).filter(|dropped| dropped.contains(&best)) {
+        order.truncate(order.len() - dropped.len() - 1);
+        order.push(best);
+    }
     let ways = order.into_iter().take(MOST_WAYS).map(|z| (all[z].clone(), weight[z] / total)).collect();
-    Blocks { of_end, joined, ways }
+    Blocks { of_end, joined, ways, log: log[best] }
 }
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
@@ -120,7 +145,7 @@ fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Ve
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
-fn greedy(scores: &Table, ends: usize) -> Blocks {
+fn greedy(scores: &Table, ends: usize, together: &Together<'_>) -> Blocks {
     let mut of_end: Vec<usize> = (0..ends).collect();
     let between = |of_end: &[usize], a: usize, b: usize| {
         let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
@@ -132,7 +157,8 @@ fn greedy(scores: &Table, ends: usize) -> Blocks {
             for b in a + 1..ends {
                 let there = |which: usize| of_end.contains(&which);
                 let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
-                if sum > best.map_or(0.0, |(most, _)| most) {
+                let joined = || of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
+                if sum > best.map_or(0.0, |(most, _)| most) && together.allows(&joined()) {
                     best = Some((sum, [a, b]));
                 }
             }
@@ -142,7 +168,9 @@ fn greedy(scores: &Table, ends: usize) -> Blocks {
     }
     let of_end = numbered(of_end);
     let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
-    Blocks { of_end, joined, ways: Vec::new() }
+    let within = (0..ends).flat_map(|i| (i + 1..ends).map(move |j| [i, j])).filter(|[i, j]| of_end[*i] == of_end[*j]);
+    let log = within.map(|[i, j]| scores.get(i, j)).sum();
+    Blocks { of_end, joined, ways: Vec::new(), log }
 }
 
 /// Blocks numbered in the order of their first ends.
