@@ -16,6 +16,7 @@ pub use scene::scene;
 pub use simulation::page as simulation_page;
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -313,13 +314,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A figure as SVG, or as PNG where the SVG is large.
+    /// Writes a figure into a folder. The page has it as SVG, or as PNG where the SVG is large.
     ///
     /// # Errors
     ///
-    /// A figure that cannot be drawn.
-    pub fn new(title: &'static str, caption: &'static str, figure: &Figure) -> Result<Self> {
-        let drawing = figure.svg()?;
+    /// When `dpi` is out of range, and when a file cannot be written.
+    pub fn write(title: &'static str, caption: &'static str, figure: &Figure, folder: &Path, dpi: u32) -> Result<Self> {
+        let drawing = figure.write(folder, dpi)?;
         let (kind, bytes) =
             if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
         let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
