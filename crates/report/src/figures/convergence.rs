@@ -1,7 +1,5 @@
 //! The convergence of the likelihood: mean contribution per sample against the number of samples.
 
-use std::collections::BTreeMap;
-
 use super::axis::{Label, LogRange, count_ticks, grouped};
 use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
@@ -79,16 +77,8 @@ fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold
     let width = THIN + sparse * (CURVE - THIN);
     let opacity = 0.05 + 0.85 * sparse.powf(0.7);
     for (curves, rgb) in curves.iter().zip([PRUNED, KEPT]) {
-        // Those at zero lie on each other: each stretch is drawn once, as dark as all of them.
-        let mut at_zero: BTreeMap<[u64; 2], i32> = BTreeMap::new();
         for run in curves.iter().flat_map(|values| axes.runs(samples, values)) {
-            match run[..] {
-                [(first, share), .., (last, _)] if share < 0.0 => *at_zero.entry([first, last]).or_default() += 1,
-                _ => axes.stroke(sheet, &run, width, rgb, opacity),
-            }
-        }
-        for (ends, count) in at_zero {
-            axes.stroke(sheet, &ends.map(|samples| (samples, -1.0)), width, rgb, 1.0 - (1.0 - opacity).powi(count));
+            axes.stroke(sheet, &run, width, rgb, opacity);
         }
     }
     for run in axes.runs(samples, threshold) {

@@ -62,6 +62,27 @@ pub struct Page {
     pub tables: Vec<Table>,
 }
 
+impl Page {
+    /// The page of a run of a command with the least that every run has.
+    fn new(command: &str, record: Value, scene: std::result::Result<Scene, String>, figures: Vec<Picture>) -> Self {
+        Self {
+            title: title(command, &record),
+            warnings: warnings(&record),
+            record,
+            lead: Vec::new(),
+            facts: Vec::new(),
+            phenotype: None,
+            scene,
+            colourings: Vec::new(),
+            image_cuts: Vec::new(),
+            segmentation: None,
+            threshold: None,
+            figures,
+            tables: Vec::new(),
+        }
+    }
+}
+
 /// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
 pub type Fact = (&'static str, Value, &'static str);
 
@@ -123,6 +144,13 @@ pub struct Table {
     pub of_vessels: bool,
 }
 
+impl Table {
+    /// A table of numbers in single precision.
+    fn new(title: impl Into<String>, columns: Vec<Column>, of_vessels: bool) -> Self {
+        Self { title: title.into(), columns, exact: &[], of_vessels }
+    }
+}
+
 /// How a figure is converted to a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -154,6 +182,13 @@ pub struct Colouring {
     pub variants: Vec<(String, usize, String)>,
     /// What is mixed by [`Scale::Mixed`]: names and colours.
     pub legend: Vec<(String, Rgb)>,
+}
+
+impl Colouring {
+    /// A figure that colours all vessels.
+    fn new(name: &'static str, unit: &'static str, scale: Scale, variants: Vec<(String, usize, String)>) -> Self {
+        Self { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() }
+    }
 }
 
 /// A threshold on a column of the first table.
@@ -341,7 +376,7 @@ fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Table> {
         };
         Column { name: name.into(), values }
     };
-    Some(Table { title: title.to_owned(), columns: columns.iter().map(column).collect(), exact: &[], of_vessels: false })
+    Some(Table::new(title, columns.iter().map(column).collect(), false))
 }
 
 fn word(value: &Value) -> String {
