@@ -326,8 +326,7 @@ fn every_column_is_described() {
 
 #[test]
 fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
-    let rows =
-        [row(Ok(vec![("kept".into(), json!(f64::NAN)), ("margin".into(), json!(-0.5))])), row(Err("no".into()))];
+    let rows = [row(Ok(vec![("kept".into(), json!(f64::NAN)), ("margin".into(), json!(-0.5))])), row(Err("no".into()))];
     let columns = bids_columns(&rows, &[("sub-01".into(), None), ("sub-02".into(), None)]);
     let mut table = Vec::new();
     write_tsv(&mut table, &columns).expect("written");

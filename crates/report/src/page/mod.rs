@@ -67,9 +67,9 @@ impl Page {
     fn new(command: &str, record: Value, scene: std::result::Result<Scene, String>, figures: Vec<Picture>) -> Self {
         Self {
             title: title(command, &record),
-            warnings: warnings(&record),
             record,
             lead: Vec::new(),
+            warnings: Vec::new(),
             facts: Vec::new(),
             phenotype: None,
             scene,

@@ -48,9 +48,10 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
             ("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
         ],
     );
-    let of_vessels = classes.iter().enumerate().map(|(at, class)| {
-        Table::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true)
-    });
+    let of_vessels = classes
+        .iter()
+        .enumerate()
+        .map(|(at, class)| Table::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
     let mut all: Vec<Table> = of_vessels.collect();
     all.push(Table::new("Classes", tables.classes, false));
     all.push(Table::new("Nodes", tables.nodes, false));
