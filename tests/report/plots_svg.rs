@@ -268,7 +268,7 @@ fn the_median_is_dashed_and_nothing_uncertain_is_a_sentence() {
     let svg = Document::parse(&text).expect("well-formed");
     let [_, [right, _]] = AXES;
     let dashed = paths(&svg, "stroke-dasharray", "400 300").iter().map(d).collect::<Vec<_>>();
-    let [_, median] = &dashed[..] else { panic!("the median and its key: {dashed:?}") };
+    let [median, _] = &dashed[..] else { panic!("the median and its key: {dashed:?}") };
     let middle = AXES[1][1] - (AXES[1][1] - AXES[0][1]) / 2.0;
     let length = (right - AXES[0][0]) / (20.0 * 1.02) * 10.0;
     near([median[0][1], median[1][1]], [middle; 2], 0.011);

@@ -21,8 +21,8 @@ const IMAGE: u32 = 1325;
 
 /// The SVG file of some marks, for the figure called `name`.
 pub fn svg(name: &str, inches: [f64; 2], marks: &[Mark]) -> Result<String, String> {
-    let [width, height] = inches.map(|length| length * POINTS_PER_INCH);
-    let [wide, high] = [width, height].map(units);
+    let [wide, high] = inches.map(|length| units(length * POINTS_PER_INCH));
+    let [width, height] = [wide, high].map(|length| f64::from(length) / UNITS);
     let mut file = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width}pt\" \
          height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
