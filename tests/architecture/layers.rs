@@ -62,7 +62,7 @@ const CONFINED: &[(&str, &[&str])] = &[
         ],
     ),
     ("kiddo", &["models/candidates/search/point_index.rs"]),
-    ("plotters", &["report/figures/"]),
+    ("tiny_skia", &["report/figures/"]),
     ("faer", &["core/sampling/reference.rs", "models/contacts/sections.rs", "models/naming/pose.rs"]),
     ("pulp", &["core/support/simd.rs"]),
     ("rand_chacha", &["core/support/random.rs"]),
@@ -342,7 +342,7 @@ fn every_kind_of_violation_is_caught() {
     one("core/sampling/sampler.rs", "use rayon::prelude::*;", "names rayon");
     one("willis/cli/candidates.rs", "fn f() { rayon::join(a, b); }", "names rayon");
     one("models/candidates/mod.rs", "use kiddo::ImmutableKdTree;", "names kiddo");
-    one("report/html.rs", "use plotters::prelude::*;", "names plotters");
+    one("report/html.rs", "use tiny_skia::Path;", "names tiny_skia");
     one("core/support/random.rs", &"\n".repeat(MOST_LINES), "lines");
     assert_eq!(violations("core/support/random.rs", "// no purpose\n").len(), 1);
 }
@@ -359,7 +359,7 @@ fn what_is_allowed_is_not_caught() {
         ("willis/cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
         ("willis/cli/cohort.rs", "use crate::{InferOptions, read}; use crate::internals::report::Page;"),
         ("models/candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
-        ("report/figures/figure.rs", "use plotters::prelude::*; use willis_core::decision::Decision; use crate::page::Page;"),
+        ("report/figures/figure.rs", "use tiny_skia::Path; use willis_core::decision::Decision; use crate::page::Page;"),
     ];
     for (file, body) in fine {
         assert_eq!(violations(file, &format!("//! Made up.\n{body}")), [""; 0], "{file}: {body}");

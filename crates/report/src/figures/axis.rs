@@ -114,24 +114,10 @@ impl LogRange {
 }
 
 /// Ticks at whole numbers from 0 to `last`, in steps of 1, 2 or 5 times a power of ten; at most `most` after 0.
-pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
-    let mut step = 1_u64;
-    for factor in [2, 5, 10].into_iter().cycle() {
-        if last / step <= most {
-            break;
-        }
-        step = 10_u64.pow(step.ilog10()).saturating_mul(factor);
-    }
-    (0..=last / step).map(|k| Tick { at: (k * step) as f64, label: count(k * step) }).collect()
-}
-
-/// A whole number with commas between thousands, or as a power of ten where that would be too wide.
-fn count(n: u64) -> Label {
-    const WIDEST: u64 = 1_000_000;
-    match format!("{n:e}").split_once('e') {
-        Some((mantissa, exponent)) if n > WIDEST => Label { text: format!("{mantissa}\u{b7}10"), exponent: exponent.to_owned() },
-        _ => Label::plain(grouped(n)),
-    }
+pub fn count_ticks(last: u64, most: usize) -> Vec<Tick> {
+    // Over at least `most` whole numbers a step is one or more.
+    let ticks = LinearRange { low: 0.0, high: last.max(most as u64) as f64 }.ticks(most + 1);
+    ticks.into_iter().filter(|tick| tick.at <= last as f64).collect()
 }
 
 /// A whole number with commas between thousands from five digits on.
@@ -196,7 +182,7 @@ fn multiple(k: i64, power: i32) -> Label {
     let digits = k.unsigned_abs();
     match power {
         _ if k == 0 => Label::plain("0"),
-        0..=4 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
+        0..=5 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
         -3..0 => Label::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
         _ => Label::power(&format!("{sign}{digits}\u{b7}"), power),
     }
