@@ -9,7 +9,7 @@ use crate::internals::formats::bytes_of;
 use crate::internals::output::atomic::{StagedFolder, replace_file};
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;
-use crate::{Progress, Step};
+use crate::{Follow, Progress, Step};
 use serde::{Deserialize, Serialize};
 
 use super::print::{CountProgress, Terminal, count, say_step};
@@ -112,16 +112,6 @@ impl<'a> Follower<'a> {
 }
 
 impl Progress for Follower<'_> {
-    fn step(&mut self, step: Step<'_>) {
-        say_step(self.terminal, &step);
-    }
-
-    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
-        let keeper = self.keeper.as_mut()?;
-        [keeper.file, _] = Self::files(keeper.folder, key);
-        keeper.take_up(uncertain, fits)
-    }
-
     fn report(&mut self, done: u64, total: u64) -> bool {
         self.samples = (done, total);
         let terminal = self.terminal;
@@ -132,6 +122,18 @@ impl Progress for Follower<'_> {
         if let Some(keeper) = self.keeper.as_mut().filter(|keeper| keeper.is_due()) {
             keeper.keep(part);
         }
+    }
+}
+
+impl Follow for Follower<'_> {
+    fn step(&mut self, step: Step<'_>) {
+        say_step(self.terminal, &step);
+    }
+
+    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+        let keeper = self.keeper.as_mut()?;
+        [keeper.file, _] = Self::files(keeper.folder, key);
+        keeper.take_up(uncertain, fits)
     }
 
     fn sampled(&mut self, part: &PartialRun, is_complete: bool) {

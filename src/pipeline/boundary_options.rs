@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::progress::{Progress, Step};
+use super::progress::{Follow, Step};
 use willis_core::error::{Error, Place, Result};
 use willis_core::flow::boundary_conditions::{Total, stated};
 use willis_core::flow::{Boundary, FoundOutlets, Given};
@@ -43,14 +43,14 @@ impl BoundaryOptions {
         network: &Network,
         outlets: FoundOutlets,
         known: &[usize],
-        progress: &mut dyn Progress,
+        progress: &mut dyn Follow,
     ) -> Result<Boundary> {
         let given = self.given(network, progress)?;
         Boundary::resolve_knowing(network, &given, outlets, known)
     }
 
     /// The conditions that are stated, by node.
-    pub(crate) fn given(&self, network: &Network, progress: &mut dyn Progress) -> Result<Vec<Given>> {
+    pub(crate) fn given(&self, network: &Network, progress: &mut dyn Follow) -> Result<Vec<Given>> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
         given.extend(self.conditions_of_file(network, progress)?);
         given.extend(self.conditions_of_options(network, progress)?);
@@ -62,7 +62,7 @@ impl BoundaryOptions {
         self.conditions.is_some() || !self.inlet.is_empty() || !self.flow.is_empty()
     }
 
-    fn conditions_of_file(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_file(&self, network: &Network, progress: &mut dyn Follow) -> Result<BTreeMap<usize, Given>> {
         let Some(path) = &self.conditions else { return Ok(BTreeMap::new()) };
         let bytes = bytes_of(path)?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
@@ -82,7 +82,7 @@ impl BoundaryOptions {
         Ok(given)
     }
 
-    fn conditions_of_options(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_options(&self, network: &Network, progress: &mut dyn Follow) -> Result<BTreeMap<usize, Given>> {
         let options = [("inlet", &self.inlet), ("outlet", &self.outlet), ("flow", &self.flow)];
         let mut given = BTreeMap::new();
         for (option, text) in options.into_iter().flat_map(|(option, texts)| texts.iter().map(move |text| (option, text))) {
