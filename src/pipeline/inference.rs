@@ -161,11 +161,6 @@ impl Inference {
         &self.hypoplastic
     }
 
-    /// Who feeds each territory and outlet of the circle, and how late, over the plausible topologies; none where arteries are not known.
-    pub fn supplies(&self) -> &[Supply] {
-        &self.supplies
-    }
-
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> Outcome<'_> {
         let Prepared { graph, boundary, keep, .. } = &*self.prepared;

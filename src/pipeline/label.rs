@@ -15,7 +15,6 @@ use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
 };
 use willis_io::output::StagedFile;
-use willis_io::output::atomic::write_file;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
@@ -116,9 +115,7 @@ impl Labelled {
                 MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
             })
             .collect();
-        let file = StagedFile::new(path, force)?;
-        write_file(&file.path(), |out| write_landmarks(out, format, self.names.frame, &points))?;
-        file.commit()
+        StagedFile::write(path, force, |out| write_landmarks(out, format, self.names.frame, &points))
     }
 
     /// Writes the labelled vessels in the format of a target; GraphML has the probability of each label too.
@@ -132,9 +129,7 @@ impl Labelled {
         }
         let (nodes, mut vessels) = graph_columns(&self.network);
         vessels.push(Column::real("label_probability", self.probability.iter().map(|p| p.unwrap_or(f64::NAN))));
-        let file = StagedFile::new(&target.path, force)?;
-        write_file(&file.path(), |out| write_graphml(out, &self.network, &nodes, &vessels))?;
-        file.commit()?;
+        StagedFile::write(&target.path, force, |out| write_graphml(out, &self.network, &nodes, &vessels))?;
         Ok(vec![target.path.clone()])
     }
 
@@ -171,7 +166,5 @@ impl Labelled {
 }
 
 fn write_table(path: &Path, force: bool, columns: &[Column]) -> Result<()> {
-    let file = StagedFile::new(path, force)?;
-    write_file(&file.path(), |out| write_csv(out, columns))?;
-    file.commit()
+    StagedFile::write(path, force, |out| write_csv(out, columns))
 }

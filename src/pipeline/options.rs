@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+#[cfg(feature = "cli")]
+use clap::ValueHint::FilePath;
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Serialize};
@@ -103,18 +105,32 @@ impl InferOptions {
 
 /// What is known of people's circles before one is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
 pub struct PhenotypeOptions {
-    /// A CSV table of `missing,share`: how frequent each variant is in the study at hand, in the place of the published table.
+    /// How frequent each variant is among such people, in the place of the published table: a CSV file of missing,share
     #[serde(rename = "variant_prior")]
+    #[cfg_attr(feature = "cli", arg(long = "variant-prior", value_name = "FILE.csv", value_hint = FilePath, hide_short_help = true))]
     pub frequencies: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all, 0 to below 1; without it never.
+    /// How often a segment that is there is not in the extraction at all [default: 0]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", allow_negative_numbers = true, hide_short_help = true))]
     pub unseen: Option<f64>,
-    /// A model of `willis train --model labels` that names arteries, in the place of the one that ships.
+    /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL.toml", value_hint = FilePath, hide_short_help = true))]
     pub arteries: Option<PathBuf>,
-    /// The diameter below which a segment is hypoplastic, m, positive; by default 1 mm.
+    /// The diameter below which a segment is hypoplastic [default: 1mm]
+    // In m, positive.
     #[serde(rename = "hypoplastic_m")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DIAMETER", value_parser = diameter))]
+    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, hide_short_help = true))]
     pub hypoplastic: Option<f64>,
+}
+
+/// A diameter as a person types it, m.
+#[cfg(feature = "cli")]
+fn diameter(text: &str) -> std::result::Result<f64, String> {
+    let diameter = willis_core::network::quantity::Dimension::Length.parse(text)?;
+    if diameter > 0.0 { Ok(diameter) } else { Err("expected a positive diameter, such as 0.8mm".to_owned()) }
 }
 
 impl PhenotypeOptions {
