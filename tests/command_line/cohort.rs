@@ -474,7 +474,7 @@ fn failed_and_uncertain_subjects_come_first() {
 }
 
 fn names_of(paths: &[&str]) -> Vec<String> {
-    named(paths.iter().map(PathBuf::from).collect()).into_iter().map(|s| s.name).collect()
+    named(&paths.iter().map(PathBuf::from).collect::<Vec<_>>())
 }
 
 #[test]
