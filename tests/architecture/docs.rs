@@ -6,10 +6,10 @@
 
 #![cfg(unix)]
 
+use rayon::prelude::*;
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
-use rayon::prelude::*;
 use std::process::{Command, Output};
 
 use crate::pages::{Block, Page, book, page, readme, root};

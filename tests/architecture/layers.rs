@@ -63,6 +63,7 @@ const CONFINED: &[(&str, &[&str])] = &[
     ),
     ("kiddo", &["models/candidates/search/point_index.rs"]),
     ("tiny_skia", &["report/figures/"]),
+    ("plotters", &["report/figures/axis.rs"]),
     ("faer", &["core/sampling/reference.rs", "models/contacts/sections.rs", "models/naming/pose.rs"]),
     ("pulp", &["core/support/simd.rs"]),
     ("rand_chacha", &["core/support/random.rs"]),

@@ -1,5 +1,8 @@
 //! The ranges of axes and their ticks: counts, logarithmic and linear axes.
 
+use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::types::RangedCoordf64;
+
 /// The text at a tick: `text`, then an exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
@@ -166,13 +169,13 @@ impl LinearRange {
         if !(rough.is_finite() && rough > (1e-12 * self.low.abs().max(self.high.abs())).max(1e-300)) {
             return Vec::new();
         }
-        let power = rough.log10().floor() as i32;
-        let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
-        let next = (1, power + 1);
-        let (factor, power) = [(1, power), (2, power), (5, power)].into_iter().find(wide).unwrap_or(next);
-        let step = factor as f64 * 10_f64.powi(power);
-        let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
-        (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor, power) }).collect()
+        let points = RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(most));
+        let [first, second, ..] = points[..] else { return Vec::new() };
+        let step = second - first;
+        let power = (step.log10() + 1e-6).floor() as i32;
+        let factor = (step / 10_f64.powi(power)).round() as i64;
+        let label = |at: f64| multiple((at / step).round() as i64 * factor, power);
+        points.into_iter().map(|at| Tick { at, label: label(at) }).collect()
     }
 }
 
