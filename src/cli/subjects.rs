@@ -143,7 +143,7 @@ fn has_inputs(bytes: &[u8]) -> bool {
 /// The subjects of a manifest, each with its own options.
 fn subjects_of(manifest: Manifest, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
     let others = manifest.others;
-    let names = named_as(manifest.rows.iter().map(|row| (&*row.input, row.subject.as_deref())).collect());
+    let names = named_as(&manifest.rows.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, .. } = row;
         let words = words_of_row(&input, given, &options);
@@ -225,13 +225,13 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
 pub fn named(inputs: &[PathBuf]) -> Vec<String> {
-    named_as(inputs.iter().map(|input| (&**input, None)).collect())
+    named_as(&inputs.iter().map(|input| (&**input, None)).collect::<Vec<_>>())
 }
 
 /// The same where a person may have said what an input is called.
-fn named_as(inputs: Vec<(&Path, Option<&str>)>) -> Vec<String> {
+fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
-    for (path, _) in &inputs {
+    for (path, _) in inputs {
         *times.entry(stem(path).to_lowercase()).or_default() += 1;
     }
     let word = |path: &Path| {

@@ -127,8 +127,9 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let prepared = prepare(input.clone(), &options, &mut Silent)?;
     let network = &prepared.graph;
     let Some(found) = prepared.arteries.clone() else {
-        let why = prepared.provenance.notes.iter().find(|note| note.starts_with(NO_PHENOTYPE)).cloned().unwrap_or_default();
-        let accepted = "expected centerlines of the arteries of a head, or labels, or `landmarks` FILE";
+        let why = prepared.provenance.notes.iter().find_map(|note| note.strip_prefix(NO_PHENOTYPE)).unwrap_or_default();
+        let (why, accepted) =
+            why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks` FILE"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
     let given: Vec<usize> =

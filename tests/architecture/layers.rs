@@ -243,7 +243,7 @@ fn violations(of: &str, source: &str) -> Vec<String> {
             None if crate_name == "willis" => {}
             None => wrong.push(format!("{of}: crate::{other} has no layer")),
             Some(_) if module == "cli" && other == "pipeline" => {
-                wrong.push(format!("{of}: crate::pipeline is behind the front door"))
+                wrong.push(format!("{of}: crate::pipeline is behind the front door"));
             }
             Some(there) if there == own => wrong.push(format!("{of}: crate::{other} points sideways")),
             Some(there) if there > own => wrong.push(format!("{of}: crate::{other} points up")),

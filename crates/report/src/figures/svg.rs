@@ -36,13 +36,14 @@ pub fn svg(name: &str, inches: [f64; 2], marks: &[Mark]) -> Result<String, Strin
 fn element(name: &str, mark: &Mark) -> Result<String, String> {
     Ok(match mark {
         Mark::Boxes(boxes) if boxes.len() > BOXES => embedded(boxes)?,
-        Mark::Boxes(boxes) => boxes
-            .iter()
+        Mark::Boxes(boxes) => {
             // Crisp edges leave no gap between neighbours.
-            .map(|(corners, rgb)| {
-                format!("<path fill=\"{}\" shape-rendering=\"crispEdges\" d=\"{}\"/>\n", hex(*rgb), rectangle(corners))
-            })
-            .collect(),
+            let each = |(corners, rgb): &Filled| {
+                let fill = hex(*rgb);
+                format!("<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{}\"/>\n", rectangle(corners))
+            };
+            boxes.iter().map(each).collect::<Vec<String>>().concat()
+        }
         Mark::Map(corners) => {
             let last = (MAP.len() - 1) as f64;
             let stop = |(at, rgb): (usize, &Rgb)| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", at as f64 / last, hex(*rgb));
