@@ -53,7 +53,7 @@ pub fn infer(input: &Input, options: &InferOptions) -> Result<Inference> {
 ///
 /// # Errors
 ///
-/// As [`infer`], or [`Error::Stopped`].
+/// As [`infer`], or [`Error::Stopped`](crate::Error::Stopped).
 pub fn infer_with(input: &Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Inference> {
     prepare(input.clone(), options, progress)?.sample(&options.sampling, progress)
 }

@@ -68,7 +68,7 @@ impl Prepared {
     ///
     /// # Errors
     ///
-    /// As [`infer_with`].
+    /// As [`infer_with`](crate::infer_with).
     pub fn sample(self: &Arc<Self>, options: &SamplingOptions, progress: &mut dyn Follow) -> Result<Inference> {
         let options = &self.sampled_with(options);
         let until_stable = self.options.infer.until_stable;
