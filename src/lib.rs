@@ -52,8 +52,8 @@ pub mod internals;
 mod pipeline;
 
 pub use pipeline::{
-    ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, InferOptions, Inference, Input, LabelOptions,
-    Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, Progress, PulseMean, PulseOptions,
+    ArterySource, BoundaryOptions, ConnectionDecision, Contents, Cut, FlowOptions, Follow, InferOptions, Inference, Input,
+    LabelOptions, Labelled, ModulationRun, Phenotype, PhenotypeOptions, Prepared, Preset, Prior, PulseMean, PulseOptions,
     SaveOptions, Silent, SimulationRun, Step, WrittenFiles, candidates, classify, infer, infer_with, label, modulate,
     modulate_with, prepare, read, read_bytes, simulate, simulate_with, write,
 };
@@ -64,7 +64,7 @@ pub use willis_core::modulation::ModulationOptions;
 pub use willis_core::network::units::{LengthUnit, Scale};
 pub use willis_core::network::{Network, RadiusRule};
 pub use willis_core::perturbation::stenosis::{Stenosis, StretchPlace};
-pub use willis_core::sampling::{FoundConditions, Likelihood, SamplingOptions, Solver, Uncertain, Weight};
+pub use willis_core::sampling::{FoundConditions, Likelihood, Progress, SamplingOptions, Solver, Uncertain, Weight};
 pub use willis_core::simulation::Change;
 pub use willis_core::simulation::pulse::Friction;
 pub use willis_io::formats::ReadOptions;

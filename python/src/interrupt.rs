@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use willis::cli::words::said_of_step;
 use willis::internals::sampling::PartialRun;
-use willis::{Error, Progress, Step};
+use willis::{Error, Follow, Progress, Step};
 
 use crate::errors::raised;
 
@@ -82,14 +82,6 @@ impl Watch {
 pub struct Follower<'a>(&'a Watch);
 
 impl Progress for Follower<'_> {
-    fn step(&mut self, step: Step<'_>) {
-        if matches!(step, Step::Sampling { .. }) {
-            *self.0.begun.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
-        }
-        let said = said_of_step(&step);
-        self.0.said.lock().unwrap_or_else(PoisonError::into_inner).extend(said);
-    }
-
     fn report(&mut self, done: u64, total: u64) -> bool {
         self.0.done.store(done, Ordering::Relaxed);
         self.0.total.store(total, Ordering::Relaxed);
@@ -100,6 +92,16 @@ impl Progress for Follower<'_> {
         if self.0.wanted.load(Ordering::Relaxed) {
             self.0.keep(part);
         }
+    }
+}
+
+impl Follow for Follower<'_> {
+    fn step(&mut self, step: Step<'_>) {
+        if matches!(step, Step::Sampling { .. }) {
+            *self.0.begun.lock().unwrap_or_else(PoisonError::into_inner) = Some(Instant::now());
+        }
+        let said = said_of_step(&step);
+        self.0.said.lock().unwrap_or_else(PoisonError::into_inner).extend(said);
     }
 
     fn sampled(&mut self, part: &PartialRun, _is_complete: bool) {

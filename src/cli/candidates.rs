@@ -5,17 +5,17 @@ use std::path::PathBuf;
 use crate::error::{Error, Result};
 use crate::internals::formats::{graph_columns, write_graphml};
 use crate::internals::network::Origin;
-use crate::internals::output::atomic::{StagedFile, write_file};
-use crate::{InferOptions, prepare, read};
+use crate::internals::output::StagedFile;
+use crate::{BoundaryOptions, InferOptions, prepare};
 use clap::Args;
 use serde_json::json;
 
-use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::boundary_for;
 use super::args::candidates::CandidateArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, plural, say_read};
+use super::print::{Terminal, plural};
 use super::shell::print_json;
 
 /// Build the over-connected candidate graph and stop
@@ -38,7 +38,7 @@ pub struct CandidatesArgs {
     #[arg(long)]
     json: bool,
     #[command(flatten)]
-    boundary: BoundaryArgs,
+    boundary: BoundaryOptions,
 }
 
 impl CandidatesArgs {
@@ -48,19 +48,16 @@ impl CandidatesArgs {
         }
         StagedFile::check(&self.output, force)?;
         let path = &self.input.input;
-        let mut options = InferOptions { boundary: for_input(&self.boundary.options()?, path), ..InferOptions::default() };
-        self.candidates.put(&mut options)?;
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again.graphml"));
-        say_read(terminal, &input, self.input.reading.units.is_none());
+        let mut options = InferOptions { boundary: boundary_for(&self.boundary, path), ..InferOptions::default() };
+        self.candidates.put(&mut options);
+        let input = self.input.reading.read(path, command_line("again.graphml"), terminal)?;
         if !input.is_fragments {
             terminal.say("note", "already a candidate graph: nothing added (see --observed)");
         }
         let made = prepare(input, &options, &mut Follower::new(terminal))?;
         let graph = made.boundary.stated_in(made.graph.clone());
         let (nodes, vessels) = graph_columns(&graph);
-        let file = StagedFile::new(&self.output, force)?;
-        write_file(&file.path(), |out| write_graphml(out, &graph, &nodes, &vessels))?;
-        file.commit()?;
+        StagedFile::write(&self.output, force, |out| write_graphml(out, &graph, &nodes, &vessels))?;
         if self.json {
             let source = &made.provenance;
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();

@@ -9,7 +9,7 @@ use crate::internals::formats::bytes_of;
 use crate::internals::output::atomic::{StagedFolder, replace_file};
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;
-use crate::{Progress, Step};
+use crate::{Follow, Progress, Step};
 use serde::{Deserialize, Serialize};
 
 use super::print::{CountProgress, Terminal, count, say_step};
@@ -20,26 +20,19 @@ const BETWEEN: Duration = Duration::from_secs(45);
 /// The share of its time that a run may spend on keeping: a hundredth.
 const SHARE: u32 = 100;
 
-/// How often what is finished is kept.
+/// How often what is finished is kept: from when on, and at least how long between two; never where there is none.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Interval {
-    /// Once a run takes over a minute.
-    Auto,
-    /// Never.
-    Off,
-    /// From the start, with at least this time between two.
-    Every(Duration),
-}
+pub struct Interval(Option<[Duration; 2]>);
 
-/// The interval that a word means.
+/// The interval that a word means: `auto`, once a run takes over a minute; `off`; or so many seconds, from the start.
 pub fn parse_interval(text: &str) -> Result<Interval, String> {
     match text {
-        "auto" => return Ok(Interval::Auto),
-        "off" => return Ok(Interval::Off),
+        "auto" => return Ok(Interval(Some([FIRST, BETWEEN]))),
+        "off" => return Ok(Interval(None)),
         _ => {}
     }
     let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
-    seconds.map(Interval::Every).ok_or_else(|| "expected auto, off or a number of seconds".into())
+    seconds.map(|time| Interval(Some([time; 2]))).ok_or_else(|| "expected auto, off or a number of seconds".into())
 }
 
 /// What is kept, for people.
@@ -112,16 +105,6 @@ impl<'a> Follower<'a> {
 }
 
 impl Progress for Follower<'_> {
-    fn step(&mut self, step: Step<'_>) {
-        say_step(self.terminal, &step);
-    }
-
-    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
-        let keeper = self.keeper.as_mut()?;
-        [keeper.file, _] = Self::files(keeper.folder, key);
-        keeper.take_up(uncertain, fits)
-    }
-
     fn report(&mut self, done: u64, total: u64) -> bool {
         self.samples = (done, total);
         let terminal = self.terminal;
@@ -132,6 +115,18 @@ impl Progress for Follower<'_> {
         if let Some(keeper) = self.keeper.as_mut().filter(|keeper| keeper.is_due()) {
             keeper.keep(part);
         }
+    }
+}
+
+impl Follow for Follower<'_> {
+    fn step(&mut self, step: Step<'_>) {
+        say_step(self.terminal, &step);
+    }
+
+    fn resume(&mut self, key: &str, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
+        let keeper = self.keeper.as_mut()?;
+        [keeper.file, _] = Self::files(keeper.folder, key);
+        keeper.take_up(uncertain, fits)
     }
 
     fn sampled(&mut self, part: &PartialRun, is_complete: bool) {
@@ -167,7 +162,7 @@ impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
     fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
-        if self.interval == Interval::Off || !self.file.exists() {
+        if self.interval.0.is_none() || !self.file.exists() {
             return None;
         }
         let read =
@@ -200,11 +195,7 @@ impl Keeper<'_> {
 
     /// Whether it is time to keep what is finished.
     fn is_due(&self) -> bool {
-        let (first, between) = match self.interval {
-            Interval::Auto => (FIRST, BETWEEN),
-            Interval::Off => return false,
-            Interval::Every(time) => (time, time),
-        };
+        let Interval(Some([first, between])) = self.interval else { return false };
         match self.last {
             None => self.start.elapsed() >= first,
             Some(last) => last.elapsed() >= between.max(SHARE * self.cost),
@@ -219,7 +210,7 @@ impl Keeper<'_> {
     /// Keeps what is finished; a run goes on when that cannot be done.
     fn keep(&mut self, part: &PartialRun) {
         let done = part.done();
-        if self.interval == Interval::Off || done <= self.kept {
+        if self.interval.0.is_none() || done <= self.kept {
             return;
         }
         let begun = Instant::now();

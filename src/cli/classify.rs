@@ -8,7 +8,7 @@ use crate::internals::output::names::RECORD;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
 use crate::internals::support::endings::stem;
-use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify, read};
+use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
 use clap::Args;
 use serde_json::Value;
 
@@ -17,9 +17,9 @@ use super::args::arteries::{ArteryArgs, for_input};
 use super::args::reading::ReadingArgs;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
-use super::command_line::{command_line, command_line_of, command_line_of_words};
+use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
-use super::print::{Terminal, plural, say_read};
+use super::print::{Terminal, plural};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 
@@ -55,7 +55,7 @@ impl ClassifyArgs {
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
-                let phenotypes = self.arteries.phenotypes();
+                let phenotypes = self.arteries.phenotypes.clone();
                 let infer = InferOptions { arteries: self.arteries.source(), phenotypes, ..InferOptions::default() };
                 let options = RunOptions { read: self.reading.shared()?, infer };
                 let parameters = self.reading.compared(options.comparable(&Value::Null));
@@ -81,14 +81,13 @@ impl ClassifyArgs {
     }
 
     /// What is known of people's circles before one is seen.
-    pub(super) fn phenotypes(&self) -> PhenotypeOptions {
-        self.arteries.phenotypes()
+    pub(super) fn phenotypes(&self) -> &PhenotypeOptions {
+        &self.arteries.phenotypes
     }
 
     fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
-        let input = read(path, &self.reading.options(path)?)?.with_command(command);
-        say_read(terminal, &input, self.reading.assumes_unit());
-        let phenotype = classify(&input, self.source(path).as_ref(), &self.arteries.phenotypes(), &mut Follower::new(terminal))?;
+        let input = self.reading.read(path, command, terminal)?;
+        let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
             terminal.say("note", note);
         }
@@ -104,16 +103,13 @@ fn name_of(input: &Path) -> String {
     if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
 }
 
-impl ClassifyArgs {
-    /// Calls with the arguments of a subject, which may have options of its own, and the line that repeats it.
-    fn of<T>(&self, subject: &Subject, make: impl FnOnce(&Self, String) -> Result<T>) -> Result<T> {
-        match subject.row_of_options().map(|row| Ok((row.command()?, row))).transpose()? {
-            Some((Command::Classify(own), row)) => make(&own, command_line_of_words(&row.words, "again")),
-            _ => make(self, command_line_of(&subject.input, &self.inputs)),
-        }
+impl Work for ClassifyArgs {
+    fn of(command: Command) -> Result<Option<Self>> {
+        let Command::Classify(own) = command else { return Ok(None) };
+        Ok(Some(*own))
     }
 
-    fn files_of(&self, input: &Path) -> Vec<PathBuf> {
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
         let record = Some(input.join(RECORD)).filter(|path| path.is_file());
         let landmarks = match self.source(input) {
             Some(ArterySource::Landmarks(path)) => Some(path),
@@ -121,19 +117,13 @@ impl ClassifyArgs {
         };
         [self.reading.loops(input), landmarks, record].into_iter().flatten().collect()
     }
-}
 
-impl Work for ClassifyArgs {
-    fn files(&self, subject: &Subject) -> Vec<PathBuf> {
-        self.of(subject, |own, _| Ok(own.files_of(&subject.input))).unwrap_or_default()
-    }
-
-    fn check(&self, subject: &Subject) -> Result<()> {
-        self.of(subject, |own, _| own.reading.shared().map(drop).map_err(|error| subject.fault(error)))
+    fn check(&self) -> Result<()> {
+        self.reading.shared().map(drop)
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
-        self.of(subject, |own, line| own.phenotype(&subject.input, line, terminal)?.write(&folder.path(), &subject.name))
+        self.phenotype(&subject.input, subject.line.clone(), terminal)?.write(&folder.path(), &subject.name)
     }
 
     fn figures(&self, record: &Value) -> Figures {

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Component, Path, PathBuf, absolute};
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use crate::error::{Error, Fault, Result};
@@ -25,18 +25,21 @@ use super::print::{Terminal, plural};
 use super::shell::print_json;
 use super::signals::{is_stopped, listen};
 use super::subjects::Subject;
-use super::with_flags;
+use super::{Command, with_flags};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;
 
 /// What a command does with each subject.
-pub trait Work: Sync {
-    /// The files besides the input that go into a subject.
-    fn files(&self, subject: &Subject) -> Vec<PathBuf>;
+pub trait Work: Sync + Sized {
+    /// The same by the options that a subject has of its own.
+    fn of(command: Command) -> Result<Option<Self>>;
 
-    /// Refuses options of its own that a subject cannot have.
-    fn check(&self, subject: &Subject) -> Result<()>;
+    /// The files besides the input that go into it.
+    fn files(&self, input: &Path) -> Vec<PathBuf>;
+
+    /// Refuses options that cannot be.
+    fn check(&self) -> Result<()>;
 
     /// Writes all files of a subject, run.json among them, into a folder.
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
@@ -174,42 +177,37 @@ impl Cohort<'_> {
     /// # Errors
     ///
     /// A folder that is not that of such a cohort, or cannot be written; subjects that failed, once all else is written; a stop.
-    pub fn run(&self, subjects: &[Subject], work: &impl Work, terminal: Terminal) -> Result<()> {
+    pub fn run<W: Work>(&self, subjects: &[Subject], work: &W, terminal: Terminal) -> Result<()> {
         if let Some(pattern) = ["{}", "{dir}"].iter().find(|pattern| self.output.to_string_lossy().contains(*pattern)) {
             let accepted = format!("{pattern} stands for an input in `landmarks`, `bc` and `loops`; expected one folder for all");
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
-        subjects.iter().try_for_each(|subject| work.check(subject))?;
+        let own = subjects.iter().map(|subject| {
+            let own = subject.command()?.map(W::of).transpose().map_err(|error| subject.fault(error))?.flatten();
+            own.as_ref().unwrap_or(work).check().map_err(|error| subject.fault(error))?;
+            Ok(own)
+        });
+        let own = own.collect::<Result<Vec<Option<W>>>>()?;
+        let work_of = |at: usize| own[at].as_ref().unwrap_or(work);
         if let Some(row) = subjects.iter().find_map(|subject| subject.row.as_ref()).filter(|row| !row.others.is_empty()) {
             terminal.say("note", format!("columns of the manifest that are no options: {}", row.others.join(", ")));
         }
         listen(2);
-        let entries: Vec<Entry> = subjects.iter().map(|s| Entry::of(s, work.files(s))).collect();
-        let ledger = Ledger::new(self.command, &self.parameters, entries);
+        let entries = subjects.iter().enumerate().map(|(at, subject)| Entry::of(subject, work_of(at).files(&subject.input)));
+        let ledger = Ledger::new(self.command, &self.parameters, entries.collect());
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
         clear_leftovers(self.output)?;
         let is_done = |at: usize| self.record(&subjects[at].name).is_some_and(|record| ledger.stands(at, &earlier, &record));
-        let mut done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
+        let done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
-        let skipped = done.iter().filter(|done| **done).count();
-        if skipped > 0 {
-            terminal.say("cohort", format!("{skipped} of {} done already", plural(subjects.len(), "subject")));
-        }
-
-        let ended = work_on(subjects, &done, |subject| self.subject(subject, work, terminal.of_many()), terminal);
-        for (at, failure) in &ended {
-            done[*at] = failure.is_none();
-        }
-        if ended.len() + skipped < subjects.len() {
-            let done = done.iter().filter(|done| **done).count();
-            return Err(Error::StoppedCohort { path: self.output.to_owned(), done, total: subjects.len() });
-        }
+        let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
+        let failures = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
-            let failure = ended.iter().find(|(of, _)| *of == at).and_then(|(_, failure)| failure.clone());
+            let failure = failures[at].clone();
             let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
             Row {
                 subject: name.clone(),
@@ -224,10 +222,7 @@ impl Cohort<'_> {
         say_notes_of(&records, terminal);
         self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
-        match rows.iter().filter(|row| row.figures.is_err()).count() {
-            0 => Ok(()),
-            failed => Err(Error::Subjects { failed, total: rows.len() }),
-        }
+        failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
     }
 
     /// Writes the table and the page into a folder, and prints the rows where that is asked for.
@@ -281,44 +276,75 @@ impl Cohort<'_> {
     }
 }
 
-/// Works on the subjects that are not done, several at a time, and says how each went; those that a stop left out are not
-/// among the answers.
-pub fn work_on(
-    subjects: &[Subject],
-    done: &[bool],
-    make: impl Fn(&Subject) -> Result<()> + Sync,
-    terminal: Terminal,
-) -> Vec<(usize, Option<String>)> {
-    let open: Vec<usize> = (0..subjects.len()).filter(|at| !done[*at]).collect();
-    let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let worker = || {
-        while !is_stopped()
-            && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
-        {
-            let made = make(&subjects[at]);
-            if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
-                return;
-            }
-            let failure = made.err().map(|error| with_flags(&error));
-            let mut ended = ended.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-            let place = format!("{}/{} {}", subjects.len() - open.len() + ended.len() + 1, subjects.len(), subjects[at].name);
-            match &failure {
-                None => terminal.say("done", place),
-                Some(error) => terminal.say("failed", format!("{place}: {error}")),
-            }
-            ended.push((at, failure));
+/// Subjects to be worked on.
+pub struct Each<'a> {
+    pub subjects: &'a [Subject],
+    /// Which are done already.
+    pub done: &'a [bool],
+    /// What they make together, and what each is called.
+    pub heading: &'static str,
+    pub noun: &'static str,
+    /// Where that is.
+    pub place: &'a Path,
+}
+
+impl Each<'_> {
+    /// Works on the subjects that are not done, several at a time, and says how each went; of each why it failed, if it did.
+    ///
+    /// # Errors
+    ///
+    /// A stop.
+    pub fn make(&self, make: impl Fn(usize) -> Result<()> + Sync, terminal: Terminal) -> Result<Vec<Option<String>>> {
+        let (subjects, total) = (self.subjects, self.subjects.len());
+        let open: Vec<usize> = (0..total).filter(|at| !self.done[*at]).collect();
+        let skipped = total - open.len();
+        if skipped > 0 {
+            terminal.say(self.heading, format!("{skipped} of {} done already", plural(total, self.noun)));
         }
-    };
-    // What is said of a subject stays together when one is done after the other.
-    let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
-    thread::scope(|scope| {
-        for _ in 1..threads {
-            // Without another thread this one does it all.
-            let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
+        let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let worker = || {
+            while !is_stopped()
+                && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
+            {
+                let made = make(at);
+                if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
+                    return;
+                }
+                let failure = made.err().map(|error| with_flags(&error));
+                let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+                let place = format!("{}/{total} {}", skipped + ended.len() + 1, subjects[at].name);
+                match &failure {
+                    None => terminal.say("done", place),
+                    Some(error) => terminal.say("failed", format!("{place}: {error}")),
+                }
+                ended.push((at, failure));
+            }
+        };
+        // What is said of a subject stays together when one is done after the other.
+        let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
+        thread::scope(|scope| {
+            for _ in 1..threads {
+                // Without another thread this one does it all.
+                let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
+            }
+            worker();
+        });
+        let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+        if ended.len() < open.len() {
+            let done = skipped + ended.iter().filter(|(_, failure)| failure.is_none()).count();
+            return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
-        worker();
-    });
-    ended.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner)
+        let mut failures = vec![None; total];
+        for (at, failure) in ended {
+            failures[at] = failure;
+        }
+        Ok(failures)
+    }
+}
+
+/// An error where some subjects failed.
+pub fn failed(failed: usize, total: usize) -> Result<()> {
+    if failed == 0 { Ok(()) } else { Err(Error::Subjects { failed, total }) }
 }
 
 /// Says the notes of many runs, those that are alike once.
@@ -405,7 +431,7 @@ struct SeparateRun<'a> {
 pub fn gather(
     folders: &[PathBuf],
     cohort: &Cohort<'_>,
-    name: impl FnOnce(Vec<PathBuf>) -> Vec<Subject>,
+    name: impl FnOnce(&[PathBuf]) -> Vec<String>,
     terminal: Terminal,
 ) -> Result<Vec<Row>> {
     let output = cohort.output;
@@ -414,17 +440,17 @@ pub fn gather(
     for (at, run) in runs.iter().enumerate() {
         run.check(first, &runs[..at])?;
     }
-    let subjects = name(runs.iter().map(|run| PathBuf::from(&run.input.path)).collect());
-    let rows = runs.iter().zip(&subjects).map(|(run, subject)| Row {
-        subject: subject.name.clone(),
+    let names = name(&runs.iter().map(|run| PathBuf::from(&run.input.path)).collect::<Vec<_>>());
+    let rows = runs.iter().zip(&names).map(|(run, name)| Row {
+        subject: name.clone(),
         input: run.input.path.clone(),
         sha256: run.input.sha256.clone().unwrap_or_default(),
         page: run.record.is_ok().then(|| run.page(output)).flatten(),
         figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
     });
     let rows: Vec<Row> = rows.collect();
-    let entries = runs.iter().zip(&subjects).map(|(run, subject)| Entry {
-        subject: subject.name.clone(),
+    let entries = runs.iter().zip(&names).map(|(run, name)| Entry {
+        subject: name.clone(),
         input: run.input.path.clone(),
         files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
         options: Vec::new(),

@@ -23,20 +23,7 @@ const CHOICES: [&str; 5] = ["--participant-label", "--participant_label", "--ses
 /// This process's command line without the options that change no result, quoted for a shell, with `-o` and an output that is called
 /// `again`, where that is not empty: it repeats the run as it stands.
 pub fn command_line(again: &str) -> String {
-    written(given_words(), |word| Some(word.to_owned()), again)
-}
-
-/// The same for one `input` alone of those that were given.
-pub fn command_line_of(input: &Path, given: &[PathBuf]) -> String {
-    let mut own = Some(input.to_string_lossy().into_owned());
-    let wording =
-        |word: &str| if given.iter().any(|g| g.to_string_lossy() == *word) { own.take() } else { Some(word.to_owned()) };
-    written(given_words(), wording, "again")
-}
-
-/// The command line of a command with these words, where no line was typed.
-pub fn command_line_of_words(words: &[String], again: &str) -> String {
-    written(words.iter().cloned(), |word| Some(word.to_owned()), again)
+    line_of_words(given_words(), again)
 }
 
 /// The words of this process's command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
@@ -68,14 +55,13 @@ pub fn row_words(
     words
 }
 
-/// The line of `willis infer` that makes the run of one mask that `willis bids` makes; `places` are the words that say which dataset,
-/// where to and which level.
+/// The line of `willis infer` that makes the run of one mask that `willis bids` makes.
 pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
-    let words = infer_words(given_words(), &input.to_string_lossy(), places);
-    written(words.into_iter(), |word| Some(word.to_owned()), "again")
+    line_of_words(infer_words(given_words(), &input.to_string_lossy(), places).into_iter(), "again")
 }
 
-/// The words of `willis infer` for one mask of those that `willis bids` was given.
+/// The words of `willis infer` for one mask of those that `willis bids` was given; `places` are the words that say which dataset, where to
+/// and which level.
 pub fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[String]) -> Vec<String> {
     let (mut words, mut places) = (Vec::new(), places.to_vec());
     let (mut is_infer, mut is_chosen) = (false, false);
@@ -102,14 +88,14 @@ fn given_words() -> impl Iterator<Item = String> {
     super::GIVEN.read().map(|given| given.words.clone()).unwrap_or_default().into_iter()
 }
 
-/// The command line of `rest`, with every word that counts as `wording` has it.
-fn written(mut rest: impl Iterator<Item = String>, mut wording: impl FnMut(&str) -> Option<String>, again: &str) -> String {
+/// The command line of these words, of which those count that change a result.
+pub fn line_of_words(mut rest: impl Iterator<Item = String>, again: &str) -> String {
     let mut words = vec!["willis".to_owned()];
     while let Some(word) = rest.next() {
         match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
             Some((name, true)) if word == *name => drop(rest.next()),
             Some(_) => {}
-            None => words.extend(wording(&word).map(|word| quoted(&word))),
+            None => words.push(quoted(&word)),
         }
     }
     if !again.is_empty() {

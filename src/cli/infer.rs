@@ -13,23 +13,22 @@ use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::internals::report::{Summary, agreement};
-use crate::{ArterySource, InferOptions, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare, read};
+use crate::{ArterySource, BoundaryOptions, InferOptions, Keep, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare};
 use clap::Args;
 use serde_json::Value;
 
 use super::args::arteries::{self, ArteryArgs};
-use super::args::boundary::{self, BoundaryArgs};
 use super::args::candidates::CandidateArgs;
 use super::args::figures::whole;
-use super::args::file_of;
 use super::args::reading::ReadingArgs;
 use super::args::sampling::SamplingArgs;
-use super::checkpoint::{Follower, Interval};
+use super::args::{boundary_for, file_of};
+use super::checkpoint::Follower;
 use super::cohort::{Cohort, Failure, Work};
-use super::command_line::{command_line, command_line_of, command_line_of_words};
+use super::command_line::command_line;
+use super::print::Terminal;
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
-use super::print::{Terminal, say_read};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
@@ -62,13 +61,13 @@ pub struct InferenceArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub sampling: SamplingArgs,
-    /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is more probable than PRICE, 1.5, times the
-    /// probability that what hangs there is nothing; a smaller price leaves fewer fragments alone), best-first[=P] (the most probable
-    /// candidates down to P, each free end once), reconnect[=P] (the same, then contacts and candidates that join two parts),
-    /// probability=P, median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F
+    /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is at least as probable as PRICE, 1.5, times the
+    /// probability that what hangs there is nothing, and what closes a loop from P = PRICE/5 on; a smaller price leaves fewer fragments
+    /// alone), best-first[=P] (the most probable candidates above P, 0.4, each free end once), reconnect[=P] (best-first, then contacts
+    /// from P, 0.018, and candidates from 0.1 on, which P may raise, that join two parts), probability=P, median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F
     /// [default: probable on tracings, best-first on skeletons, reconnect where contacts were found, median without evidence]
     #[arg(long, value_name = "RULE", help_heading = "Answer")]
-    pub keep: Option<String>,
+    pub keep: Option<Keep>,
     /// What a person decided on connections, as report.html writes it (decisions.csv): accepted ones are certain, rejected ones are gone;
     /// {} in it is the path of INPUT without its ending
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Answer")]
@@ -83,16 +82,14 @@ pub struct InferenceArgs {
     #[command(flatten)]
     pub candidates: CandidateArgs,
     #[command(flatten)]
-    pub boundary: BoundaryArgs,
+    pub boundary: BoundaryOptions,
     #[command(flatten)]
     pub arteries: ArteryArgs,
 }
 
 /// The same work on every input, be it one or a cohort of them.
-pub struct Inferences<'a> {
-    args: &'a InferenceArgs,
-    /// The command line that repeats the run of one input.
-    line: &'a (dyn Fn(&Path) -> String + Sync),
+pub struct Inferences {
+    args: InferenceArgs,
     options: InferOptions,
     /// A run for each occlusion probability.
     runs: Vec<SamplingOptions>,
@@ -104,31 +101,30 @@ pub struct Inferences<'a> {
 impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
-        let (args, sampling) = (&self.inference, &self.inference.sampling);
-        let line = |input: &Path| command_line_of(input, &self.inputs);
-        let work = Inferences::new(args, &line)?;
+        let work = Inferences::new(self.inference)?;
         let input = match expand(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
                 let work = work.with_arteries();
-                let parameters = work.of_many()?;
-                let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json: args.json };
+                let (parameters, json) = (work.of_many()?, work.args.json);
+                let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json };
                 return cohort.run(&subjects, &work, terminal);
             }
         };
         StagedFolder::check(&self.output, force)?;
-        if sampling.record_failure {
-            args.reading.shared()?;
+        let records_failure = work.args.sampling.record_failure;
+        if records_failure {
+            work.args.reading.shared()?;
         }
         let records = match work.one(&input, &self.output, terminal, force) {
-            Err(error) if sampling.record_failure && Failure::is_of_input(&error) => {
+            Err(error) if records_failure && Failure::is_of_input(&error) => {
                 let error = with_flags(&error);
                 terminal.say("failed", &error);
                 return work.failure(&input, command_line("again"), error)?.write(&self.output, force);
             }
             made => made?,
         };
-        if args.json {
+        if work.args.json {
             records.iter().try_for_each(print_json)?;
         }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
@@ -138,13 +134,9 @@ impl InferArgs {
 
 impl InferArgs {
     /// The options of the library for an input, of one run.
-    pub(super) fn meaning(&self, input: &Path) -> Result<InferOptions> {
-        let line = |_: &Path| String::new();
-        let work = Inferences::new(&self.inference, &line)?;
-        if work.runs.len() > 1 {
-            let given: Vec<String> = self.inference.sampling.epsilon.iter().map(f64::to_string).collect();
-            return Err(Error::parameter("epsilon", given.join(","), "expected one probability a run"));
-        }
+    pub(super) fn meaning(self, input: &Path) -> Result<InferOptions> {
+        let work = Inferences::new(self.inference)?;
+        work.refuse_several("expected one probability a run")?;
         Ok(work.for_input(input))
     }
 }
@@ -156,31 +148,28 @@ impl InferenceArgs {
             Some(Preset::Paper) => InferOptions::paper(),
             _ => InferOptions::default(),
         };
-        if let Some(rule) = &self.keep {
-            options.keep = Some(rule.parse()?);
-        }
+        options.keep = self.keep.or(options.keep);
         let runs = self.sampling.put(&options.sampling)?;
         options.sampling.clone_from(&runs[0]);
         options.until_stable = self.sampling.until.is_some();
-        let usual = options.boundary.found_outlets;
-        options.boundary = self.boundary.options()?;
-        options.boundary.found_outlets = options.boundary.found_outlets.or(usual);
-        self.candidates.put(&mut options)?;
+        let found_outlets = self.boundary.found_outlets.or(options.boundary.found_outlets);
+        options.boundary = BoundaryOptions { found_outlets, ..self.boundary.clone() };
+        self.candidates.put(&mut options);
         options.arteries = self.arteries.source();
-        options.phenotypes = self.arteries.phenotypes();
+        options.phenotypes = self.arteries.phenotypes.clone();
         options.decisions.clone_from(&self.decisions);
         options.validate()?;
         Ok((options, runs))
     }
 }
 
-impl<'a> Inferences<'a> {
-    /// The work that the arguments ask for; `line` is the command line that repeats the run of one input.
-    pub fn new(args: &'a InferenceArgs, line: &'a (dyn Fn(&Path) -> String + Sync)) -> Result<Self> {
+impl Inferences {
+    /// The work that the arguments ask for.
+    pub fn new(args: InferenceArgs) -> Result<Self> {
         let (options, runs) = args.options()?;
         let save = SaveOptions { dpi: args.dpi };
         save.validate()?;
-        Ok(Self { args, line, options, runs, save, names_by_itself: false })
+        Ok(Self { args, options, runs, save, names_by_itself: false })
     }
 
     /// The same where the arteries of every input are named, if it has a circle and nobody says where they are.
@@ -190,14 +179,11 @@ impl<'a> Inferences<'a> {
         self
     }
 
-    /// The command line that repeats the run of one input.
-    pub fn line_of(&self, input: &Path) -> String {
-        let line = (self.line)(input);
-        match line.strip_suffix(" -o again") {
-            Some(before) if self.names_by_itself => {
-                format!("{before} --landmarks auto -o again")
-            }
-            _ => line,
+    /// The command line that repeats the run of a subject.
+    fn line_of(&self, subject: &Subject) -> String {
+        match subject.line.strip_suffix(" -o again") {
+            Some(before) if self.names_by_itself => format!("{before} --landmarks auto -o again"),
+            _ => subject.line.clone(),
         }
     }
 
@@ -210,7 +196,7 @@ impl<'a> Inferences<'a> {
     /// The options for an input, each file that is named for all inputs being that of this one.
     fn for_input(&self, input: &Path) -> InferOptions {
         let mut options = self.options.clone();
-        options.boundary = boundary::for_input(&options.boundary, input);
+        options.boundary = boundary_for(&options.boundary, input);
         options.arteries = options.arteries.as_ref().map(|source| arteries::for_input(source, input));
         options.decisions = options.decisions.as_ref().map(|name| file_of(name, input));
         options
@@ -222,8 +208,7 @@ impl<'a> Inferences<'a> {
             let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
             return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
         }
-        let read = read(input, &self.args.reading.options(input)?)?.with_command(command);
-        say_read(terminal, &read, self.args.reading.assumes_unit());
+        let read = self.args.reading.read(input, command, terminal)?;
         prepare(read, &self.for_input(input), &mut Follower::new(terminal))
     }
 
@@ -251,7 +236,8 @@ impl<'a> Inferences<'a> {
                 sub = path.join(format!("epsilon-{}", options.epsilon));
                 std::fs::create_dir(&sub).map_err(write_error(&sub))?;
             }
-            let mut follower = self.follower(folder, &prepared.provenance.command, terminal);
+            let (interval, command) = (self.args.sampling.checkpoint, &prepared.provenance.command);
+            let mut follower = Follower::keeping(terminal, interval, folder, command);
             let written = prepared.sample(options, &mut follower).and_then(|inference| {
                 say_outcome(terminal, &inference.outcome(), inference.seconds());
                 let (record, notes) = inference.write(&sub, &self.save)?;
@@ -281,21 +267,18 @@ impl<'a> Inferences<'a> {
         Ok(records)
     }
 
-    fn follower<'f>(&self, folder: &'f StagedFolder, command: &str, terminal: Terminal) -> Follower<'f> {
-        Follower::keeping(terminal, self.interval(), folder, command)
-    }
-
-    fn interval(&self) -> Interval {
-        self.args.sampling.checkpoint
+    fn refuse_several(&self, accepted: &str) -> Result<()> {
+        if self.runs.len() == 1 {
+            return Ok(());
+        }
+        let given: Vec<String> = self.args.sampling.epsilon.iter().map(f64::to_string).collect();
+        Err(Error::parameter("epsilon", given.join(","), accepted))
     }
 
     /// Every option that changes a result of many inputs; refuses those that go with one.
     pub fn of_many(&self) -> Result<Value> {
-        let args = self.args;
-        if self.runs.len() > 1 {
-            let given: Vec<String> = args.sampling.epsilon.iter().map(f64::to_string).collect();
-            return Err(Error::parameter("epsilon", given.join(","), "several go with one INPUT; give one for a cohort"));
-        }
+        let args = &self.args;
+        self.refuse_several("several go with one INPUT; give one for a cohort")?;
         if args.sampling.record_failure {
             let accepted = "goes with one INPUT; a cohort has its failures as rows";
             return Err(Error::parameter("record_failure", "with several", accepted));
@@ -305,16 +288,13 @@ impl<'a> Inferences<'a> {
     }
 }
 
-impl Inferences<'_> {
-    /// Calls with the work of a subject, which may have options of its own.
-    fn of<T>(&self, subject: &Subject, make: impl FnOnce(&Inferences<'_>) -> Result<T>) -> Result<T> {
-        let Some(row) = subject.row_of_options() else { return make(self) };
-        let Command::Infer(own) = row.command()? else { return make(self) };
-        let line = |_: &Path| command_line_of_words(&row.words, "again");
-        make(&Inferences::new(&own.inference, &line).map_err(|error| row.fault(error))?)
+impl Work for Inferences {
+    fn of(command: Command) -> Result<Option<Self>> {
+        let Command::Infer(own) = command else { return Ok(None) };
+        Self::new(own.inference).map(Some)
     }
 
-    fn files_of(&self, input: &Path) -> Vec<PathBuf> {
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
         let options = self.for_input(input);
         let landmarks = match options.arteries {
             Some(ArterySource::Landmarks(path)) => Some(path),
@@ -329,22 +309,14 @@ impl Inferences<'_> {
             .flatten()
             .collect()
     }
-}
 
-impl Work for Inferences<'_> {
-    fn files(&self, subject: &Subject) -> Vec<PathBuf> {
-        self.of(subject, |work| Ok(work.files_of(&subject.input))).unwrap_or_default()
-    }
-
-    fn check(&self, subject: &Subject) -> Result<()> {
-        self.of(subject, |work| work.args.reading.shared().map(drop).map_err(|error| subject.fault(error)))
+    fn check(&self) -> Result<()> {
+        self.args.reading.shared().map(drop)
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
-        self.of(subject, |work| {
-            let prepared = work.prepared(&subject.input, work.line_of(&subject.input), terminal)?;
-            work.write(&prepared, folder, terminal).map(drop)
-        })
+        let prepared = self.prepared(&subject.input, self.line_of(subject), terminal)?;
+        self.write(&prepared, folder, terminal).map(drop)
     }
 
     fn figures(&self, record: &Value) -> Figures {

@@ -7,7 +7,7 @@ use crate::internals::circle_of_willis::{Artery, RING};
 use crate::internals::formats::LandmarkFormat;
 use crate::internals::formats::convert::Target;
 use crate::internals::output::StagedFile;
-use crate::{InferOptions, LabelOptions, label, read};
+use crate::{InferOptions, LabelOptions, label};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -16,7 +16,7 @@ use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
 use super::convert::check;
-use super::print::{Terminal, plural, say_read};
+use super::print::{Terminal, plural};
 use super::shell::print_json;
 
 /// Name the arteries of a Circle of Willis from their geometry alone, each name with a probability
@@ -55,11 +55,9 @@ impl LabelArgs {
         for path in [&names, &segments].into_iter().chain(marks.iter().map(|(path, _)| path)) {
             StagedFile::check(path, force)?;
         }
-        let path = &self.input.input;
         let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
-        self.candidates.put(&mut options.infer)?;
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again.graphml"));
-        say_read(terminal, &input, self.input.reading.assumes_unit());
+        self.candidates.put(&mut options.infer);
+        let input = self.input.reading.read(&self.input.input, command_line("again.graphml"), terminal)?;
         let found = label(input, &options, &mut Follower::new(terminal))?;
         let notes = found.notes();
         for note in &notes {

@@ -208,8 +208,7 @@ impl Cli {
         let matches = Self::builder().try_get_matches_from(all);
         if let Ok(mut now) = GIVEN.write() {
             now.words.clone_from(&given);
-            let command = matches.as_ref().ok().and_then(|matches| matches.subcommand_name());
-            command.filter(|_| as_typed).unwrap_or_default().clone_into(&mut now.command);
+            now.command = if as_typed { refusal::command_in(&given).unwrap_or_default() } else { String::new() };
         }
         let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
         parsed.map_err(|error| Refused { error, given })

@@ -9,16 +9,16 @@ use crate::internals::network::vessels_called;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::ModulationOutcome;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, modulate_with, read};
+use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, modulate_with};
 use clap::Args;
 
-use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::boundary_for;
 use super::args::figures::{viscosity, whole};
 use super::args::reading::InputArgs;
 use super::args::words;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, brief, plural, say_read};
+use super::print::{Terminal, brief, plural};
 use super::shell::print_json;
 use super::signals::is_stopped;
 
@@ -40,9 +40,10 @@ pub struct ModulateArgs {
         value_delimiter = ',',
         default_value = "0:0.2,0.2:0.3,0.3:0.5",
         help_heading = "Modulation",
+        value_parser = parse_class,
         allow_hyphen_values = true
     )]
-    classes: Vec<String>,
+    classes: Vec<Class>,
     /// How many instances of each class to draw
     #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
     samples: u64,
@@ -58,8 +59,8 @@ pub struct ModulateArgs {
     #[arg(long, value_name = "VESSEL,...", value_delimiter = ',', help_heading = "Modulation")]
     vessels: Option<Vec<String>>,
     /// Blood viscosity
-    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", help_heading = "Modulation")]
-    viscosity: String,
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", value_parser = viscosity, help_heading = "Modulation")]
+    viscosity: f64,
     /// Hypertension above this is a risk, mmHg/mm2 [default: what the topmost twentieth of the unperturbed vessels exceed]
     #[arg(long, value_name = "X", help_heading = "Answer", allow_hyphen_values = true)]
     threshold: Option<f64>,
@@ -73,7 +74,7 @@ pub struct ModulateArgs {
     #[arg(long, help_heading = "Answer")]
     json: bool,
     #[command(flatten)]
-    boundary: BoundaryArgs,
+    boundary: BoundaryOptions,
 }
 
 impl ModulateArgs {
@@ -81,14 +82,13 @@ impl ModulateArgs {
         let path = &self.input.input;
         let mut options = self.options()?;
         let threshold = self.threshold()?;
-        let boundary = for_input(&self.boundary.options()?, path);
+        let boundary = boundary_for(&self.boundary, path);
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("modulate")?;
         StagedFolder::check(&self.output, force)?;
 
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
-        say_read(terminal, &input, self.input.reading.units.is_none());
+        let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let network = &input.network;
         options.vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
         let folder = StagedFolder::new(&self.output, force)?;
@@ -121,17 +121,17 @@ impl ModulateArgs {
     pub(super) fn meaning(&self, input: &Path, network: &Network) -> Result<(BoundaryOptions, ModulationOptions, Option<f64>)> {
         let vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
         let options = ModulationOptions { vessels, ..self.options()? };
-        Ok((for_input(&self.boundary.options()?, input), options, self.threshold()?))
+        Ok((boundary_for(&self.boundary, input), options, self.threshold()?))
     }
 
     fn options(&self) -> Result<ModulationOptions> {
         let options = ModulationOptions {
-            classes: self.classes.iter().map(|text| parse_class(text)).collect::<Result<_>>()?,
+            classes: self.classes.clone(),
             samples: self.samples,
             seed: self.seed,
             reading: self.reading,
             vessels: None,
-            viscosity: viscosity(&self.viscosity)?,
+            viscosity: self.viscosity,
         };
         options.validate()?;
         Ok(options)

@@ -61,8 +61,8 @@ pub struct PhantomArgs {
     seed: Option<u64>,
     /// Distance of centerline points, or length of a voxel, in mm unless it says otherwise [default: 0.5mm; centerlines of arterial and
     /// capillary: straight from node to node]
-    #[arg(long, value_name = "LENGTH")]
-    spacing: Option<String>,
+    #[arg(long, value_name = "LENGTH", value_parser = length("spacing"))]
+    spacing: Option<f64>,
     /// Write the image in which the threshold of a mask was drawn too, .nii.gz or .nii: 0 is background, 1 a wide vessel
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     image: Option<PathBuf>,
@@ -107,11 +107,10 @@ impl PhantomArgs {
                 let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
                 let (lines, truth) = break_up(&network, &params)?;
                 if kind == Kind::Cerebral {
-                    let file = StagedFile::new(&sibling(&self.output, "landmarks.csv"), force)?;
-                    write_file(&file.path(), |out| {
-                        write_landmarks(out, LandmarkFormat::Csv, network.frame, &landmarks(&network, &truth.lost))
+                    let marks = landmarks(&network, &truth.lost);
+                    StagedFile::write(&sibling(&self.output, "landmarks.csv"), force, |out| {
+                        write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks)
                     })?;
-                    file.commit()?;
                 }
                 self.write_broken(&lines, &truth, terminal, force)
             }
@@ -139,8 +138,7 @@ impl PhantomArgs {
             let accepted = format!("the vessels of {kind} have no labels; expected with another phantom");
             return Err(Error::parameter("without", self.without.join(","), accepted));
         }
-        let spacing = length("--spacing", self.spacing.as_ref())?;
-        Ok(Recipe { spacing, edges: self.edges, seed: self.seed.unwrap_or_default() })
+        Ok(Recipe { spacing: self.spacing, edges: self.edges, seed: self.seed.unwrap_or_default() })
     }
 
     /// The complete network, or what --without leaves of it.
@@ -305,9 +303,7 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
         Ok(())
     })?;
     if !loops.is_empty() {
-        let table = StagedFile::new(&sibling(path, "loops.csv"), force)?;
-        write_file(&table.path(), |out| write_loops(out, &loops))?;
-        table.commit()?;
+        StagedFile::write(&sibling(path, "loops.csv"), force, |out| write_loops(out, &loops))?;
         terminal.say(
             "note",
             format!(

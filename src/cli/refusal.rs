@@ -3,10 +3,13 @@
 use crate::internals::support::suggestions::did_you_mean;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
-use super::Cli;
+use super::{Cli, with_flags};
 
 /// The error in one line; `given` are the words of the command line.
 pub fn one_line(error: &Error, given: &[String]) -> String {
+    if let Some(own) = of_library(error) {
+        return with_flags(&own);
+    }
     let text = error.render().to_string();
     let lines = text.lines().map(str::trim).take_while(|line| !line.starts_with("Usage:"));
     let mut said = String::new();
@@ -26,8 +29,23 @@ pub fn one_line(error: &Error, given: &[String]) -> String {
         }
         said = format!("{said}; {}expected {}", did_you_mean(word, names.iter().copied()), names.join(", "));
     }
-    let of = given.iter().find(|word| names.contains(&word.as_str()) && *word != "help");
-    format!("{said}; see willis help{}", of.map_or(String::new(), |name| format!(" {name}")))
+    format!("{said}; see willis help{}", command_in(given).map_or(String::new(), |name| format!(" {name}")))
+}
+
+/// The subcommand among the words of a command line.
+pub fn command_in(given: &[String]) -> Option<String> {
+    let command = Cli::builder();
+    given.iter().find(|word| *word != "help" && command.get_subcommands().any(|own| own.get_name() == *word)).cloned()
+}
+
+/// The error of the library that refused a value, where it was one: it says itself what it is about.
+pub fn of_library(error: &Error) -> Option<crate::Error> {
+    match std::error::Error::source(error)?.downcast_ref()? {
+        crate::Error::Parameter { name, value, accepted } => {
+            Some(crate::Error::Parameter { name: name.clone(), value: value.clone(), accepted: accepted.clone() })
+        }
+        _ => None,
+    }
 }
 
 /// What a tip proposes, as a question.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 
 use crate::error::{Error, Result};
 use crate::internals::output::StagedFile;
-use crate::internals::output::atomic::write_file;
 use crate::internals::support::printable::printable_json;
 use clap::Args;
 
@@ -67,9 +66,7 @@ impl ManArgs {
             StagedFile::check(&folder.join(name), force)?;
         }
         for (name, text) in &pages {
-            let file = StagedFile::new(&folder.join(name), force)?;
-            write_file(&file.path(), |out| out.write_all(text))?;
-            file.commit()?;
+            StagedFile::write(&folder.join(name), force, |out| out.write_all(text))?;
         }
         terminal.say("written", format!("{}: {}", folder.display(), plural(pages.len(), "page")));
         Ok(())

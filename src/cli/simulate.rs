@@ -7,17 +7,17 @@ use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, read, simulate_with};
+use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, simulate_with};
 use clap::Args;
 
-use super::args::boundary::{BoundaryArgs, for_input};
+use super::args::boundary_for;
 use super::args::figures::{viscosity, whole};
 use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
+use super::print::Terminal;
 use super::print::flow::say_simulated;
-use super::print::{Terminal, say_read};
 use super::shell::print_json;
 
 const SEVERITY: &str =
@@ -35,8 +35,8 @@ pub struct SimulateArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     /// Blood viscosity
-    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", hide_short_help = true)]
-    viscosity: String,
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", value_parser = viscosity, hide_short_help = true)]
+    viscosity: f64,
     /// Resolution of the picture
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true,
         help_heading = "Answer", hide_short_help = true)]
@@ -52,37 +52,35 @@ pub struct SimulateArgs {
     #[command(flatten)]
     changes: ChangeArgs,
     #[command(flatten)]
-    boundary: BoundaryArgs,
+    boundary: BoundaryOptions,
 }
 
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Perturbations (VESSEL is a label, or edge:ROW; several with commas)")]
 struct ChangeArgs {
     /// Narrow a vessel by a share of its diameter, or of its area; @ narrows a stretch of it only
-    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', allow_hyphen_values = true)]
-    stenosis: Vec<String>,
+    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', value_parser = stenosis, allow_hyphen_values = true)]
+    stenosis: Vec<(String, Change)>,
     /// Close a vessel
     #[arg(long, value_name = "VESSEL", value_delimiter = ',', allow_hyphen_values = true)]
     occlude: Vec<String>,
     /// Lengthen a vessel by a factor of at least 1
-    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', allow_hyphen_values = true)]
-    tortuosity: Vec<String>,
+    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', value_parser = tortuosity, allow_hyphen_values = true)]
+    tortuosity: Vec<(String, Change)>,
 }
 
 impl SimulateArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let path = &self.input.input;
-        let boundary = for_input(&self.boundary.options()?, path);
-        let options = self.flow_options(boundary)?;
-        let changes = self.changes.parse()?;
+        let (options, changes) = self.meaning(path)?;
+        let changes: Vec<(&str, Change)> = changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("simulate")?;
         StagedFolder::check(&self.output, force)?;
 
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line("again"));
-        say_read(terminal, &input, self.input.reading.units.is_none());
+        let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
         say_simulated(terminal, &run.simulated());
         for note in run.save(&self.output, force, &save)? {
@@ -97,42 +95,36 @@ impl SimulateArgs {
 }
 
 impl SimulateArgs {
-    /// The options of the library for an input.
+    /// The options of the library for an input, and what is to be done to which vessels.
     pub(super) fn meaning(&self, input: &Path) -> Result<(FlowOptions, Vec<(String, Change)>)> {
-        let options = self.flow_options(for_input(&self.boundary.options()?, input))?;
-        let changes = self.changes.parse()?.into_iter().map(|(name, change)| (name.to_owned(), change)).collect();
-        Ok((options, changes))
+        let ChangeArgs { stenosis, occlude, tortuosity } = &self.changes;
+        let occlusions = occlude.iter().map(|name| (name.clone(), Change::Occlusion));
+        let changes = stenosis.iter().cloned().chain(occlusions).chain(tortuosity.iter().cloned()).collect();
+        let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
+        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse }, changes))
     }
 }
 
-impl SimulateArgs {
-    fn flow_options(&self, boundary: BoundaryOptions) -> Result<FlowOptions> {
-        let viscosity = viscosity(&self.viscosity)?;
-        Ok(FlowOptions { boundary, viscosity, transport: self.transport, pulse: self.pulse.options()? })
-    }
+/// What is to be done to a vessel, by name; `parse` says what is wrong.
+fn change(
+    option: &'static str,
+    text: &str,
+    parse: impl FnOnce(&str) -> Result<(&str, Change), String>,
+) -> Result<(String, Change)> {
+    let (name, change) = parse(text).map_err(|why| Error::parameter(option, format!("\"{text}\""), why))?;
+    Ok((name.to_owned(), change))
 }
 
-impl ChangeArgs {
-    /// What is to be done to which vessels.
-    fn parse(&self) -> Result<Vec<(&str, Change)>> {
-        let refused = |option: &'static str, text: &str| {
-            let value = format!("\"{text}\"");
-            move |why: String| Error::parameter(option, value, why)
-        };
-        let mut changes = Vec::new();
-        for text in &self.stenosis {
-            changes.push(stenosis(text).map_err(refused("stenosis", text))?);
-        }
-        changes.extend(self.occlude.iter().map(|name| (name.as_str(), Change::Occlusion)));
-        for text in &self.tortuosity {
-            changes.push(tortuosity(text).map_err(refused("tortuosity", text))?);
-        }
-        Ok(changes)
-    }
+fn stenosis(text: &str) -> Result<(String, Change)> {
+    change("stenosis", text, parse_stenosis)
+}
+
+fn tortuosity(text: &str) -> Result<(String, Change)> {
+    change("tortuosity", text, parse_tortuosity)
 }
 
 /// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.
-fn stenosis(text: &str) -> Result<(&str, Change), String> {
+fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     let (name, value) = text.rsplit_once('=').ok_or(SEVERITY)?;
     let (severity, stretch) = match value.split_once('@') {
         None => (value, None),
@@ -165,7 +157,7 @@ fn stretch(place: &str) -> Result<(StretchPlace, f64), String> {
 }
 
 /// `VESSEL=FACTOR`.
-fn tortuosity(text: &str) -> Result<(&str, Change), String> {
+fn parse_tortuosity(text: &str) -> Result<(&str, Change), String> {
     const ACCEPTED: &str = "expected VESSEL=FACTOR with a factor of length of at least 1, such as 1.3";
     let (name, factor) = text.rsplit_once('=').ok_or(ACCEPTED)?;
     let factor: f64 = factor.trim().parse().map_err(|_| ACCEPTED)?;

@@ -11,7 +11,7 @@ use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD}
 use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
-use super::command_line::words_of_row;
+use super::command_line::{line_of_words, words_of_row};
 use super::{Cli, Command, command_of};
 
 /// The longest name of a folder, in characters.
@@ -27,6 +27,8 @@ pub struct Subject {
     pub name: String,
     /// Its path, as given or as a pattern found it.
     pub input: PathBuf,
+    /// The command line that repeats its run.
+    pub line: String,
     /// Its row in a manifest, where it has one.
     pub row: Option<Row>,
 }
@@ -45,50 +47,30 @@ pub struct Row {
 }
 
 impl Subject {
-    /// A subject of an input, without options of its own.
-    pub fn new(name: String, input: PathBuf) -> Self {
-        Self { name, input, row: None }
-    }
-
     /// An error of its options, with their place.
     pub fn fault(&self, error: Error) -> Error {
-        match &self.row {
-            Some(row) => row.fault(error),
-            None => error,
+        match (error, &self.row) {
+            (Error::Parameter { name, value, accepted }, Some(Row { place: (path, line), .. })) => {
+                Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
+            }
+            (other, _) => other,
         }
+    }
+
+    /// The command with options of its own, where it has any.
+    ///
+    /// # Errors
+    ///
+    /// An option that the command does not have, or a value that it does not take.
+    pub(super) fn command(&self) -> Result<Option<Command>> {
+        let row = self.row.as_ref().filter(|row| !row.options.is_empty());
+        row.map(|row| command_of(&row.words)).transpose().map_err(|error| self.fault(error))
     }
 
     /// Its own options, as they would be typed.
     pub fn own(&self) -> Vec<String> {
         let own = self.row.iter().flat_map(|row| &row.options);
         own.map(|(name, value)| format!("--{}={value}", name.replace('_', "-"))).collect()
-    }
-
-    /// The row of a subject that has options of its own.
-    pub fn row_of_options(&self) -> Option<&Row> {
-        self.row.as_ref().filter(|row| !row.options.is_empty())
-    }
-}
-
-impl Row {
-    /// The command for its subject alone.
-    ///
-    /// # Errors
-    ///
-    /// An option that the command does not have, or a value that it does not take.
-    pub(super) fn command(&self) -> Result<Command> {
-        command_of(&self.words).map_err(|error| self.fault(error))
-    }
-
-    /// An error of its options, with their place.
-    pub fn fault(&self, error: Error) -> Error {
-        let (path, line) = &self.place;
-        match error {
-            Error::Parameter { name, value, accepted } => {
-                Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
-            }
-            other => other,
-        }
     }
 }
 
@@ -126,9 +108,14 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     // `cohort/*` means the subjects of a cohort.
     let is_input = |path: &Path| path.is_file() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
-    let given: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
-    let found = paths(&given, "file", |path| is_input(path) || is_run(path))?;
-    Ok(Inputs::Many(named(found.into_iter().filter(|path| known.insert(path.clone())).collect())))
+    let inputs: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
+    let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
+    let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
+    let subject = |(name, input): (String, PathBuf)| {
+        let line = line_of_words(words_of_row(&input, given, &[]).into_iter(), "again");
+        Subject { name, input, line, row: None }
+    };
+    Ok(Inputs::Many(named(&found).into_iter().zip(found).map(subject).collect()))
 }
 
 /// The manifest that a file is; `None` for a file that is none.
@@ -156,13 +143,14 @@ fn has_inputs(bytes: &[u8]) -> bool {
 /// The subjects of a manifest, each with its own options.
 fn subjects_of(manifest: Manifest, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
     let others = manifest.others;
-    let named = named_as(manifest.rows.iter().map(|row| (row.input.clone(), row.subject.clone())).collect());
-    let with_row = |(subject, row): (Subject, ManifestRow)| {
-        let words = words_of_row(&row.input, given, &row.options);
-        let row = Row { place: (path.to_owned(), row.line), options: row.options, words, others: others.clone() };
-        Subject { row: Some(row), ..subject }
+    let names = named_as(&manifest.rows.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
+    let with_row = |(name, row): (String, ManifestRow)| {
+        let ManifestRow { input, options, line, .. } = row;
+        let words = words_of_row(&input, given, &options);
+        let row = Row { place: (path.to_owned(), line), options, words: words.clone(), others: others.clone() };
+        Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
-    named.into_iter().zip(manifest.rows).map(with_row).collect()
+    names.into_iter().zip(manifest.rows).map(with_row).collect()
 }
 
 /// Refuses a folder that is no run, with what in it may be meant.
@@ -236,18 +224,17 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where
 /// some are, `folder-file`; and a number behind what is still the same.
-pub fn named(inputs: Vec<PathBuf>) -> Vec<Subject> {
-    named_as(inputs.into_iter().map(|input| (input, None)).collect())
+pub fn named(inputs: &[PathBuf]) -> Vec<String> {
+    named_as(&inputs.iter().map(|input| (&**input, None)).collect::<Vec<_>>())
 }
 
 /// The same where a person may have said what an input is called.
-fn named_as(inputs: Vec<(PathBuf, Option<String>)>) -> Vec<Subject> {
-    let (inputs, names): (Vec<PathBuf>, Vec<Option<String>>) = inputs.into_iter().unzip();
+fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
-    for path in &inputs {
+    for (path, _) in inputs {
         *times.entry(stem(path).to_lowercase()).or_default() += 1;
     }
-    let word = |path: &PathBuf| {
+    let word = |path: &Path| {
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         match (times[&stem(path).to_lowercase()], folder) {
             (n, Some(folder)) if n > 1 && n == inputs.len() => folder,
@@ -255,15 +242,13 @@ fn named_as(inputs: Vec<(PathBuf, Option<String>)>) -> Vec<Subject> {
             _ => stem(path),
         }
     };
-    let words: Vec<String> =
-        inputs.iter().zip(&names).map(|(path, name)| safe(&name.clone().unwrap_or_else(|| word(path)))).collect();
+    let words = inputs.iter().map(|(path, name)| safe(&name.map_or_else(|| word(path), str::to_owned)));
     let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE].map(str::to_owned).into();
-    let mut unique = |word: &String| {
+    let unique = |word: String| {
         let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
         numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
     };
-    let names: Vec<String> = words.iter().map(&mut unique).collect();
-    names.into_iter().zip(inputs).map(|(name, input)| Subject::new(name, input)).collect()
+    words.map(unique).collect()
 }
 
 /// A word as the name of a folder on every system.

@@ -8,7 +8,7 @@ use clap::{Args, FromArgMatches};
 
 use super::args::reading::ReadingArgs;
 use super::classify::ClassifyArgs;
-use super::command_line::command_line_of_words;
+use super::command_line::line_of_words;
 use super::infer::InferArgs;
 use super::modulate::ModulateArgs;
 use super::phantom::PhantomArgs;
@@ -16,6 +16,7 @@ use super::print::arteries::say_variant;
 use super::print::flow::say_simulated;
 use super::print::inference::say_outcome;
 use super::print::{say_read, say_step, taken};
+use super::refusal::of_library;
 use super::simulate::SimulateArgs;
 use crate::error::{Error, Result};
 use crate::{
@@ -41,7 +42,7 @@ pub fn infer(input: &Path, words: &[String]) -> Result<(InferOptions, String)> {
     let name = input.to_string_lossy().into_owned();
     let args = parsed::<InferArgs>(&[&name, "-o", "again"], words)?;
     let line = [vec!["infer".to_owned(), name], words.to_vec()].concat();
-    Ok((args.meaning(input)?, command_line_of_words(&line, "again")))
+    Ok((args.meaning(input)?, line_of_words(line.into_iter(), "again")))
 }
 
 /// What `willis simulate` does, by its words: the flow as it is, and the changes beside it, each of vessels by name.
@@ -70,7 +71,7 @@ pub fn modulate(input: &Path, network: &Network, words: &[String]) -> Result<(Bo
 /// A word that is no option, or a value that it does not take.
 pub fn classify(input: &Path, words: &[String]) -> Result<(Option<ArterySource>, PhenotypeOptions)> {
     let args = parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?;
-    Ok((args.source(input), args.phenotypes()))
+    Ok((args.source(input), args.phenotypes().clone()))
 }
 
 /// The whole anatomy that `willis phantom KIND` makes, by its words.
@@ -118,6 +119,9 @@ fn parsed<A: Args + FromArgMatches>(first: &[&str], words: &[String]) -> Result<
 
 /// What is wrong with words, as an error of the library.
 pub(super) fn refusal(error: &clap::Error) -> Error {
+    if let Some(own) = of_library(error) {
+        return own;
+    }
     let text = |kind| match error.get(kind) {
         Some(ContextValue::String(text)) => Some(text.clone()),
         Some(ContextValue::Strings(texts)) => Some(texts.join(", ")),

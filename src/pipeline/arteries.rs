@@ -14,7 +14,7 @@ use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::Scale;
 use willis_core::network::{Condition, Network, Role};
 use willis_core::sampling::SamplingOptions;
-use willis_io::formats::{LandmarkFormat, bytes_of, checksum, read_landmarks};
+use willis_io::formats::{LandmarkFormat, read_landmarks};
 use willis_io::output::atomic::write_file;
 use willis_io::output::names::LANDMARKS;
 use willis_models::circle_of_willis::{
@@ -44,6 +44,10 @@ pub enum ArterySource {
 impl ArterySource {
     pub(crate) fn is_landmarks(&self) -> bool {
         matches!(self, Self::Landmarks(_))
+    }
+
+    pub(crate) fn is_labels(&self) -> bool {
+        matches!(self, Self::AnyLabels | Self::Labels(_))
     }
 
     /// Labels or geometry in the place of [`ArterySource::Automatic`], by what a network has.
@@ -81,7 +85,7 @@ impl ArterySource {
 }
 
 fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundArteries> {
-    let bytes = bytes_of(file)?;
+    let (bytes, source) = SourceFile::read(file)?;
     let here = |fault: Fault| fault.in_file(file);
     let list = read_landmarks(&bytes, scale).map_err(here)?;
     let format = list.format;
@@ -89,7 +93,7 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
     let landmarks = identify_landmarks(listed).map_err(here)?;
     let (circle, found) = Circle::at(network, &landmarks).map_err(here)?;
     notes.extend(found);
-    let landmarks = Some(SourceFile { path: file.to_owned(), sha256: checksum(&bytes) });
+    let landmarks = Some(source);
     let copy = String::from_utf8(bytes).ok().map(|text| (format, text));
     Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes, named: None })
 }
@@ -101,17 +105,19 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>,
         None => models.name(network),
     };
     let here = |fault: Fault| fault.in_file(input);
-    let no_vessel = || {
-        Fault::file(
-            "no vessel with positions",
-            "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks` FILE",
-        )
-    };
     let names = names.ok_or_else(no_vessel).map_err(here)?;
     let model = models.of(&names);
     let (circle, notes) = names.located(network, model).map_err(here)?;
     let named = Some(names.circle(model));
     Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named })
+}
+
+/// That no vessel of a network has a position, where geometry is to name them.
+pub(crate) fn no_vessel() -> Fault {
+    Fault::file(
+        "no vessel with positions",
+        "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks` FILE",
+    )
 }
 
 /// Where the arteries are, and how that is known.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
-use super::progress::{Progress, Step};
+use super::progress::{Follow, Step};
 use willis_core::error::{Error, Place, Result};
 use willis_core::flow::boundary_conditions::{Total, stated};
 use willis_core::flow::{Boundary, FoundOutlets, Given};
@@ -18,20 +18,33 @@ use willis_io::formats::tables::conditions::{read_csv, read_toml};
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
                        murray=8mmHg.s/mL, of all outlets together and positive";
 
+#[cfg(feature = "cli")]
+const OUTLET: &str = "NODE[=ground|PRESSURE|RESISTANCE[@PRESSURE]]";
+
 /// Where blood enters and leaves. A NODE is the id of a node, its label, or `x,y,z` in mm.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+#[cfg_attr(feature = "cli", command(next_help_heading = "Boundary conditions (NODE is an id, a label, or x,y,z in mm)"))]
 #[serde(default, deny_unknown_fields)]
 pub struct BoundaryOptions {
-    /// Inlets, `NODE` (at 100 mmHg) or `NODE=PRESSURE`; found at free ends when none is given anywhere.
+    /// Where blood enters, at a pressure [default: 100 mmHg]; found at free ends when none is given
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NODE[=PRESSURE]", allow_hyphen_values = true))]
     pub inlet: Vec<String>,
-    /// Outlets, `NODE` (to ground), `NODE=PRESSURE`, `NODE=RESISTANCE[@PRESSURE]` or
-    /// `NODE=rcr:R1,C,R2[@PRESSURE]`; found at the other free ends.
+    /// Where blood leaves: to ground (the default), to a pressure (5mmHg), or through a resistance (20mmHg.s/mL) to a venous
+    /// pressure (20mmHg.s/mL@5mmHg); found at the other free ends when none is given
+    // Of a pulse also `NODE=rcr:R1,C,R2[@PRESSURE]`.
+    #[cfg_attr(feature = "cli", arg(long, value_name = OUTLET, allow_hyphen_values = true))]
     pub outlet: Vec<String>,
-    /// Fixed flows into the network, `NODE=FLOW` (negative: out of it).
+    /// A fixed flow into the network (negative: out of it), in mL/min
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NODE=FLOW", allow_hyphen_values = true, hide_short_help = true))]
     pub flow: Vec<String>,
-    /// A CSV or TOML file of conditions.
+    /// A CSV or TOML file of conditions; in its name {} is INPUT without its ending and {dir} the folder of INPUT
+    #[cfg_attr(feature = "cli", arg(long = "bc", value_name = "FILE", value_hint = clap::ValueHint::FilePath))]
     pub conditions: Option<PathBuf>,
-    /// What outlets that are found are; by default Murray's law for a brain's flow on centerlines and masks, ground on a ready graph.
+    /// What outlets found by willis are: ground, or terminal resistances by Murray's law that come to a total flow (in
+    /// mL/min) or a total resistance [default: murray=700 on centerlines and masks, ground on a ready graph]
+    #[cfg_attr(feature = "cli", arg(long = "outlets", value_name = "ground|murray[=FLOW|RESISTANCE]"))]
+    #[cfg_attr(feature = "cli", arg(value_parser = parse_found_outlets, hide_short_help = true))]
     pub found_outlets: Option<FoundOutlets>,
 }
 
@@ -43,14 +56,14 @@ impl BoundaryOptions {
         network: &Network,
         outlets: FoundOutlets,
         known: &[usize],
-        progress: &mut dyn Progress,
+        progress: &mut dyn Follow,
     ) -> Result<Boundary> {
         let given = self.given(network, progress)?;
         Boundary::resolve_knowing(network, &given, outlets, known)
     }
 
     /// The conditions that are stated, by node.
-    pub(crate) fn given(&self, network: &Network, progress: &mut dyn Progress) -> Result<Vec<Given>> {
+    pub(crate) fn given(&self, network: &Network, progress: &mut dyn Follow) -> Result<Vec<Given>> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();
         given.extend(self.conditions_of_file(network, progress)?);
         given.extend(self.conditions_of_options(network, progress)?);
@@ -62,7 +75,7 @@ impl BoundaryOptions {
         self.conditions.is_some() || !self.inlet.is_empty() || !self.flow.is_empty()
     }
 
-    fn conditions_of_file(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_file(&self, network: &Network, progress: &mut dyn Follow) -> Result<BTreeMap<usize, Given>> {
         let Some(path) = &self.conditions else { return Ok(BTreeMap::new()) };
         let bytes = bytes_of(path)?;
         let is_toml = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("toml"));
@@ -82,7 +95,7 @@ impl BoundaryOptions {
         Ok(given)
     }
 
-    fn conditions_of_options(&self, network: &Network, progress: &mut dyn Progress) -> Result<BTreeMap<usize, Given>> {
+    fn conditions_of_options(&self, network: &Network, progress: &mut dyn Follow) -> Result<BTreeMap<usize, Given>> {
         let options = [("inlet", &self.inlet), ("outlet", &self.outlet), ("flow", &self.flow)];
         let mut given = BTreeMap::new();
         for (option, text) in options.into_iter().flat_map(|(option, texts)| texts.iter().map(move |text| (option, text))) {

@@ -6,8 +6,9 @@ use serde_json::Value;
 
 use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
+use super::prepare::NO_PHENOTYPE;
 use super::stored_run::StoredRun;
-use super::{ArterySource, InferOptions, Input, Silent, prepare};
+use super::{ArterySource, Follow, InferOptions, Input, Silent, prepare};
 use willis_core::decision::{Keep, decide, has_evidence};
 use willis_core::error::{Fault, Result};
 use willis_core::flow::boundary_conditions::stated;
@@ -61,7 +62,7 @@ pub fn classify(
     input: &Input,
     source: Option<&ArterySource>,
     phenotypes: &PhenotypeOptions,
-    progress: &mut dyn super::Progress,
+    progress: &mut dyn Follow,
 ) -> Result<Phenotype> {
     phenotypes.validate()?;
     let path = Path::new(&input.provenance.input);
@@ -126,8 +127,9 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let prepared = prepare(input.clone(), &options, &mut Silent)?;
     let network = &prepared.graph;
     let Some(found) = prepared.arteries.clone() else {
-        let why = prepared.provenance.notes.last().cloned().unwrap_or_default();
-        let accepted = "expected centerlines of the arteries of a head, or labels, or `landmarks` FILE";
+        let why = prepared.provenance.notes.iter().find_map(|note| note.strip_prefix(NO_PHENOTYPE)).unwrap_or_default();
+        let (why, accepted) =
+            why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks` FILE"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
     let given: Vec<usize> =

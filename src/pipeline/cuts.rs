@@ -1,19 +1,17 @@
 //! Where contacts of observed vessels are opened: by which model, with which mask.
 
-use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
 use super::Input;
-use super::options::SourceFile;
-use willis_core::error::{Error, Fault, Result};
+use super::options::{ModelSource, SourceFile, ending, of_word};
+use willis_core::error::{Error, Result};
 use willis_core::network::Network;
 use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::{ReadOptions, bytes_of, checksum, read_mask};
+use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground, Scene};
 use willis_models::candidates::kind::Kind;
 use willis_models::contacts::model::ContactModel;
@@ -23,7 +21,7 @@ use willis_models::contacts::with_contacts;
 
 /// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[serde(rename_all = "kebab-case")]
 pub enum Cut {
     /// On automatic skeletons where there is a mask; without one cuts are suggested.
     #[default]
@@ -33,47 +31,21 @@ pub enum Cut {
     /// Nowhere.
     Never,
     /// As `always`, by a model of one's own (`.toml`, from `willis train --model contacts`).
+    #[serde(untagged)]
     File(PathBuf),
-}
-
-const WORDS: [(&str, Cut); 3] = [("auto", Cut::Auto), ("always", Cut::Always), ("never", Cut::Never)];
-
-impl fmt::Display for Cut {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self, WORDS.iter().find(|(_, cut)| cut == self)) {
-            (_, Some((word, _))) => f.write_str(word),
-            (Self::File(path), _) => write!(f, "{}", path.display()),
-            _ => Ok(()),
-        }
-    }
-}
-
-impl From<Cut> for String {
-    fn from(cut: Cut) -> Self {
-        cut.to_string()
-    }
-}
-
-impl TryFrom<String> for Cut {
-    type Error = Error;
-
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
-    }
 }
 
 impl FromStr for Cut {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        if let Some((_, cut)) = WORDS.into_iter().find(|(word, _)| *word == text) {
-            return Ok(cut);
+        match of_word(text) {
+            Some(Self::File(path)) if ending(&path) != "toml" => {
+                let accepted = did_you_mean(text, ["auto", "always", "never"]) + "expected auto, always, never, or a file .toml";
+                Err(Error::parameter("cut", format!("\"{text}\""), accepted))
+            }
+            cut => Ok(cut.unwrap_or_default()),
         }
-        if Path::new(text).extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml")) {
-            return Ok(Self::File(text.into()));
-        }
-        let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
-        Err(Error::parameter("cut", format!("\"{text}\""), format!("{meant}expected auto, always, never, or a file .toml")))
     }
 }
 
@@ -86,13 +58,21 @@ pub(crate) struct Contacts {
     pub(crate) suggested: Vec<SuggestedCut>,
 }
 
+/// What contacts are opened by, as run.json has it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct CutRecord {
+    model: ModelSource,
+    /// Whether there is a mask.
+    pub(crate) mask: bool,
+    /// Whether cuts are suggested and not made.
+    pub(crate) only_suggested: bool,
+}
+
 /// The model and the mask by which contacts are opened.
 pub(crate) struct Cuts {
     model: Arc<ContactModel>,
-    source: Option<SourceFile>,
     field: Option<Field>,
-    /// Whether cuts are suggested and not made.
-    only_suggests: bool,
+    pub(crate) record: CutRecord,
 }
 
 impl Cuts {
@@ -107,7 +87,6 @@ impl Cuts {
             Cut::Auto => kind == Kind::Skeleton,
             Cut::Always | Cut::File(_) => true,
         };
-        let only_suggests = *cut == Cut::Auto && mask.is_none() && input.lumen.is_none();
         if !wanted || !input.is_fragments || !input.network.has_positions() {
             return Ok(None);
         }
@@ -117,46 +96,30 @@ impl Cuts {
         };
         let (model, source) = match cut {
             Cut::File(path) => {
-                let bytes = bytes_of(path)?;
-                let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train --model contacts` writes it");
-                let text = std::str::from_utf8(&bytes).map_err(not_utf8).map_err(|fault| fault.in_file(path))?;
-                let model = ContactModel::read(text).map_err(|fault| fault.in_file(path))?;
-                (Arc::new(model), Some(SourceFile { path: path.clone(), sha256: checksum(&bytes) }))
+                let expected = "expected a model as `willis train --model contacts` writes it";
+                let (model, source) = SourceFile::read_text(path, expected, ContactModel::read)?;
+                (Arc::new(model), ModelSource::File(source))
             }
-            _ => (ContactModel::shipped()?, None),
+            _ => (ContactModel::shipped()?, ModelSource::Word("shipped".to_owned())),
         };
-        Ok(Some(Self { model, source, field, only_suggests }))
+        let only_suggested = *cut == Cut::Auto && mask.is_none() && input.lumen.is_none();
+        let record = CutRecord { model: source, mask: field.is_some(), only_suggested };
+        Ok(Some(Self { model, field, record }))
     }
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
     /// them what to tell a person where P of contacts may be off.
     pub(crate) fn open(&self, graph: Network, scene: Option<&Scene>) -> (Network, Contacts, Option<String>) {
         let (opened, note) = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
-        if !self.only_suggests {
+        if !self.record.only_suggested {
             return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() }, note);
         }
         let suggested = suggested_cuts(&graph, &opened);
         (graph, Contacts { pairings: Vec::new(), suggested }, note)
     }
 
-    /// Whether cuts are suggested and not made.
-    pub(crate) fn only_suggests(&self) -> bool {
-        self.only_suggests
-    }
-
-    /// Whether there is a mask.
-    pub(crate) fn has_mask(&self) -> bool {
-        self.field.is_some()
-    }
-
     /// Whether contacts are judged by this image.
     pub(crate) fn looks_at(&self, scene: Option<&Scene>) -> bool {
-        self.has_mask() && self.model.image.is_some() && scene.is_some()
-    }
-
-    /// The record in run.json.
-    pub(crate) fn record(&self) -> Value {
-        let model = self.source.as_ref().map_or(json!("shipped"), |source| json!(source));
-        json!({ "model": model, "mask": self.field.is_some(), "only_suggested": self.only_suggests })
+        self.record.mask && self.model.image.is_some() && scene.is_some()
     }
 }

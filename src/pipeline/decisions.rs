@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
+use super::options::SourceFile;
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Evidence, Network, Origin};
-use willis_io::formats::{ListedDecision, bytes_of, checksum, read_decisions};
+use willis_io::formats::{ListedDecision, read_decisions};
 
 /// A decision on one connection.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -25,21 +25,42 @@ pub struct ConnectionDecision {
     pub when: String,
 }
 
-/// The decisions of a file for a graph that was built of the input with this SHA-256, and the record of them.
-///
-/// # Errors
-///
-/// A file that cannot be read, or that was made for another input or another graph.
-pub(super) fn load(path: &Path, graph: &Network, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Value)> {
-    let bytes = bytes_of(path)?;
-    let listed = read_decisions(&bytes).map_err(|fault| fault.in_file(path))?;
-    for decision in &listed {
-        check(decision, graph, input_sha256).map_err(|fault| fault.in_file(path))?;
+/// What a person decided, as run.json has it.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Decided {
+    /// The file that holds it; none where it was decided in a program.
+    #[serde(flatten)]
+    source: Option<SourceFile>,
+    pub(super) made: Vec<ConnectionDecision>,
+}
+
+/// The decisions that a file lists.
+pub(super) struct DecisionList {
+    listed: Vec<ListedDecision>,
+    source: SourceFile,
+}
+
+impl DecisionList {
+    /// Reads a file.
+    pub(super) fn read(path: &Path) -> Result<Self> {
+        let (bytes, source) = SourceFile::read(path)?;
+        Ok(Self { listed: read_decisions(&bytes).map_err(|fault| fault.in_file(path))?, source })
     }
-    let made: Vec<ConnectionDecision> =
-        listed.into_iter().map(|d| ConnectionDecision { edge: d.edge, accepted: d.accepted, who: d.who, when: d.when }).collect();
-    let record = json!({ "path": path, "sha256": checksum(&bytes), "made": made });
-    Ok((made, record))
+
+    /// The decisions on a graph that was built of the input with this SHA-256.
+    ///
+    /// # Errors
+    ///
+    /// A file that was made for another input or another graph.
+    pub(super) fn on(self, graph: &Network, input_sha256: &str) -> Result<Decided> {
+        let Self { listed, source } = self;
+        for decision in &listed {
+            check(decision, graph, input_sha256).map_err(|fault| fault.in_file(&source.path))?;
+        }
+        let made =
+            listed.into_iter().map(|d| ConnectionDecision { edge: d.edge, accepted: d.accepted, who: d.who, when: d.when });
+        Ok(Decided { made: made.collect(), source: Some(source) })
+    }
 }
 
 /// Refuses a decision on another graph than this.

@@ -6,7 +6,8 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::{ConnectionDecision, Prepared, Progress, SaveOptions};
+use super::prepare::decide_on;
+use super::{ConnectionDecision, Follow, Prepared, SaveOptions};
 use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
@@ -160,11 +161,6 @@ impl Inference {
         &self.hypoplastic
     }
 
-    /// Who feeds each territory and outlet of the circle, and how late, over the plausible topologies; none where arteries are not known.
-    pub fn supplies(&self) -> &[Supply] {
-        &self.supplies
-    }
-
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> Outcome<'_> {
         let Prepared { graph, boundary, keep, .. } = &*self.prepared;
@@ -208,15 +204,15 @@ impl Inference {
     /// # Errors
     ///
     /// A row that is no candidate and no contact, or was decided on before; as [`infer`](crate::infer).
-    pub fn with_decisions(&self, made: &[ConnectionDecision], progress: &mut dyn Progress) -> Result<Self> {
+    pub fn with_decisions(&self, made: &[ConnectionDecision], progress: &mut dyn Follow) -> Result<Self> {
         let mut prepared = Prepared::clone(&self.prepared);
-        let mut all: Vec<ConnectionDecision> = serde_json::from_value(prepared.decisions["made"].clone()).unwrap_or_default();
-        if let Some(again) = made.iter().find(|new| all.iter().any(|old| old.edge == new.edge)) {
+        let mut decided = prepared.records.decisions.take().unwrap_or_default();
+        if let Some(again) = made.iter().find(|new| decided.made.iter().any(|old| old.edge == new.edge)) {
             return Err(Error::parameter("decisions", again.edge, "was decided on before; expected another connection"));
         }
-        prepared.uniform_prior = super::decide_on(&mut prepared.graph, made, prepared.uniform_prior)?;
-        all.extend_from_slice(made);
-        prepared.decisions["made"] = json!(all);
+        prepared.uniform_prior = decide_on(&mut prepared.graph, made, prepared.uniform_prior)?;
+        decided.made.extend_from_slice(made);
+        prepared.records.decisions = Some(decided);
         Arc::new(prepared).sample(&self.sampling, progress)
     }
 
@@ -292,10 +288,10 @@ impl Inference {
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
         let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
-        summary.state_prior(prepared.prior.clone());
-        summary.state_cut(prepared.cuts.clone());
-        summary.state_image(prepared.image.clone());
-        summary.state_decisions(prepared.decisions.clone());
+        summary.state_prior(json!(prepared.records.prior));
+        summary.state_cut(json!(prepared.records.cut));
+        summary.state_image(json!(prepared.records.image));
+        summary.state_decisions(json!(prepared.records.decisions));
         summary.time = self.time.clone();
         if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
             let variant = posterior.best();

@@ -5,17 +5,16 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::{InferOptions, Input, Prepared, Progress, prepare, write_target};
+use super::options::SourceFile;
+use super::{Follow, InferOptions, Input, Prepared, prepare, write_target};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::network::units::metres;
-use willis_io::formats::bytes_of;
 use willis_io::formats::convert::Target;
 use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
 };
 use willis_io::output::StagedFile;
-use willis_io::output::atomic::write_file;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
@@ -52,10 +51,8 @@ pub struct Labelled {
 /// A file that cannot be read or is no model.
 pub(crate) fn load_models(path: Option<&Path>) -> Result<NamingModels> {
     let Some(path) = path else { return NamingModels::shipped() };
-    let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train --model labels` writes it");
-    let bytes = bytes_of(path)?;
-    let model = std::str::from_utf8(&bytes).map_err(not_utf8).and_then(NamingModel::read).map_err(|fault| fault.in_file(path))?;
-    Ok(NamingModels::one(model))
+    let expected = "expected a model as `willis train --model labels` writes it";
+    Ok(NamingModels::one(SourceFile::read_text(path, expected, NamingModel::read)?.0))
 }
 
 /// Names the arteries of an input: exactly what `willis label` does.
@@ -63,7 +60,7 @@ pub(crate) fn load_models(path: Option<&Path>) -> Result<NamingModels> {
 /// # Errors
 ///
 /// As [`infer`](crate::infer) before any sample; a network without positions.
-pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Progress) -> Result<Labelled> {
+pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Follow) -> Result<Labelled> {
     let models = load_models(options.model.as_deref())?;
     let (path, original) = (input.provenance.input.clone(), input.network.node_count());
     let prepared = prepare(input, &options.infer, progress)?;
@@ -118,9 +115,7 @@ impl Labelled {
                 MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
             })
             .collect();
-        let file = StagedFile::new(path, force)?;
-        write_file(&file.path(), |out| write_landmarks(out, format, self.names.frame, &points))?;
-        file.commit()
+        StagedFile::write(path, force, |out| write_landmarks(out, format, self.names.frame, &points))
     }
 
     /// Writes the labelled vessels in the format of a target; GraphML has the probability of each label too.
@@ -134,9 +129,7 @@ impl Labelled {
         }
         let (nodes, mut vessels) = graph_columns(&self.network);
         vessels.push(Column::real("label_probability", self.probability.iter().map(|p| p.unwrap_or(f64::NAN))));
-        let file = StagedFile::new(&target.path, force)?;
-        write_file(&file.path(), |out| write_graphml(out, &self.network, &nodes, &vessels))?;
-        file.commit()?;
+        StagedFile::write(&target.path, force, |out| write_graphml(out, &self.network, &nodes, &vessels))?;
         Ok(vec![target.path.clone()])
     }
 
@@ -173,7 +166,5 @@ impl Labelled {
 }
 
 fn write_table(path: &Path, force: bool, columns: &[Column]) -> Result<()> {
-    let file = StagedFile::new(path, force)?;
-    write_file(&file.path(), |out| write_csv(out, columns))?;
-    file.commit()
+    StagedFile::write(path, force, |out| write_csv(out, columns))
 }

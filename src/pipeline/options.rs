@@ -1,7 +1,11 @@
 //! The options of a run: plain data, with the defaults of the command line, stored in run.json as they stand here.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
+#[cfg(feature = "cli")]
+use clap::ValueHint::FilePath;
+use serde::de::value::StrDeserializer;
+use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
@@ -11,11 +15,11 @@ use super::cuts::Cut;
 use super::prior::Prior;
 use super::pulse::PulseOptions;
 use willis_core::decision::Keep;
-use willis_core::error::{Error, Result};
+use willis_core::error::{Error, Fault, Result};
 use willis_core::flow::FoundOutlets;
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::sampling::{SamplingOptions, Uncertain};
-use willis_io::formats::ReadOptions;
+use willis_io::formats::{ReadOptions, bytes_of, checksum};
 use willis_io::masks::Appearance;
 use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
 use willis_models::circle_of_willis::VariantFrequencies;
@@ -101,18 +105,32 @@ impl InferOptions {
 
 /// What is known of people's circles before one is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
 #[serde(default, deny_unknown_fields)]
 pub struct PhenotypeOptions {
-    /// A CSV table of `missing,share`: how frequent each variant is in the study at hand, in the place of the published table.
+    /// How frequent each variant is among such people, in the place of the published table: a CSV file of missing,share
     #[serde(rename = "variant_prior")]
+    #[cfg_attr(feature = "cli", arg(long = "variant-prior", value_name = "FILE.csv", value_hint = FilePath, hide_short_help = true))]
     pub frequencies: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all, 0 to below 1; without it never.
+    /// How often a segment that is there is not in the extraction at all [default: 0]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", allow_negative_numbers = true, hide_short_help = true))]
     pub unseen: Option<f64>,
-    /// A model of `willis train --model labels` that names arteries, in the place of the one that ships.
+    /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL.toml", value_hint = FilePath, hide_short_help = true))]
     pub arteries: Option<PathBuf>,
-    /// The diameter below which a segment is hypoplastic, m, positive; by default 1 mm.
+    /// The diameter below which a segment is hypoplastic [default: 1mm]
+    // In m, positive.
     #[serde(rename = "hypoplastic_m")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DIAMETER", value_parser = diameter))]
+    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, hide_short_help = true))]
     pub hypoplastic: Option<f64>,
+}
+
+/// A diameter as a person types it, m.
+#[cfg(feature = "cli")]
+fn diameter(text: &str) -> std::result::Result<f64, String> {
+    let diameter = willis_core::network::quantity::Dimension::Length.parse(text)?;
+    if diameter > 0.0 { Ok(diameter) } else { Err("expected a positive diameter, such as 0.8mm".to_owned()) }
 }
 
 impl PhenotypeOptions {
@@ -219,6 +237,17 @@ impl SaveOptions {
     }
 }
 
+/// The choice that serde writes as this word, or that a file of this name is.
+pub(crate) fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
+    let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
+    T::deserialize(word).ok()
+}
+
+/// The ending of a file, in small letters.
+pub(crate) fn ending(path: &Path) -> String {
+    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
+}
+
 /// All options of a run, as run.json stores them.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -261,4 +290,34 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// The SHA-256 of its bytes.
     pub sha256: String,
+}
+
+impl SourceFile {
+    /// A file and what it holds.
+    pub(crate) fn read(path: &Path) -> Result<(Vec<u8>, Self)> {
+        let bytes = bytes_of(path)?;
+        let sha256 = checksum(&bytes);
+        Ok((bytes, Self { path: path.to_owned(), sha256 }))
+    }
+
+    /// A file of text, such as a model, and what `reader` makes of it; where it is no text, what was `expected`.
+    pub(crate) fn read_text<T>(
+        path: &Path,
+        expected: &str,
+        reader: impl FnOnce(&str) -> std::result::Result<T, Fault>,
+    ) -> Result<(T, Self)> {
+        let (bytes, source) = Self::read(path)?;
+        let text = std::str::from_utf8(&bytes).map_err(|_| Fault::file("not UTF-8", expected));
+        Ok((text.and_then(reader).map_err(|fault| fault.in_file(path))?, source))
+    }
+}
+
+/// Where a model or a prior comes from, as run.json names it: a word for what ships with willis, or a file.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum ModelSource {
+    /// A word.
+    Word(String),
+    /// A file.
+    File(SourceFile),
 }

@@ -1,8 +1,6 @@
 //! The image, or the probabilities of vessels, in which candidates are looked at.
 
-use std::path::PathBuf;
-
-use serde_json::{Value, json};
+use serde::{Deserialize, Serialize};
 
 use super::options::{InferOptions, SourceFile};
 use super::prior::LoadedPrior;
@@ -90,7 +88,7 @@ impl Picture {
 
     /// What a person should know of the image: that it does not show the vessels, or is noisier than the model knows.
     pub(crate) fn remarks(&self, unseen: Option<Unseen>, scene: Option<&Scene>, prior: &LoadedPrior) -> Vec<String> {
-        let path = self.path().display();
+        let path = self.source.path.display();
         let why = unseen.map(|why| format!("{path} does not show the vessels: {why}; candidates are judged without it"));
         why.into_iter().chain(scene.and_then(|scene| self.unusual(scene, prior))).collect()
     }
@@ -100,23 +98,27 @@ impl Picture {
     fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
         let noise = scene.noise_share;
         let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
-        let path = self.path().display();
+        let path = self.source.path.display();
         Some(format!(
             "{path}: the noise is {noise:.2} of the contrast of vessels, which the model knows from {least:.2} to {most:.2}; \
              its probabilities are less sure here"
         ))
     }
 
-    pub(crate) fn path(&self) -> &PathBuf {
-        &self.source.path
-    }
-
-    /// The record in run.json: the file, and why it was not used.
-    pub(crate) fn record(&self, unseen: Option<Unseen>) -> Value {
+    /// The record in run.json, with why the image was not used.
+    pub(crate) fn record(&self, unseen: Option<Unseen>) -> ImageRecord {
         let Self { source, appearance, is_probability } = self;
         let unused = unseen.map(|why| why.to_string());
-        json!({
-            "path": source.path, "sha256": source.sha256, "vessels": appearance, "probabilities": is_probability, "unused": unused
-        })
+        ImageRecord { source: source.clone(), vessels: *appearance, probabilities: *is_probability, unused }
     }
+}
+
+/// In which image candidates were looked at, as run.json has it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct ImageRecord {
+    #[serde(flatten)]
+    source: SourceFile,
+    vessels: Appearance,
+    probabilities: bool,
+    unused: Option<String>,
 }

@@ -1,20 +1,19 @@
 //! The prior: how probable each candidate is before any flow, and the over-connected graph that follows from it.
 
 use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::str::FromStr;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
-use super::options::SourceFile;
+use super::options::{ModelSource, SourceFile, ending, of_word};
 use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::{Error, Result};
 use willis_core::flow::Given;
 use willis_core::network::{Network, Origin, Role};
 use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::{bytes_of, checksum, read_prior_csv, read_prior_npy};
+use willis_io::formats::{read_prior_csv, read_prior_npy};
 use willis_io::masks::View;
 use willis_models::candidates::joins::model::JoinModel;
 use willis_models::candidates::kind::Kind;
@@ -25,15 +24,19 @@ use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
 /// or the path of a file.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(try_from = "String", into = "String")]
+#[serde(rename_all = "kebab-case")]
 pub enum Prior {
     /// The model that ships with willis for such an input, as [`Kind::of`] tells them apart. Also `weights:auto`.
+    #[serde(alias = "weights:auto")]
     Evidence,
     /// The model of tracings that ships with willis: fragments form a forest.
+    #[serde(rename = "weights:tracing")]
     Tracing,
     /// The model of tubes that ships with willis: the same, of vessels that were drawn one by one.
+    #[serde(rename = "weights:tubes")]
     Tubes,
     /// The model of automatic skeletons that ships with willis: candidates are judged one by one.
+    #[serde(rename = "weights:skeleton")]
     Skeleton,
     /// What the file of the graph states.
     None,
@@ -41,41 +44,16 @@ pub enum Prior {
     Uniform,
     /// A file: weights of the evidence (`.toml`, from `willis train`), or numbers from 0 to 1 for pairs of nodes or for vessels (`.npy`,
     /// `.csv`).
+    #[serde(untagged)]
     File(PathBuf),
 }
 
-const WORDS: [(&str, Prior); 6] = [
-    ("evidence", Prior::Evidence),
-    ("weights:tracing", Prior::Tracing),
-    ("weights:tubes", Prior::Tubes),
-    ("weights:skeleton", Prior::Skeleton),
-    ("none", Prior::None),
-    ("uniform", Prior::Uniform),
-];
-/// Another word for the choice by the input.
-const AUTOMATIC: &str = "weights:auto";
-
 impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match (self, WORDS.iter().find(|(_, prior)| prior == self)) {
-            (_, Some((word, _))) => f.write_str(word),
-            (Self::File(path), _) => write!(f, "{}", path.display()),
-            _ => Ok(()),
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            word => word.serialize(f),
         }
-    }
-}
-
-impl From<Prior> for String {
-    fn from(prior: Prior) -> Self {
-        prior.to_string()
-    }
-}
-
-impl TryFrom<String> for Prior {
-    type Error = Error;
-
-    fn try_from(text: String) -> Result<Self> {
-        text.parse()
     }
 }
 
@@ -83,25 +61,16 @@ impl FromStr for Prior {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        if let Some((_, prior)) = WORDS.into_iter().find(|(word, _)| *word == text) {
-            return Ok(prior);
+        const WORDS: [&str; 6] = ["evidence", "weights:tracing", "weights:tubes", "weights:skeleton", "none", "uniform"];
+        match of_word(text) {
+            Some(Self::File(path)) if !["toml", "npy", "csv"].contains(&ending(&path).as_str()) => {
+                let (meant, words) = (did_you_mean(text, WORDS), WORDS.join(", "));
+                let accepted = format!("{meant}expected {words}, or a file .toml, .npy or .csv");
+                Err(Error::parameter("prior", format!("\"{text}\""), accepted))
+            }
+            prior => Ok(prior.unwrap_or(Self::Evidence)),
         }
-        if text == AUTOMATIC {
-            return Ok(Self::Evidence);
-        }
-        if matches!(ending(Path::new(text)).as_str(), "toml" | "npy" | "csv") {
-            return Ok(Self::File(text.into()));
-        }
-        let meant = did_you_mean(text, WORDS.map(|(word, _)| word));
-        let accepted = format!(
-            "{meant}expected evidence, weights:tracing, weights:tubes, weights:skeleton, none, uniform, or a file .toml, .npy or .csv"
-        );
-        Err(Error::parameter("prior", format!("\"{text}\""), accepted))
     }
-}
-
-fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
 impl Prior {
@@ -111,91 +80,88 @@ impl Prior {
     ///
     /// A file that cannot be read, or weights with a fault.
     pub(crate) fn load(&self, kind: Kind) -> Result<LoadedPrior> {
-        let path = match self {
-            Self::Evidence => {
-                return match kind {
-                    Kind::Tracing => Self::Tracing,
-                    Kind::Tubes => Self::Tubes,
-                    Kind::Skeleton => Self::Skeleton,
-                }
-                .load(kind);
-            }
-            Self::Tracing => {
-                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped()?), record: json!(self) });
-            }
-            Self::Tubes => {
-                return Ok(LoadedPrior::Evidence { weights: Box::new(Weights::shipped_for_tubes()?), record: json!(self) });
-            }
-            Self::Skeleton => return Ok(LoadedPrior::Joins { model: JoinModel::shipped()?, record: json!(self) }),
-            Self::None => return Ok(LoadedPrior::None),
-            Self::Uniform => return Ok(LoadedPrior::Uniform),
-            Self::File(path) => path,
+        let chosen = match (self, kind) {
+            (Self::Evidence, Kind::Tracing) => &Self::Tracing,
+            (Self::Evidence, Kind::Tubes) => &Self::Tubes,
+            (Self::Evidence, Kind::Skeleton) => &Self::Skeleton,
+            _ => self,
         };
-        let bytes = bytes_of(path)?;
-        let source = SourceFile { path: path.clone(), sha256: checksum(&bytes) };
-        if ending(path) != "toml" {
-            return Ok(LoadedPrior::Table { bytes, source });
-        }
-        let fault = |_| Fault::file("not UTF-8", "expected weights as `willis train` writes them").in_file(path);
-        let text = std::str::from_utf8(&bytes).map_err(fault)?;
-        if JoinModel::is_one(text) {
-            let model = Arc::new(JoinModel::read(text).map_err(|fault| fault.in_file(path))?);
-            return Ok(LoadedPrior::Joins { model, record: json!(source) });
-        }
-        let weights = Box::new(Weights::read(text).map_err(|fault| fault.in_file(path))?);
-        Ok(LoadedPrior::Evidence { weights, record: json!(source) })
+        let Self::File(path) = chosen else {
+            let model = match chosen {
+                Self::Tubes => PriorModel::Evidence(Box::new(Weights::shipped_for_tubes()?)),
+                Self::Skeleton => PriorModel::Joins(JoinModel::shipped()?),
+                Self::None => PriorModel::None,
+                Self::Uniform => PriorModel::Uniform,
+                _ => PriorModel::Evidence(Box::new(Weights::shipped()?)),
+            };
+            return Ok(LoadedPrior { model, source: ModelSource::Word(chosen.to_string()) });
+        };
+        let (model, source) = if ending(path) == "toml" {
+            SourceFile::read_text(path, "expected weights as `willis train` writes them", |text| {
+                Ok(if JoinModel::is_one(text) {
+                    PriorModel::Joins(Arc::new(JoinModel::read(text)?))
+                } else {
+                    PriorModel::Evidence(Box::new(Weights::read(text)?))
+                })
+            })?
+        } else {
+            let (bytes, source) = SourceFile::read(path)?;
+            (PriorModel::Table(bytes, path.clone()), source)
+        };
+        Ok(LoadedPrior { model, source: ModelSource::File(source) })
     }
 }
 
 /// A prior whose files have been read.
-pub(crate) enum LoadedPrior {
-    /// A model of the evidence, and how run.json names it.
-    Evidence { weights: Box<Weights>, record: Value },
-    /// A model of joins on skeletons, likewise.
-    Joins { model: Arc<JoinModel>, record: Value },
+pub(crate) struct LoadedPrior {
+    model: PriorModel,
+    /// The record in run.json: the word, or the file with its checksum.
+    pub(crate) source: ModelSource,
+}
+
+/// What says how probable candidates are.
+enum PriorModel {
+    /// A model of the evidence.
+    Evidence(Box<Weights>),
+    /// A model of joins on skeletons.
+    Joins(Arc<JoinModel>),
     /// What the file of the graph states.
     None,
     /// One everywhere.
     Uniform,
-    /// A matrix or table.
-    Table { bytes: Vec<u8>, source: SourceFile },
+    /// A matrix or table, and its file.
+    Table(Vec<u8>, PathBuf),
 }
 
 impl LoadedPrior {
     pub(crate) fn is_evidence(&self) -> bool {
-        matches!(self, Self::Evidence { .. } | Self::Joins { .. })
+        matches!(self.model, PriorModel::Evidence(_) | PriorModel::Joins(_))
+    }
+
+    pub(crate) fn is_uniform(&self) -> bool {
+        matches!(self.model, PriorModel::Uniform)
     }
 
     /// The rule that decides where none is given.
     pub(crate) fn usual_rule(&self, graph: &Network) -> Keep {
-        match self {
+        match self.model {
             _ if graph.vessels().any(|(_, v)| v.origin == Origin::Contact) => Keep::Reconnect(RECONNECT),
-            Self::Joins { .. } => Keep::BestFirst(BEST_FIRST),
+            PriorModel::Joins(_) => Keep::BestFirst(BEST_FIRST),
             _ if knows_fragments(graph) => Keep::Probable(PRICE),
             _ if has_evidence(graph) => Keep::BestFirst(BEST_FIRST),
             _ => Keep::Median,
         }
     }
 
-    /// The record in run.json: the word, or the file with its checksum.
-    pub(crate) fn record(&self) -> Value {
-        match self {
-            Self::None => json!("none"),
-            Self::Uniform => json!("uniform"),
-            Self::Evidence { record, .. } | Self::Joins { record, .. } => record.clone(),
-            Self::Table { source, .. } => json!(source),
-        }
-    }
-
     /// Whether candidates are judged by an image too.
     pub(crate) fn looks_at_images(&self) -> bool {
-        matches!(self, Self::Joins { model, .. } if model.image.is_some())
+        self.noise_of_images().is_some()
     }
 
     /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels.
     pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
-        match self {
-            Self::Joins { model, .. } => model.image.as_ref().map(|image| image.noise),
+        match &self.model {
+            PriorModel::Joins(model) => model.image.as_ref().map(|image| image.noise),
             _ => None,
         }
     }
@@ -216,24 +182,24 @@ impl LoadedPrior {
         view: Option<View>,
     ) -> Result<(Network, Option<Looked>, Option<String>)> {
         let (mut looked, mut unlike) = (None, None);
-        let mut graph = match self {
+        let mut graph = match &self.model {
             _ if !is_fragments => network,
-            Self::Evidence { weights, .. } => {
+            PriorModel::Evidence(weights) => {
                 let inlets: Vec<usize> = given.iter().filter(|g| g.role == Role::Inlet).map(|g| g.node).collect();
                 let (graph, note) = build_with_evidence(&network, &inlets, options, weights)?;
                 unlike = note;
                 graph
             }
-            Self::Joins { model, .. } => {
+            PriorModel::Joins(model) => {
                 let (graph, found) = build_joins(&network, options, model, view)?;
                 looked = found;
                 graph
             }
             _ => build(&network, options)?,
         };
-        if let Self::Table { bytes, source } = self {
-            let read = if ending(&source.path) == "csv" { read_prior_csv } else { read_prior_npy };
-            read(bytes, &mut graph).map_err(|fault| fault.in_file(&source.path))?;
+        if let PriorModel::Table(bytes, path) = &self.model {
+            let read = if ending(path) == "csv" { read_prior_csv } else { read_prior_npy };
+            read(bytes, &mut graph).map_err(|fault| fault.in_file(path))?;
         }
         Ok((graph, looked, unlike))
     }

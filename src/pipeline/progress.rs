@@ -3,27 +3,19 @@
 use willis_core::flow::Boundary;
 use willis_core::network::Network;
 use willis_core::network::find_by_name::Located;
-use willis_core::sampling::{PartialRun, SamplingOptions};
+use willis_core::sampling::{PartialRun, Progress, SamplingOptions};
 use willis_models::candidates::CandidateOptions;
 
-/// Follows a run. Every method does nothing by default.
-pub trait Progress: Send {
+/// Follows a run: what its samples come to, as [`Progress`] has it, and the steps around them. Every method does nothing by default.
+pub trait Follow: Progress {
     /// A step of the method is done.
     fn step(&mut self, _step: Step<'_>) {}
-
-    /// So many samples of the total are done; false stops the run.
-    fn report(&mut self, _done: u64, _total: u64) -> bool {
-        true
-    }
 
     /// Sampling is about to begin: the part of the run that an earlier one finished, where it was kept. `key` stands for everything that
     /// the samples depend on; `fits` says whether a part may be of this run.
     fn resume(&mut self, _key: &str, _uncertain: &[bool], _fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         None
     }
-
-    /// More of the run is finished.
-    fn finished(&mut self, _part: &PartialRun) {}
 
     /// The samples are complete, or the run has failed: the part that is finished.
     fn sampled(&mut self, _part: &PartialRun, _is_complete: bool) {}
@@ -33,6 +25,21 @@ pub trait Progress: Send {
 pub struct Silent;
 
 impl Progress for Silent {}
+
+impl Follow for Silent {}
+
+/// What a person should know of a run: each note is said and kept for its record in one act.
+pub(super) struct Notes<'a> {
+    pub(super) kept: Vec<String>,
+    pub(super) follow: &'a mut dyn Follow,
+}
+
+impl Notes<'_> {
+    pub(super) fn say(&mut self, note: String) {
+        self.follow.step(Step::Note(&note));
+        self.kept.push(note);
+    }
+}
 
 /// A step of the method.
 #[derive(Debug)]

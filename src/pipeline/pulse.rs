@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::options::{FlowOptions, SourceFile};
-use super::progress::{Progress, Step};
+use super::progress::{Follow, Step};
 use willis_core::error::{Error, Result};
 use willis_core::flow::state::{BLOOD_DENSITY, State};
 use willis_core::flow::{Boundary, Tube, WallLaw};
@@ -19,7 +19,7 @@ use willis_core::simulation::pulse::typical::{self, Typical};
 use willis_core::simulation::pulse::womersley::Fluid;
 use willis_core::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, terminals, walled};
 use willis_core::simulation::{Perturbation, Simulation, perturbed};
-use willis_io::formats::{bytes_of, checksum, read_waveform};
+use willis_io::formats::read_waveform;
 use willis_report::end_name;
 
 /// How the flow pulsates. The default is what `willis simulate --pulse` does.
@@ -127,7 +127,7 @@ pub struct Waves {
 
 impl Waves {
     /// Reads the waveforms and finds their inlets.
-    pub fn load(network: &Network, boundary: &Boundary, options: &PulseOptions, progress: &mut dyn Progress) -> Result<Self> {
+    pub fn load(network: &Network, boundary: &Boundary, options: &PulseOptions, progress: &mut dyn Follow) -> Result<Self> {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet).collect();
         let usual = ["typical".to_owned()];
         let texts = if options.waveforms.is_empty() { &usual[..] } else { &options.waveforms };
@@ -246,9 +246,8 @@ fn shape(word: &str, inlet: &str) -> Typical {
 
 fn table(name: &str) -> Result<(Waveform, SourceFile)> {
     let path = Path::new(name);
-    let bytes = bytes_of(path)?;
-    let waveform = read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
-    Ok((waveform, SourceFile { path: path.to_owned(), sha256: checksum(&bytes) }))
+    let (bytes, source) = SourceFile::read(path)?;
+    Ok((read_waveform(&bytes).map_err(|fault| fault.in_file(path))?, source))
 }
 
 /// The one period of all waveforms, s.

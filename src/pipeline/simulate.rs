@@ -6,12 +6,11 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::pulse::Waves;
-use super::{BoundaryOptions, FlowOptions, Input, Progress, SaveOptions, Silent, Step};
+use super::{BoundaryOptions, FlowOptions, Follow, Input, SaveOptions, Silent, Step};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use willis_core::network::vessels_called;
-use willis_core::sampling;
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Change, Perturbation, Simulation};
@@ -53,7 +52,7 @@ pub fn simulate_with<'a>(
     input: &'a Input,
     changes: &[(&str, Change)],
     options: &FlowOptions,
-    progress: &mut dyn Progress,
+    progress: &mut dyn Follow,
 ) -> Result<SimulationRun<'a>> {
     options.validate()?;
     let network = &input.network;
@@ -78,7 +77,7 @@ pub fn simulate_with<'a>(
 }
 
 /// The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
-fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Progress) -> Result<(Boundary, FoundOutlets)> {
+fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Follow) -> Result<(Boundary, FoundOutlets)> {
     let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
     // Every vessel is there, and a condition that was found holds at a free end only.
     let boundary = options.resolve(&input.network, outlets, &input.inlets_by_labels(), progress)?.held(&input.network, |_| true);
@@ -177,12 +176,12 @@ pub fn modulate_with<'a>(
     boundary: &BoundaryOptions,
     options: &ModulationOptions,
     threshold: Option<f64>,
-    progress: &mut dyn Progress,
+    progress: &mut dyn Follow,
 ) -> Result<ModulationRun<'a>> {
     options.validate()?;
     let (boundary, outlets) = conditions(input, boundary, progress)?;
     let begun = Instant::now();
-    let modulation = willis_core::modulation::modulate(&input.network, &boundary, options, &mut Heard(progress))?;
+    let modulation = willis_core::modulation::modulate(&input.network, &boundary, options, progress)?;
     let hypertension = HypertensionByClass::of(&modulation, threshold);
     let (options, seconds) = (options.clone(), begun.elapsed().as_secs_f64());
     Ok(ModulationRun { input, boundary, outlets, options, modulation, hypertension, seconds })
@@ -216,13 +215,5 @@ impl ModulationRun<'_> {
     pub fn write(&self, folder: &Path, instances: bool, options: &SaveOptions) -> Result<()> {
         options.validate()?;
         write_modulation(folder, &self.outcome(), instances, options.dpi)
-    }
-}
-
-struct Heard<'a>(&'a mut dyn Progress);
-
-impl sampling::Progress for Heard<'_> {
-    fn report(&mut self, done: u64, total: u64) -> bool {
-        self.0.report(done, total)
     }
 }

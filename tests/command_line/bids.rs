@@ -13,7 +13,7 @@ use std::borrow::Cow;
 use willis::cli::internals::{Filter, Named, parse_filter};
 use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
 use willis::internals::report::bids_table::{bids_columns, describe, sidecar, write_tsv};
-use willis::internals::report::cohort::{Cell, Row, infer_figures};
+use willis::internals::report::cohort::{Row, infer_figures};
 
 /// A mask of 36 x 14 x 7 voxels of half a millimetre as NIfTI-1: a tube of radius 2 along x with a gap of 4 voxels.
 fn draw(path: &Path) {
@@ -302,7 +302,7 @@ fn what_cannot_be_meant_is_refused() {
     refused(&here, &["group", "--participant-label", "01"], &["--participant-label sub-01: no such folder; there are sub-02"]);
 }
 
-fn row(figures: Result<Vec<(Cow<'static, str>, Cell)>, String>) -> Row {
+fn row(figures: Result<Vec<(Cow<'static, str>, Value)>, String>) -> Row {
     Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), page: None, figures }
 }
 
@@ -326,8 +326,7 @@ fn every_column_is_described() {
 
 #[test]
 fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
-    let rows =
-        [row(Ok(vec![("kept".into(), Cell::Number(f64::NAN)), ("margin".into(), Cell::Number(-0.5))])), row(Err("no".into()))];
+    let rows = [row(Ok(vec![("kept".into(), json!(f64::NAN)), ("margin".into(), json!(-0.5))])), row(Err("no".into()))];
     let columns = bids_columns(&rows, &[("sub-01".into(), None), ("sub-02".into(), None)]);
     let mut table = Vec::new();
     write_tsv(&mut table, &columns).expect("written");

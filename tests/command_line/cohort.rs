@@ -10,7 +10,7 @@ use crate::refused::{contents, refused};
 use serde_json::{Value, json};
 use willis::cli::internals::{LONGEST, named, relative};
 use willis::internals::formats::write_csv;
-use willis::internals::report::cohort::{Cell, Row, cohort_columns, needs_person, uncertainty};
+use willis::internals::report::cohort::{Row, cohort_columns, needs_person, uncertainty};
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.
 fn scans(here: &Path, seeds: &[u32]) {
@@ -410,7 +410,7 @@ fn the_page_works_in_chromium() {
     assert!(failed.is_some() && failed < first);
 }
 
-fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>) -> Row {
+fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Value)>, String>) -> Row {
     let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
     Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
 }
@@ -418,9 +418,9 @@ fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Cell)>, String>
 #[test]
 fn columns_are_those_of_all_rows() {
     let rows = [
-        subject_row("a", Ok(vec![("nodes", Cell::Number(3.0))])),
+        subject_row("a", Ok(vec![("nodes", json!(3.0))])),
         subject_row("b", Err("unreadable".into())),
-        subject_row("c", Ok(vec![("variant", Cell::Text("complete".into())), ("nodes", Cell::Number(4.0))])),
+        subject_row("c", Ok(vec![("variant", json!("complete")), ("nodes", json!(4.0))])),
     ];
     let columns = cohort_columns(&rows);
     let names: Vec<&str> = columns.iter().map(|c| &*c.name).collect();
@@ -459,8 +459,8 @@ fn a_person_is_needed_where_the_variant_could_change() {
 
 #[test]
 fn failed_and_uncertain_subjects_come_first() {
-    let sure = |wrong: f64| Ok(vec![("expected_wrong", Cell::Number(wrong)), ("expected_missed", Cell::Number(0.5))]);
-    let undecided = subject_row("u", Ok(vec![("undecided", Cell::Number(2.0))]));
+    let sure = |wrong: f64| Ok(vec![("expected_wrong", json!(wrong)), ("expected_missed", json!(0.5))]);
+    let undecided = subject_row("u", Ok(vec![("undecided", json!(2.0))]));
     let order = [
         subject_row("f", Err(String::new())),
         subject_row("w", sure(3.0)),
@@ -469,12 +469,12 @@ fn failed_and_uncertain_subjects_come_first() {
         subject_row("n", Ok(vec![])),
     ];
     assert!(order.windows(2).all(|pair| uncertainty(&pair[0]) > uncertainty(&pair[1])));
-    let variant = |p: f64| subject_row("v", Ok(vec![("p_variant", Cell::Number(p)), ("undecided", Cell::Number(10.0 * p))]));
+    let variant = |p: f64| subject_row("v", Ok(vec![("p_variant", json!(p)), ("undecided", json!(10.0 * p))]));
     assert!(uncertainty(&variant(0.4)) > uncertainty(&variant(0.9)));
 }
 
 fn names_of(paths: &[&str]) -> Vec<String> {
-    named(paths.iter().map(PathBuf::from).collect()).into_iter().map(|s| s.name).collect()
+    named(&paths.iter().map(PathBuf::from).collect::<Vec<_>>())
 }
 
 #[test]

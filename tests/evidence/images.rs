@@ -136,7 +136,7 @@ fn an_image_of_something_else_is_told_and_changes_nothing() {
     let here = folder();
     let (_, image) = scan(here.path());
     let infer = |out: &str, more: &[&str]| {
-        let done = willis(here.path(), &[&["infer", "scan.nii.gz", "-o", out, "-n", "1"], more].concat());
+        let done = willis(here.path(), &[&["infer", "scan.nii.gz", "-o", out, "-n", "1", "--dpi", "36"], more].concat());
         assert!(done.status.success(), "{}", stderr(&done));
         (fs::read(here.path().join(out).join("edges.csv")).expect("a table"), stderr(&done))
     };

@@ -23,7 +23,7 @@ fn every_shipped_model_is_as_it_is_written() {
         ("naming/drawn.toml", |text, out| NamingModel::read(text).expect("a model").write(out)),
     ];
     for (name, again) in files {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src").join(name);
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/models/src").join(name);
         let (text, mut out) = (fs::read_to_string(path).expect("a file"), Vec::new());
         again(&text, &mut out).expect("memory");
         assert!(text.as_bytes() == out, "{name} is not as it is written");

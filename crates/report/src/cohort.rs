@@ -54,15 +54,12 @@ impl Row {
         self.figures.as_ref().err().map_or("", String::as_str)
     }
 
-    fn cell(&self, column: &str) -> Option<&Cell> {
+    fn cell(&self, column: &str) -> Option<&Value> {
         self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
     }
 
     fn number(&self, column: &str) -> f64 {
-        match self.cell(column) {
-            Some(Cell::Number(x)) => *x,
-            _ => f64::NAN,
-        }
+        self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
     /// The row as an object.
@@ -73,13 +70,7 @@ impl Row {
         fields.insert("sha256".into(), json!(self.sha256));
         fields.insert("status".into(), json!(self.status()));
         fields.insert("error".into(), json!(self.error()));
-        for (name, cell) in self.figures.iter().flatten() {
-            let value = match cell {
-                Cell::Number(x) => json!(x),
-                Cell::Text(text) => json!(text),
-            };
-            fields.insert(name.clone().into_owned(), value);
-        }
+        fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
         fields.into()
     }
 }
@@ -98,12 +89,8 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
         if columns.iter().any(|column| column.name == *name) {
             continue;
         }
-        let is_text = rows.iter().any(|row| matches!(row.cell(name), Some(Cell::Text(_))));
-        columns.push(if is_text {
-            let word = |row: &Row| match row.cell(name) {
-                Some(Cell::Text(text)) => text.clone(),
-                _ => String::new(),
-            };
+        columns.push(if rows.iter().any(|row| row.cell(name).is_some_and(Value::is_string)) {
+            let word = |row: &Row| row.cell(name).and_then(Value::as_str).unwrap_or_default().to_owned();
             Column::text(name.clone(), rows.iter().map(word))
         } else {
             Column::real(name.clone(), rows.iter().map(|row| row.number(name)))
@@ -143,28 +130,19 @@ pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()
     page.commit()
 }
 
-/// A value of a row.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Cell {
-    /// A number; NaN is missing.
-    Number(f64),
-    /// Text.
-    Text(String),
+/// What came out of a subject, by column: text, or a number, which is null where it is missing.
+pub type Figures = Vec<(Cow<'static, str>, Value)>;
+
+fn number(value: &Value) -> Value {
+    json!(value.as_f64())
 }
 
-/// What came out of a subject, by column.
-pub type Figures = Vec<(Cow<'static, str>, Cell)>;
-
-fn number(value: &Value) -> Cell {
-    Cell::Number(value.as_f64().unwrap_or(f64::NAN))
+fn flag(value: &Value) -> Value {
+    json!(value.as_bool().map(|there| f64::from(u8::from(there))))
 }
 
-fn flag(value: &Value) -> Cell {
-    Cell::Number(value.as_bool().map_or(f64::NAN, |there| f64::from(u8::from(there))))
-}
-
-fn text(value: &Value) -> Cell {
-    Cell::Text(value.as_str().unwrap_or_default().to_owned())
+fn text(value: &Value) -> Value {
+    json!(value.as_str().unwrap_or_default())
 }
 
 /// A variant below this probability needs a person.
@@ -226,9 +204,9 @@ pub fn infer_figures(record: &Value) -> Figures {
     ];
     let mut all = phenotype_figures(record);
     if all.is_empty() {
-        all.push((NEEDS_PERSON.into(), Cell::Text(needs_person(record))));
+        all.push((NEEDS_PERSON.into(), json!(needs_person(record))));
     }
-    all.extend(figures.map(|(name, x)| (name.into(), Cell::Number(x))));
+    all.extend(figures.map(|(name, x)| (name.into(), json!(x))));
     all
 }
 
@@ -241,9 +219,9 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         ["variant", "completeness"].map(|name| (name.into(), text(&phenotype[name]))).into_iter().collect();
     figures.extend(segments().map(|segment| (segment.clone().into(), flag(&phenotype["segments"][segment]))));
     figures.extend(["L-PCA", "R-PCA"].map(|side| (format!("fetal_{side}").into(), flag(&phenotype["fetal"][side]))));
-    figures.push((NEEDS_PERSON.into(), Cell::Text(needs_person(record))));
+    figures.push((NEEDS_PERSON.into(), json!(needs_person(record))));
     let thin: Vec<&str> = phenotype["hypoplastic"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
-    figures.push(("hypoplastic".into(), Cell::Text(thin.join(" "))));
+    figures.push(("hypoplastic".into(), json!(thin.join(" "))));
     if let Some(probabilities) = phenotype.get("probabilities") {
         let of_variant = [("p_variant", "variant"), ("margin", "margin")];
         figures.extend(of_variant.map(|(name, key)| (name.into(), number(&probabilities[key]))));

@@ -40,7 +40,7 @@ pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
     if let Some(expected) = outcome.expected {
         let _ = write!(words, "; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
     }
-    Some(summary_picture(summary.name().to_owned(), words, drawn.collect(), views(network.frame)))
+    Some(summary_picture(summary.name(), &words, drawn.collect(), &views(network.frame)))
 }
 
 /// From the front and from the patient's left as radiologists see it, where it is known which way that is.
@@ -66,11 +66,10 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
         open.map(|((([a, b], _), likelihood), uncertain)| ((a as u32, b as u32, *likelihood), *uncertain)).unzip();
     let blocks = node_blocks(network, outcome.boundary);
     let matrix = Matrix { nodes: network.node_count(), entries: &entries, uncertain: &uncertain, blocks: &blocks };
-    let matrix = heat_map(&matrix, outcome.sampling.weight)?;
-    matrix.write(folder, dpi)?;
+    let matrix = heat_map(&matrix, outcome.sampling.weight);
     let says = "The likelihood over all pairs of nodes on a logarithmic scale of colour; light grey is zero. The nodes are in order of the \
                 inlet that feeds them along observed vessels, or of their fragment. A second matrix has the uncertain vessels alone.";
-    let matrix = Picture::new("Likelihood matrix", says, &matrix)?;
+    let matrix = Picture::write("Likelihood matrix", says, &matrix, folder, dpi)?;
 
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
     let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
@@ -84,8 +83,7 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
     };
     let cuts: Vec<f64> = result.trace.iter().map(|s| running_threshold(rule, result.samples, &uncertain, s)).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
-    let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.sampling.weight)?;
-    traces.write(folder, dpi)?;
+    let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.sampling.weight);
     let says = match cut {
         _ if cuts.iter().all(|cut| cut.is_nan()) => {
             "The mean contribution per sample of every uncertain vessel against the number of samples; \
@@ -100,7 +98,7 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
              lies topology-median; lines that are still moving at the right end call for more samples."
         }
     };
-    Ok(vec![matrix, Picture::new("Convergence", says, &traces)?])
+    Ok(vec![matrix, Picture::write("Convergence", says, &traces, folder, dpi)?])
 }
 
 /// The threshold of a rule on L/n that the samples so far would give; NaN where there is none. `samples`: of the whole run.

@@ -193,19 +193,17 @@ fn picture(simulated: &Simulated<'_>, pulses: &Pulses) -> Figure {
     waveform_panels(&arteries, pulses.unperturbed.period)
 }
 
-/// Writes waveforms.npz, harmonics.npz and, of a network that is not large, waveforms.csv; and the picture, which is returned.
+/// Writes waveforms.npz, harmonics.npz and, of a network that is not large, waveforms.csv; and returns the picture.
 ///
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_pulses(folder: &Path, simulated: &Simulated<'_>, pulses: &Pulses, dpi: u32) -> Result<Figure> {
+pub fn write_pulses(folder: &Path, simulated: &Simulated<'_>, pulses: &Pulses) -> Result<Figure> {
     write_file(&folder.join(WAVEFORMS), |out| write_arrays(out, waveform_arrays(simulated, pulses)))?;
     write_file(&folder.join(HARMONICS), |out| write_complex_arrays(out, harmonics(pulses)))?;
     if simulated.network.vessel_count() <= MOST_IN_TABLE {
         let table = table(pulses);
         write_file(&folder.join(WAVEFORM_TABLE), |out| write_csv(out, &table))?;
     }
-    let picture = picture(simulated, pulses);
-    picture.write(folder, dpi)?;
-    Ok(picture)
+    Ok(picture(simulated, pulses))
 }

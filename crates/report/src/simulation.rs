@@ -226,19 +226,18 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     } else {
         notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
     }
-    let bars = flow_bars(&flows(simulated))?;
-    bars.write(folder, dpi)?;
+    let bars = flow_bars(&flows(simulated));
     let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
-    let mut figures = vec![Picture::new("Flow", caption, &bars)?];
+    let mut figures = vec![Picture::write("Flow", caption, &bars, folder, dpi)?];
     if let Some(transports) = simulated.transports {
-        let territories = write_transports(folder, simulated, transports, dpi)?;
+        let territories = write_transports(folder, simulated, transports)?;
         let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
-        figures.push(Picture::new("Territories", caption, &territories)?);
+        figures.push(Picture::write("Territories", caption, &territories, folder, dpi)?);
     }
     if let Some((pulses, _)) = simulated.pulses {
-        let waveforms = write_pulses(folder, simulated, pulses, dpi)?;
+        let waveforms = write_pulses(folder, simulated, pulses)?;
         let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
-        figures.push(Picture::new("Waveforms", caption, &waveforms)?);
+        figures.push(Picture::write("Waveforms", caption, &waveforms, folder, dpi)?);
     }
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);

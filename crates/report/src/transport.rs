@@ -206,17 +206,15 @@ fn supply_picture(simulated: &Simulated<'_>, transports: &Transports) -> Figure 
     supply_bars(&outlets, &inlet_colours(simulated, transports))
 }
 
-/// Writes territories.csv and transit.csv, and the territories as a picture, which is returned.
+/// Writes territories.csv and transit.csv, and returns the territories as a picture.
 ///
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_transports(folder: &Path, simulated: &Simulated<'_>, transports: &Transports, dpi: u32) -> Result<Figure> {
+pub fn write_transports(folder: &Path, simulated: &Simulated<'_>, transports: &Transports) -> Result<Figure> {
     let territories = territory_columns(simulated, transports);
     write_file(&folder.join(TERRITORIES), |out| write_csv(out, &territories))?;
     let transit = transit_columns(simulated, transports);
     write_file(&folder.join(TRANSIT), |out| write_csv(out, &transit))?;
-    let picture = supply_picture(simulated, transports);
-    picture.write(folder, dpi)?;
-    Ok(picture)
+    Ok(supply_picture(simulated, transports))
 }

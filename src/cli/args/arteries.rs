@@ -1,6 +1,5 @@
 //! `--landmarks` and `--labels`: where the arteries of a Circle of Willis are in an input.
 
-use crate::internals::network::quantity::Dimension;
 use crate::{ArterySource, LabelScheme, PhenotypeOptions};
 use std::path::{Path, PathBuf};
 
@@ -19,24 +18,8 @@ pub struct ArteryArgs {
     #[arg(long, conflicts_with = "landmarks", hide_short_help = true, value_parser = words::<LabelScheme>(&[("names", "Names of arteries, as L-A1, \"A1 left\", ACoA"),
         ("icafe", "The numbers of iCafe's VesselType"), ("topcow", "The numbers of the TopCoW challenge")]))]
     labels: Option<LabelScheme>,
-    /// How frequent each variant is among such people, in the place of the published table: a CSV file of missing,share
-    #[arg(long, value_name = "FILE.csv", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
-    variant_prior: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all [default: 0]
-    #[arg(long, value_name = "SHARE", allow_negative_numbers = true, hide_short_help = true)]
-    unseen: Option<f64>,
-    /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
-    #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
-    arteries: Option<PathBuf>,
-    /// The diameter below which a segment is hypoplastic [default: 1mm]
-    #[arg(long, value_name = "DIAMETER", value_parser = diameter, allow_negative_numbers = true, hide_short_help = true)]
-    hypoplastic: Option<f64>,
-}
-
-/// A diameter, m.
-fn diameter(text: &str) -> Result<f64, String> {
-    let diameter = Dimension::Length.parse(text)?;
-    if diameter > 0.0 { Ok(diameter) } else { Err("expected a positive diameter, such as 0.8mm".to_owned()) }
+    #[command(flatten)]
+    pub phenotypes: PhenotypeOptions,
 }
 
 impl ArteryArgs {
@@ -48,16 +31,6 @@ impl ArteryArgs {
             .clone()
             .map(|path| if is_auto(&path) { ArterySource::Geometry } else { ArterySource::Landmarks(path) });
         landmarks.or(self.labels.map(ArterySource::Labels))
-    }
-
-    /// What is known of people's circles before one is seen.
-    pub fn phenotypes(&self) -> PhenotypeOptions {
-        PhenotypeOptions {
-            frequencies: self.variant_prior.clone(),
-            unseen: self.unseen,
-            arteries: self.arteries.clone(),
-            hypoplastic: self.hypoplastic,
-        }
     }
 }
 

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::error::Result;
-use crate::{Appearance, Attach, CandidateOptions, CandidateRadius, InferOptions};
+use crate::{Appearance, Attach, CandidateOptions, CandidateRadius, Cut, InferOptions, Prior};
 use clap::Args;
 
 use super::figures::{length, whole};
@@ -16,11 +15,11 @@ pub struct CandidateArgs {
     /// from willis train), none (what the file states), uniform (1 everywhere), or A.npy or A.csv, numbers from 0 to 1 for pairs
     /// of nodes or for vessels of the graph [default: evidence on centerlines, none on a ready graph]
     #[arg(long, value_name = "evidence|none|uniform|FILE")]
-    prior: Option<String>,
+    prior: Option<Prior>,
     /// Cut observed vessels apart where they may only touch: auto (automatic skeletons with their mask), always, never, or MODEL.toml
     /// (one of your own, from willis train --model contacts) [default: auto]
     #[arg(long, value_name = "auto|always|never|FILE")]
-    cut: Option<String>,
+    cut: Option<Cut>,
     /// The mask that the centerlines were made of; where a mask is the input, it is that one
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
@@ -40,8 +39,8 @@ pub struct CandidateArgs {
     k: Option<usize>,
     /// The longest gap to bridge, in mm unless it says otherwise (5mm, 800um); never beyond 20 point spacings + 5 end diameters,
     /// twice as far straight ahead of an end on masks and skeletons
-    #[arg(long, value_name = "LENGTH")]
-    max_gap: Option<String>,
+    #[arg(long, value_name = "LENGTH", value_parser = length("max_gap"))]
+    max_gap: Option<f64>,
     /// What a candidate may meet [default: centerline]
     #[arg(long, hide_short_help = true, value_parser = words::<Attach>(&[("centerline", "Any vessel, split where the candidate meets it, or a free end"),
         ("ends", "Free ends only")]))]
@@ -50,32 +49,27 @@ pub struct CandidateArgs {
     #[arg(long, hide_short_help = true, value_parser = words::<CandidateRadius>(&[("min", ""), ("mean", "")]))]
     candidate_radius: Option<CandidateRadius>,
     /// The largest radius of a candidate, in mm unless it says otherwise
-    #[arg(long, value_name = "LENGTH", hide_short_help = true)]
-    max_candidate_radius: Option<String>,
+    #[arg(long, value_name = "LENGTH", value_parser = length("max_candidate_radius"), hide_short_help = true)]
+    max_candidate_radius: Option<f64>,
 }
 
 impl CandidateArgs {
     /// Puts what was given in the place of the `usual` options.
-    pub fn put(&self, options: &mut InferOptions) -> Result<()> {
-        let (usual, prior) = (&mut options.candidates, &mut options.prior);
+    pub fn put(&self, options: &mut InferOptions) {
+        let usual = &mut options.candidates;
         *usual = CandidateOptions {
             k: self.k.or(usual.k),
-            max_gap: length("max_gap", self.max_gap.as_ref())?,
+            max_gap: self.max_gap,
             attach: self.attach.unwrap_or(usual.attach),
             radius: self.candidate_radius.unwrap_or(usual.radius),
-            max_radius: length("max_candidate_radius", self.max_candidate_radius.as_ref())?,
+            max_radius: self.max_candidate_radius,
             radius_rule: usual.radius_rule,
         };
-        if let Some(text) = &self.prior {
-            *prior = Some(text.parse()?);
-        }
-        if let Some(text) = &self.cut {
-            options.cut = text.parse()?;
-        }
+        options.prior = self.prior.clone().or(options.prior.take());
+        options.cut = self.cut.clone().unwrap_or(options.cut.clone());
         options.mask.clone_from(&self.mask);
         options.image.clone_from(&self.image);
         options.probability.clone_from(&self.probability);
         options.vessels = self.vessels.unwrap_or(options.vessels);
-        Ok(())
     }
 }

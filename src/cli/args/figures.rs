@@ -50,17 +50,21 @@ pub fn spacing(text: &str) -> Result<Spacing, String> {
     text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres)).map(Spacing::Mm)
 }
 
-/// A length given as an option, m.
-pub fn length(option: &str, text: Option<&String>) -> Result<Option<f64>> {
-    let parse = |text: &String| {
-        let length =
-            Dimension::Length.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))?;
-        if length > 0.0 { Ok(length) } else { Err(Error::parameter(option, format!("\"{text}\""), "expected a positive length")) }
-    };
-    text.map(parse).transpose()
+/// A parser of a figure with its unit, SI, for an option of this name.
+pub fn figure(option: &'static str, dimension: Dimension) -> impl Fn(&str) -> Result<f64> + Clone + Send + Sync + 'static {
+    move |text| dimension.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted))
+}
+
+/// A parser of a positive length, m, for an option of this name.
+pub fn length(option: &'static str) -> impl Fn(&str) -> Result<f64> + Clone + Send + Sync + 'static {
+    let parse = figure(option, Dimension::Length);
+    move |text| match parse(text)? {
+        length if length > 0.0 => Ok(length),
+        _ => Err(Error::parameter(option, format!("\"{text}\""), "expected a positive length")),
+    }
 }
 
 /// Viscosity, Pa s, from `--viscosity`.
 pub fn viscosity(text: &str) -> Result<f64> {
-    Dimension::Viscosity.parse(text).map_err(|accepted| Error::parameter("viscosity", format!("\"{text}\""), accepted))
+    figure("viscosity", Dimension::Viscosity)(text)
 }

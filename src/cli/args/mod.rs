@@ -1,7 +1,6 @@
 //! Groups of options that several commands share, each with the options of the library that it means.
 
 pub mod arteries;
-pub mod boundary;
 pub mod candidates;
 pub mod figures;
 pub mod pulse;
@@ -14,6 +13,7 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
+use crate::BoundaryOptions;
 use crate::internals::support::endings::without_ending;
 
 /// A parser for an enum of the library by the words that serde writes, each with its help.
@@ -28,6 +28,11 @@ pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
         let word: StrDeserializer<'_, Error> = word.as_str().into_deserializer();
         T::deserialize(word)
     })
+}
+
+/// Conditions with the file of them that goes with an input.
+pub fn boundary_for(options: &BoundaryOptions, input: &Path) -> BoundaryOptions {
+    BoundaryOptions { conditions: options.conditions.as_ref().map(|name| file_of(name, input)), ..options.clone() }
 }
 
 /// A file named for every input: `{}` in its name is the input without its ending, `{dir}` the folder of the input.

@@ -6,7 +6,7 @@ use crate::internals::network::units::mmhg;
 use crate::{Friction, PulseMean, PulseOptions, Thickness, WallLaw};
 use clap::Args;
 
-use super::figures::whole;
+use super::figures::{figure, whole};
 
 const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
                     pwv=8m/s, graph or rigid";
@@ -19,11 +19,11 @@ pub struct PulseArgs {
     #[arg(long, value_name = "[NODE=]FILE|SHAPE", num_args = 0..=1, default_missing_value = "typical")]
     pulse: Vec<String>,
     /// The period [default: what the tables mean; 1 s of a shape]
-    #[arg(long, value_name = "TIME", hide_short_help = true)]
-    period: Option<String>,
+    #[arg(long, value_name = "TIME", value_parser = figure("period", Dimension::Time), hide_short_help = true)]
+    period: Option<f64>,
     /// The mean of the waveforms: shifts a pressure (100mmHg), scales a flow (240mL/min) [default: their own]
-    #[arg(long, value_name = "PRESSURE|FLOW", hide_short_help = true)]
-    pulse_mean: Option<String>,
+    #[arg(long, value_name = "PRESSURE|FLOW", value_parser = mean, hide_short_help = true)]
+    pulse_mean: Option<PulseMean>,
     /// How many harmonics are solved [default: 40]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, hide_short_help = true)]
     harmonics: Option<usize>,
@@ -32,22 +32,25 @@ pub struct PulseArgs {
     #[arg(
         long,
         value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid",
+        value_parser = wall,
         allow_hyphen_values = true,
         hide_short_help = true
     )]
-    wall: Option<String>,
+    wall: Option<WallLaw>,
     /// The time constant of a wall that creeps (Kelvin-Voigt) [default: 0, an elastic wall]
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true, hide_short_help = true)]
-    wall_viscosity: Option<String>,
+    #[arg(long, value_name = "TIME", value_parser = figure("wall_viscosity", Dimension::Time), allow_hyphen_values = true,
+        hide_short_help = true)]
+    wall_viscosity: Option<f64>,
     /// Resistance times compliance of outlets that state no compliance; none leaves them resistances [default: rc=0.69s]
-    #[arg(long, value_name = "rc=TIME|none", hide_short_help = true)]
-    windkessel: Option<String>,
+    #[arg(long, value_name = "rc=TIME|none", value_parser = windkessel, hide_short_help = true)]
+    windkessel: Option<TimeConstant>,
     /// The profile by which the flow meets friction [default: womersley]
-    #[arg(long, value_name = "womersley|parabolic", hide_short_help = true)]
-    friction: Option<String>,
+    #[arg(long, value_name = "womersley|parabolic", value_parser = friction, hide_short_help = true)]
+    friction: Option<Friction>,
     /// Density of blood [default: 1060 kg/m3]
-    #[arg(long, value_name = "DENSITY", allow_hyphen_values = true, hide_short_help = true)]
-    density: Option<String>,
+    #[arg(long, value_name = "DENSITY", value_parser = figure("density", Dimension::Density), allow_hyphen_values = true,
+        hide_short_help = true)]
+    density: Option<f64>,
     /// At how many times of the period waveforms are written [default: 100]
     #[arg(long, value_name = "N", value_parser = whole::<usize>, hide_short_help = true)]
     times: Option<usize>,
@@ -60,32 +63,16 @@ impl PulseArgs {
             return self.alone();
         }
         let usual = PulseOptions::default();
-        let time = |option: &str, text: &Option<String>| figure(option, text.as_ref(), Dimension::Time);
-        let time_constant = match self.windkessel.as_deref() {
-            None => usual.time_constant,
-            Some("none") => None,
-            Some(text) => {
-                let accepted = "expected none, or rc=TIME such as rc=0.69s";
-                let refused = || Error::parameter("windkessel", format!("\"{text}\""), accepted);
-                let time = text.strip_prefix("rc=").and_then(|time| Dimension::Time.parse(time).ok());
-                Some(time.filter(|time| *time > 0.0).ok_or_else(refused)?)
-            }
-        };
-        let friction = match self.friction.as_deref() {
-            None | Some("womersley") => Friction::Womersley,
-            Some("parabolic") => Friction::Parabolic,
-            Some(text) => return Err(Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic")),
-        };
         let options = PulseOptions {
             waveforms: self.pulse.clone(),
-            period: time("period", &self.period)?,
-            mean: self.pulse_mean.as_deref().map(mean).transpose()?,
+            period: self.period,
+            mean: self.pulse_mean,
             harmonics: self.harmonics.unwrap_or(usual.harmonics),
-            wall: self.wall.as_deref().map(wall).transpose()?,
-            wall_viscosity: time("wall_viscosity", &self.wall_viscosity)?.unwrap_or(usual.wall_viscosity),
-            time_constant,
-            friction,
-            density: figure("density", self.density.as_ref(), Dimension::Density)?.unwrap_or(usual.density),
+            wall: self.wall,
+            wall_viscosity: self.wall_viscosity.unwrap_or(usual.wall_viscosity),
+            time_constant: self.windkessel.unwrap_or(usual.time_constant),
+            friction: self.friction.unwrap_or(usual.friction),
+            density: self.density.unwrap_or(usual.density),
             times: self.times.unwrap_or(usual.times),
         };
         options.validate()?;
@@ -112,10 +99,24 @@ impl PulseArgs {
     }
 }
 
-fn figure(option: &str, text: Option<&String>, dimension: Dimension) -> Result<Option<f64>> {
-    let parse =
-        |text: &String| dimension.parse(text).map_err(|accepted| Error::parameter(option, format!("\"{text}\""), accepted));
-    text.map(parse).transpose()
+/// The time constant of outlets, s; none of resistances.
+type TimeConstant = Option<f64>;
+
+fn windkessel(text: &str) -> Result<TimeConstant> {
+    if text == "none" {
+        return Ok(None);
+    }
+    let time = text.strip_prefix("rc=").and_then(|time| Dimension::Time.parse(time).ok()).filter(|time| *time > 0.0);
+    let refused = || Error::parameter("windkessel", format!("\"{text}\""), "expected none, or rc=TIME such as rc=0.69s");
+    time.ok_or_else(refused).map(Some)
+}
+
+fn friction(text: &str) -> Result<Friction> {
+    match text {
+        "womersley" => Ok(Friction::Womersley),
+        "parabolic" => Ok(Friction::Parabolic),
+        _ => Err(Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic")),
+    }
 }
 
 fn mean(text: &str) -> Result<PulseMean> {

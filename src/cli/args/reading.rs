@@ -7,12 +7,13 @@ use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;
-use crate::{Cavities, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale};
+use crate::{Cavities, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read};
 use clap::Args;
 use serde_json::Value;
 
 use super::figures::{Spacing, length, spacing};
 use super::{file_of, words};
+use crate::cli::print::{Terminal, say_read};
 
 /// The file that a command works on.
 #[derive(Debug, Args)]
@@ -46,8 +47,8 @@ pub struct ReadingArgs {
         ("effective", "The one with the vessel's own Poiseuille resistance")]))]
     pub radius: RadiusRule,
     /// The radius of vessels that have none, in mm unless it says otherwise (0.5, 500um)
-    #[arg(long, value_name = "LENGTH", hide_short_help = true)]
-    pub default_radius: Option<String>,
+    #[arg(long, value_name = "LENGTH", value_parser = length("default_radius"), hide_short_help = true)]
+    pub default_radius: Option<f64>,
     /// Links between points that SWC cannot hold: a CSV file of id_a,id_b; in its name {} is INPUT without its ending and {dir}
     /// the folder of INPUT
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, hide_short_help = true)]
@@ -90,6 +91,14 @@ impl ReadingArgs {
         Ok(())
     }
 
+    /// Reads an input, and says what it is; `command` is the line that repeats its run.
+    pub fn read(&self, input: &Path, command: String, terminal: Terminal) -> Result<Input> {
+        let read = read(input, &self.options(input)?)?.with_command(command);
+        // Without a unit one is assumed, unless the spacing says it.
+        say_read(terminal, &read, self.units.is_none() && !self.is_spacing_auto());
+        Ok(read)
+    }
+
     /// The options of the library for an input.
     pub fn options(&self, input: &Path) -> Result<ReadOptions> {
         let shared = self.shared()?;
@@ -102,11 +111,6 @@ impl ReadingArgs {
     /// Whether each input states its spacing.
     pub fn is_spacing_auto(&self) -> bool {
         matches!(self.spacing.as_deref(), Some([Spacing::Auto]))
-    }
-
-    /// Whether the unit is assumed, since nothing states it.
-    pub fn assumes_unit(&self) -> bool {
-        self.units.is_none() && !self.is_spacing_auto()
     }
 
     /// The options that many inputs share, for two runs to be compared: `options` with those that [`Self::shared`] cannot hold.
@@ -139,7 +143,7 @@ impl ReadingArgs {
             scale: self.scale()?,
             radius_array: self.radius_array.clone(),
             radius_rule: self.radius,
-            default_radius: length("default_radius", self.default_radius.as_ref())?,
+            default_radius: self.default_radius,
             loops: self.loops.clone(),
             observed: self.observed,
             level: self.level,

@@ -53,8 +53,8 @@ pub struct SamplingArgs {
         ("count", "One"), ("global", "The resilience of the whole network")]))]
     pub weight: Weight,
     /// Blood viscosity
-    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", hide_short_help = true)]
-    pub viscosity: String,
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", value_parser = viscosity, hide_short_help = true)]
+    pub viscosity: f64,
     /// The flow solver
     #[arg(long, default_value = "auto", hide_short_help = true, value_parser = words::<Solver>(&[("auto", "By the structure of the graph"),
         ("lanes", "Star-mesh elimination, many samples at a time"),
@@ -66,7 +66,6 @@ pub struct SamplingArgs {
 impl SamplingArgs {
     /// Puts what was given in the place of the `usual` options, for each of the occlusion probabilities.
     pub fn put(&self, usual: &SamplingOptions) -> Result<Vec<SamplingOptions>> {
-        let viscosity = viscosity(&self.viscosity)?;
         let each = self.epsilon.iter().enumerate().map(|(at, epsilon)| {
             if self.epsilon[..at].contains(epsilon) {
                 return Err(Error::parameter("epsilon", epsilon, "given twice; expected each probability once"));
@@ -79,7 +78,7 @@ impl SamplingArgs {
                 weight: self.weight,
                 solver: self.solver,
                 exact: self.exact,
-                viscosity,
+                viscosity: self.viscosity,
                 ..usual.clone()
             };
             options.validate()?;

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::output::read_json;
+use clap::Args;
 use serde_json::Value;
 
 /// The file that describes a dataset.
@@ -46,13 +47,28 @@ pub fn parse_filter(text: &str) -> Result<Filter, String> {
 }
 
 /// Which masks a person asks for.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Args)]
 pub struct Choice {
-    /// Participants, with or without `sub-`; all where there is none.
-    pub participants: Vec<String>,
-    /// Sessions, with or without `ses-`; all where there is none.
-    pub sessions: Vec<String>,
-    pub filters: Vec<Filter>,
+    /// Only these participants, with or without sub-
+    #[arg(long, alias = "participant_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]
+    participant_label: Vec<String>,
+    /// Only these sessions, with or without ses-
+    #[arg(long, alias = "session_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]
+    session_label: Vec<String>,
+    /// Only masks with this in their names: an entity (desc=vessels, run=1; space= is none), suffix=dseg, or pipeline=NAME of a folder
+    /// in derivatives; with desc, label, seg or atlas the mask need not say vessels
+    #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = parse_filter, help_heading = "Dataset")]
+    filter: Vec<Filter>,
+}
+
+impl Choice {
+    /// The labels of participants and of sessions as folders have them; all where there is none.
+    pub fn labels(&self) -> (Vec<String>, Vec<String>) {
+        let labels = |given: &[String], prefix: &str| {
+            given.iter().map(|label| format!("{prefix}{}", label.strip_prefix(prefix).unwrap_or(label))).collect()
+        };
+        (labels(&self.participant_label, "sub-"), labels(&self.session_label, "ses-"))
+    }
 }
 
 /// An image by its name.
@@ -174,11 +190,10 @@ impl Dataset {
     ///
     /// A label that none has, no mask at all, a chosen participant without a mask, several masks of one session.
     pub fn masks(&self, choice: &Choice) -> Result<(Vec<Mask>, Vec<String>)> {
-        let asked = labels(&choice.participants, "sub-");
+        let (asked, sessions) = choice.labels();
         check_labels("participant_label", &asked, &self.participants)?;
         let chosen: Vec<&String> = self.participants.iter().filter(|name| asked.is_empty() || asked.contains(name)).collect();
         let all: Vec<Mask> = chosen.iter().flat_map(|participant| self.masks_of(participant, choice)).collect();
-        let sessions = labels(&choice.sessions, "ses-");
         let known: BTreeSet<String> = chosen.iter().flat_map(|participant| self.sessions(participant)).flatten().collect();
         check_labels("session_label", &sessions, &known)?;
         let is_asked = |mask: &&Mask| sessions.is_empty() || mask.session.as_ref().is_some_and(|name| sessions.contains(name));
@@ -202,7 +217,7 @@ impl Dataset {
 
     /// The one mask of vessels among those of a session; `None` where none is one.
     fn one(&self, of_session: Vec<&Mask>, choice: &Choice) -> Result<Option<Mask>> {
-        let is_named = choice.filters.iter().any(|filter| WHAT.contains(&filter.key.as_str()));
+        let is_named = choice.filter.iter().any(|filter| WHAT.contains(&filter.key.as_str()));
         let mut meant = of_session.clone();
         if !is_named {
             meant.retain(|mask| mask.named.says_vessels());
@@ -231,7 +246,7 @@ impl Dataset {
     /// The masks of a participant that fit the filters.
     fn masks_of(&self, participant: &str, choice: &Choice) -> Vec<Mask> {
         let mut masks = Vec::new();
-        let suffix = choice.filters.iter().find(|filter| filter.key == "suffix").map(|filter| filter.value.as_str());
+        let suffix = choice.filter.iter().find(|filter| filter.key == "suffix").map(|filter| filter.value.as_str());
         for (folder, pipeline) in &self.folders {
             for session in sessions_in(&folder.join(participant)) {
                 for (path, named) in images(&anatomy(folder, participant, session.as_deref())) {
@@ -239,7 +254,7 @@ impl Dataset {
                         suffix.map_or_else(|| SUFFIXES.contains(&named.suffix.as_str()), |suffix| named.suffix == suffix);
                     let (participant, pipeline) = (participant.to_owned(), pipeline.clone());
                     let mask = Mask { participant, session: session.clone(), path, named, pipeline };
-                    if is_mask && choice.filters.iter().all(|filter| mask.value(&filter.key) == filter.value) {
+                    if is_mask && choice.filter.iter().all(|filter| mask.value(&filter.key) == filter.value) {
                         masks.push(mask);
                     }
                 }
@@ -315,11 +330,6 @@ pub fn is_of_willis(folder: &Path) -> bool {
     let record: Result<Value> = read_json(&folder.join(DESCRIPTION), "");
     let makers = record.ok().and_then(|record| record["GeneratedBy"].as_array().cloned()).unwrap_or_default();
     makers.iter().any(|maker| maker["Name"] == "willis")
-}
-
-/// The labels as folders have them, with `sub-` or `ses-`.
-pub fn labels(given: &[String], prefix: &str) -> Vec<String> {
-    given.iter().map(|label| format!("{prefix}{}", label.strip_prefix(prefix).unwrap_or(label))).collect()
 }
 
 /// Refuses a label that none has.

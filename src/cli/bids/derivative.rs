@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::Column;
 use crate::internals::output::StagedFile;
-use crate::internals::output::atomic::{replace_file, write_file};
+use crate::internals::output::atomic::replace_file;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
 use crate::internals::output::write_error;
 use crate::internals::report::bids_table::{sidecar, write_tsv};
@@ -39,17 +39,17 @@ Candidate connections between vessels are kept or cut by their probability. `run
 ";
 
 /// The dataset to write.
-pub struct Derivative<'a> {
-    folder: &'a Path,
+pub struct Derivative {
+    folder: PathBuf,
 }
 
-impl<'a> Derivative<'a> {
+impl Derivative {
     /// The dataset in a folder that is absent, empty, or of willis.
     ///
     /// # Errors
     ///
     /// A folder with something else in it, or one that is the dataset of the masks.
-    pub fn new(folder: &'a Path, source: &Path) -> Result<Self> {
+    pub fn new(folder: &Path, source: &Path) -> Result<Self> {
         let same = fs::canonicalize(folder).ok().zip(fs::canonicalize(source).ok()).is_some_and(|(a, b)| a == b);
         if same {
             return Err(
@@ -58,7 +58,7 @@ impl<'a> Derivative<'a> {
         }
         let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
         if is_vacant || is_of_willis(folder) {
-            return Ok(Self { folder });
+            return Ok(Self { folder: folder.to_owned() });
         }
         let accepted = "expected a new folder, or a dataset of willis bids to go on with";
         Err(Fault::file("holds something else", accepted).in_file(folder))
@@ -67,6 +67,11 @@ impl<'a> Derivative<'a> {
     /// The folder of all runs.
     pub fn runs(&self) -> PathBuf {
         self.folder.join("runs")
+    }
+
+    /// The folder of the run of a mask.
+    pub fn run(&self, mask: &Mask) -> PathBuf {
+        self.runs().join(mask.run())
     }
 
     /// The folder of the table of all runs.
@@ -95,7 +100,7 @@ impl<'a> Derivative<'a> {
             "GeneratedBy": [maker],
         });
         // An absolute path would say on whose machine it was made.
-        if let Some(way) = relative(source, self.folder) {
+        if let Some(way) = relative(source, &self.folder) {
             record["SourceDatasets"] = json!([{ "URL": way }]);
             record["DatasetLinks"] = json!({ "source": way });
         }
@@ -127,7 +132,7 @@ impl<'a> Derivative<'a> {
 
     /// Whether the files of a run stand under names of BIDS.
     pub fn has(&self, mask: &Mask) -> bool {
-        let run = self.runs().join(mask.run());
+        let run = self.run(mask);
         self.files(mask).iter().all(|(name, path)| path.exists() == run.join(name).exists())
     }
 
@@ -137,9 +142,9 @@ impl<'a> Derivative<'a> {
     ///
     /// A file that cannot be read or written.
     pub fn export(&self, mask: &Mask, dataset: &Dataset) -> Result<()> {
-        let run = self.runs().join(mask.run());
+        let run = self.run(mask);
         let sidecar = PathBuf::from(format!("{}.json", self.topology(mask).display()));
-        let folder = sidecar.parent().unwrap_or(self.folder);
+        let folder = sidecar.parent().unwrap_or(&self.folder);
         fs::create_dir_all(folder).map_err(write_error(folder))?;
         for (name, path) in self.files(mask).into_iter().filter(|(name, _)| run.join(name).exists()) {
             let from = run.join(name);
@@ -160,7 +165,7 @@ impl<'a> Derivative<'a> {
     /// The system refuses.
     pub fn clear(&self, mask: &Mask) -> Result<()> {
         let topology = self.topology(mask);
-        let there = fs::read_dir(topology.parent().unwrap_or(self.folder)).into_iter().flatten().flatten();
+        let there = fs::read_dir(topology.parent().unwrap_or(&self.folder)).into_iter().flatten().flatten();
         let is_ours = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().contains(TOPOLOGY_NAME));
         let paths = there.map(|entry| entry.path()).filter(is_ours).chain([self.page(mask)]);
         paths.filter(|path| path.exists()).try_for_each(|path| fs::remove_file(&path).map_err(write_error(&path)))
@@ -187,12 +192,8 @@ impl<'a> Derivative<'a> {
         if stands() {
             return Ok(());
         }
-        let write = || {
-            let file = StagedFile::new(&path, true)?;
-            write_file(&file.path(), |out| out.write_all(bytes))?;
-            file.commit()
-        };
-        write().or_else(|error| if stands() { Ok(()) } else { Err(error) })
+        let written = StagedFile::write(&path, true, |out| out.write_all(bytes));
+        written.or_else(|error| if stands() { Ok(()) } else { Err(error) })
     }
 }
 

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Fault, Result};
+use crate::error::{Fault, Result};
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{read_json, write_json};
@@ -16,7 +16,7 @@ use crate::internals::report::cohort::{Row, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
-use super::cohort::{Cohort, Entry, Failure, Ledger, Work, gather, say_notes_of, work_on};
+use super::cohort::{Cohort, Each, Entry, Failure, Ledger, Work, failed, gather, say_notes_of};
 use super::command_line::command_line_of_mask;
 use super::infer::{InferenceArgs, Inferences};
 use super::print::{Terminal, plural};
@@ -24,7 +24,7 @@ use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::Subject;
 use super::with_flags;
-use dataset::{Choice, Dataset, Filter, Mask, check_labels, labels, listed, parse_filter};
+use dataset::{Choice, Dataset, Mask, check_labels, listed};
 use derivative::Derivative;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
@@ -53,16 +53,8 @@ pub struct BidsArgs {
     // Not the id `level`, which is that of --level.
     #[arg(id = "of_analysis", value_name = "LEVEL", help_heading = None::<&str>)]
     level: Level,
-    /// Only these participants, with or without sub-
-    #[arg(long, alias = "participant_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]
-    participant_label: Vec<String>,
-    /// Only these sessions, with or without ses-
-    #[arg(long, alias = "session_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]
-    session_label: Vec<String>,
-    /// Only masks with this in their names: an entity (desc=vessels, run=1; space= is none), suffix=dseg, or pipeline=NAME of a folder
-    /// in derivatives; with desc, label, seg or atlas the mask need not say vessels
-    #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = parse_filter, help_heading = "Dataset")]
-    filter: Vec<Filter>,
+    #[command(flatten)]
+    choice: Choice,
     #[command(flatten)]
     inference: InferenceArgs,
 }
@@ -87,21 +79,17 @@ impl BidsArgs {
     }
 
     /// A run for each mask that is chosen.
-    fn participants(&self, dataset: &Dataset, derivative: &Derivative<'_>, terminal: Terminal, force: bool) -> Result<()> {
+    fn participants(self, dataset: &Dataset, derivative: &Derivative, terminal: Terminal, force: bool) -> Result<()> {
         let places = [self.source.display().to_string(), self.output.display().to_string(), "participant".to_owned()];
-        let line = |input: &Path| command_line_of_mask(input, &places);
-        let work = Inferences::new(&self.inference, &line)?;
+        let json = self.inference.json;
+        let work = Inferences::new(self.inference)?;
         let parameters = work.of_many()?;
-        let choice = Choice {
-            participants: self.participant_label.clone(),
-            sessions: self.session_label.clone(),
-            filters: self.filter.clone(),
-        };
-        let (masks, without) = dataset.masks(&choice)?;
-        let runs = Runs { masks: &masks, parameters, dataset, derivative, work: &work };
-        let earlier: Vec<Option<Ledger>> = masks.iter().map(|mask| runs.earlier(mask)).collect();
+        let (masks, without) = dataset.masks(&self.choice)?;
+        let runs: Vec<Run> = masks.iter().map(|mask| Run::of(mask, &places, &work, &parameters, dataset)).collect();
+        let earlier: Vec<Option<Ledger>> =
+            runs.iter().map(|run| read_json(&derivative.run(run.mask).join(LEDGER), "").ok()).collect();
         if !force {
-            masks.iter().zip(&earlier).try_for_each(|(mask, earlier)| runs.check(mask, earlier.as_ref()))?;
+            runs.iter().zip(&earlier).try_for_each(|(run, earlier)| run.check(earlier.as_ref(), &derivative.run(run.mask)))?;
         }
         derivative.describe(dataset, &self.source)?;
         listen(2);
@@ -112,12 +100,30 @@ impl BidsArgs {
         if !without.is_empty() {
             terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter())));
         }
-        runs.make(&earlier, terminal, force)?;
-        runs.end(self.inference.json, terminal, &self.output)
+        let record = |run: &Run<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
+        let is_done = |(run, earlier): (&Run<'_>, &Option<Ledger>)| {
+            let stands = earlier.as_ref().zip(record(run));
+            !force && stands.is_some_and(|(earlier, record)| run.ledger.stands(0, earlier, &record))
+        };
+        let done: Vec<bool> = runs.iter().zip(&earlier).map(is_done).collect();
+        let subjects: Vec<Subject> = runs.iter().map(|run| run.subject.clone()).collect();
+        let each = Each { subjects: &subjects, done: &done, heading: "dataset", noun: "run", place: &derivative.runs() };
+        let unnamed = masks.iter().zip(&done).filter(|(mask, done)| **done && !derivative.has(mask));
+        unnamed.into_iter().try_for_each(|(mask, _)| derivative.export(mask, dataset))?;
+        each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
+
+        let records: Vec<Option<Value>> = runs.iter().map(record).collect();
+        let made: Vec<Value> = records.iter().flatten().cloned().collect();
+        say_notes_of(&made, terminal);
+        if json {
+            runs.iter().zip(&records).try_for_each(|(run, record)| print_json(&run.row(record.as_ref(), derivative).record()))?;
+        }
+        terminal.say("written", format!("{}: {}", self.output.display(), plural(made.len(), "run")));
+        failed(runs.len() - made.len(), runs.len())
     }
 
     /// The table and the page of all runs.
-    fn group(&self, dataset: &Dataset, derivative: &Derivative<'_>, terminal: Terminal) -> Result<()> {
+    fn group(&self, dataset: &Dataset, derivative: &Derivative, terminal: Terminal) -> Result<()> {
         let of_run = |name: &str| {
             let (participant, session) = name.split_once('_').map_or((name, None), |(a, b)| (a, Some(b)));
             (participant.to_owned(), session.map(str::to_owned))
@@ -134,7 +140,7 @@ impl BidsArgs {
         }
         let people: BTreeSet<String> = known.iter().map(|(participant, _)| participant.clone()).collect();
         let sessions: BTreeSet<String> = known.iter().filter_map(|(_, session)| session.clone()).collect();
-        let asked = (labels(&self.participant_label, "sub-"), labels(&self.session_label, "ses-"));
+        let asked = self.choice.labels();
         check_labels("participant_label", &asked.0, &people)?;
         check_labels("session_label", &asked.1, &sessions)?;
         folders.retain(|path| {
@@ -149,10 +155,7 @@ impl BidsArgs {
 
         let output = derivative.group();
         let cohort = Cohort { command: "bids", parameters: Value::Null, output: &output, force: true, json: self.inference.json };
-        let named = |inputs: Vec<PathBuf>| {
-            let subject = |(path, input): (&PathBuf, PathBuf)| Subject::new(name_of(path), input);
-            folders.iter().zip(inputs).map(subject).collect()
-        };
+        let named = |_: &[PathBuf]| folders.iter().map(|path| name_of(path)).collect();
         let mut rows = gather(&folders, &cohort, named, terminal)?;
         derivative.describe(dataset, &self.source)?;
         for row in &mut rows {
@@ -165,126 +168,67 @@ impl BidsArgs {
     }
 }
 
-/// The runs of many masks.
-struct Runs<'a> {
-    masks: &'a [Mask],
-    /// Every option that changes a result.
-    parameters: Value,
-    dataset: &'a Dataset,
-    derivative: &'a Derivative<'a>,
-    work: &'a Inferences<'a>,
+/// The run of a mask.
+struct Run<'a> {
+    mask: &'a Mask,
+    subject: Subject,
+    /// With what it is made.
+    ledger: Ledger,
 }
 
-impl Runs<'_> {
-    fn subject(mask: &Mask) -> Subject {
-        Subject::new(mask.run(), mask.path.clone())
-    }
-
-    fn folder(&self, mask: &Mask) -> PathBuf {
-        self.derivative.runs().join(mask.run())
-    }
-
-    /// With what a run is made.
-    fn ledger(&self, mask: &Mask) -> Ledger {
-        let subject = Self::subject(mask);
-        let entry = Entry::of(&subject, self.work.files(&subject));
+impl<'a> Run<'a> {
+    fn of(mask: &'a Mask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
+        let (name, input, line) = (mask.run(), mask.path.clone(), command_line_of_mask(&mask.path, places));
+        let subject = Subject { name, input, line, row: None };
+        let entry = Entry::of(&subject, work.files(&mask.path));
         // The same by whatever way the dataset is named.
-        Ledger::new("bids", &self.parameters, vec![entry.renamed(|path| self.dataset.place_of(path))])
+        let ledger = Ledger::new("bids", parameters, vec![entry.renamed(|path| dataset.place_of(path))]);
+        Self { mask, subject, ledger }
     }
 
-    /// With what the run that stands was made.
-    fn earlier(&self, mask: &Mask) -> Option<Ledger> {
-        read_json(&self.folder(mask).join(LEDGER), "").ok()
-    }
-
-    /// The record of the run that stands.
-    fn record(&self, mask: &Mask) -> Option<Value> {
-        read_json(&self.folder(mask).join(RECORD), "").ok()
-    }
-
-    /// Refuses a run that stands and was made with other parameters, or of another mask.
-    fn check(&self, mask: &Mask, earlier: Option<&Ledger>) -> Result<()> {
+    /// Refuses a run that stands in a folder and was made with other parameters, or of another mask.
+    fn check(&self, earlier: Option<&Ledger>, folder: &Path) -> Result<()> {
         let Some(earlier) = earlier else { return Ok(()) };
-        let ledger = self.ledger(mask);
-        let found = match (ledger.other_parameters(earlier), ledger.other_input(earlier)) {
+        let found = match (self.ledger.other_parameters(earlier), self.ledger.other_input(earlier)) {
             (Some(which), _) => format!("holds a run made with other parameters ({which})"),
             (None, Some(input)) => format!("holds the run of another mask, {input}"),
             (None, None) => return Ok(()),
         };
-        Err(Fault::file(found, "choose another OUT_DIR, or give --force to make it anew").in_file(&self.folder(mask)))
+        Err(Fault::file(found, "choose another OUT_DIR, or give --force to make it anew").in_file(folder))
     }
 
-    /// Makes the runs that do not stand, and gives an error where a person stopped it.
-    fn make(&self, earlier: &[Option<Ledger>], terminal: Terminal, force: bool) -> Result<()> {
-        let is_done = |(mask, earlier): (&Mask, &Option<Ledger>)| {
-            let stands = earlier.as_ref().zip(self.record(mask));
-            !force && stands.is_some_and(|(earlier, record)| self.ledger(mask).stands(0, earlier, &record))
-        };
-        let done: Vec<bool> = self.masks.iter().zip(earlier).map(is_done).collect();
-        let skipped = done.iter().filter(|done| **done).count();
-        if skipped > 0 {
-            terminal.say("dataset", format!("{skipped} of {} done already", plural(done.len(), "run")));
-        }
-        let unnamed = self.masks.iter().zip(&done).filter(|(mask, done)| **done && !self.derivative.has(mask));
-        unnamed.into_iter().try_for_each(|(mask, _)| self.derivative.export(mask, self.dataset))?;
-        let subjects: Vec<Subject> = self.masks.iter().map(Self::subject).collect();
-        let make = |subject: &Subject| match self.masks.iter().find(|mask| mask.path == subject.input) {
-            Some(mask) => self.one(mask, subject, terminal.of_many()),
-            None => Ok(()),
-        };
-        let ended = work_on(&subjects, &done, make, terminal);
-        if ended.len() + skipped < subjects.len() {
-            let done = skipped + ended.iter().filter(|(_, failure)| failure.is_none()).count();
-            return Err(Error::StoppedCohort { path: self.derivative.runs(), done, total: subjects.len() });
-        }
-        Ok(())
-    }
-
-    /// Makes one run; where the mask gives none, why is in its place.
-    fn one(&self, mask: &Mask, subject: &Subject, terminal: Terminal) -> Result<()> {
-        let target = self.folder(mask);
-        // The files as they are before they are read.
-        let ledger = self.ledger(mask);
+    /// Makes it; where the mask gives none, why is in its place.
+    fn make(&self, work: &Inferences, derivative: &Derivative, dataset: &Dataset, terminal: Terminal) -> Result<()> {
+        let (mask, target) = (self.mask, derivative.run(self.mask));
         StagedFolder::check(&target, true)?;
         let folder = StagedFolder::new(&target, true)?;
-        match self.work.write(subject, &folder, terminal) {
+        match Work::write(work, &self.subject, &folder, terminal) {
             Ok(()) => {
-                write_json(&folder.path().join(LEDGER), &ledger)?;
+                write_json(&folder.path().join(LEDGER), &self.ledger)?;
                 folder.commit()?;
-                self.derivative.clear(mask)?;
-                self.derivative.export(mask, self.dataset)
+                derivative.clear(mask)?;
+                derivative.export(mask, dataset)
             }
             Err(error) if Failure::is_of_input(&error) => {
                 drop(folder);
-                let line = self.work.line_of(&mask.path);
-                self.work.failure(&mask.path, line, with_flags(&error))?.write(&target, true)?;
-                self.derivative.clear(mask)?;
+                work.failure(&mask.path, self.subject.line.clone(), with_flags(&error))?.write(&target, true)?;
+                derivative.clear(mask)?;
                 Err(error)
             }
             Err(error) => Err(error),
         }
     }
 
-    /// Says what came out of the runs, and gives an error where some failed.
-    fn end(&self, json: bool, terminal: Terminal, output: &Path) -> Result<()> {
-        let records: Vec<Option<Value>> = self.masks.iter().map(|mask| self.record(mask)).collect();
-        let made: Vec<Value> = records.iter().flatten().cloned().collect();
-        say_notes_of(&made, terminal);
-        for (mask, record) in self.masks.iter().zip(records).filter(|_| json) {
-            let failure = || Failure::read(&self.folder(mask));
-            let sha256 = match &record {
-                Some(record) => record["input"]["sha256"].as_str().map(str::to_owned),
-                None => failure().ok().and_then(|failure| failure.input.sha256),
-            };
-            let why = || failure().map_or_else(|error| with_flags(&error), |failure| failure.error);
-            let (figures, sha256) = (record.as_ref().map(infer_figures).ok_or_else(why), sha256.unwrap_or_default());
-            let row = Row { subject: mask.run(), input: mask.path.display().to_string(), sha256, page: None, figures };
-            print_json(&row.record())?;
-        }
-        terminal.say("written", format!("{}: {}", output.display(), plural(made.len(), "run")));
-        match self.masks.len() - made.len() {
-            0 => Ok(()),
-            failed => Err(Error::Subjects { failed, total: self.masks.len() }),
-        }
+    /// Its row, by its record or by why there is none.
+    fn row(&self, record: Option<&Value>, derivative: &Derivative) -> Row {
+        let (figures, sha256) = match record {
+            Some(record) => (Ok(infer_figures(record)), record["input"]["sha256"].as_str().map(str::to_owned)),
+            None => match Failure::read(&derivative.run(self.mask)) {
+                Ok(failure) => (Err(failure.error), failure.input.sha256),
+                Err(error) => (Err(with_flags(&error)), None),
+            },
+        };
+        let (subject, input) = (self.subject.name.clone(), self.mask.path.display().to_string());
+        Row { subject, input, sha256: sha256.unwrap_or_default(), page: None, figures }
     }
 }

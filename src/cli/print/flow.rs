@@ -3,6 +3,7 @@
 use crate::internals::flow::state::{LAMINAR_LIMIT, State};
 use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
+use crate::internals::report::page::lead::change;
 use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
 use crate::internals::simulation::pulse::Pulse;
 use crate::internals::simulation::pulse::indices::Indices;
@@ -23,10 +24,8 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     terminal.say("resilience", format!("rho_G {} W/m³", brief(before.network_resilience)));
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
-    say_beyond_laminar(terminal, network, before, "");
-    say_stranded(terminal, simulated, before, "");
-    say_transport(terminal, simulated, simulated.transports.map(|found| &found.unperturbed), "");
-    say_pulse(terminal, simulated, simulated.pulses.map(|(found, _)| &found.unperturbed), "");
+    let transport = simulated.transports.map(|found| &found.unperturbed);
+    say_state(terminal, simulated, (before, transport, simulated.pulses.map(|(found, _)| &found.unperturbed)), "");
     let Some(after) = &simulated.result.perturbed else { return };
 
     for perturbation in simulated.perturbations {
@@ -37,12 +36,9 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     let (b, a) = (ml_per_min(before.inflow), ml_per_min(after.inflow));
     let diffused = format!("{} -> {} diffused", count(before.diffused() as u64), plural(after.diffused(), "vessel"));
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
-    say_beyond_laminar(terminal, network, after, " after the perturbation");
-    say_stranded(terminal, simulated, after, " after the perturbation");
     let transport = simulated.transports.and_then(|found| found.perturbed.as_ref());
-    say_transport(terminal, simulated, transport, " after the perturbation");
     let pulse = simulated.pulses.and_then(|(found, _)| found.perturbed.as_ref());
-    say_pulse(terminal, simulated, pulse, " after the perturbation");
+    say_state(terminal, simulated, (after, transport, pulse), " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));
     if lost > 0 {
@@ -54,6 +50,29 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
 }
 
+/// What is worth knowing of one state, beside its resilience and inflow.
+fn say_state(
+    terminal: Terminal,
+    simulated: &Simulated<'_>,
+    (state, transport, pulse): (&State, Option<&Transport>, Option<&Pulse>),
+    when: &str,
+) {
+    say_beyond_laminar(terminal, simulated.network, state, when);
+    // Fixed flows into a part that nothing joins to a pressure.
+    for (node, condition) in &simulated.boundary.conditions {
+        if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
+            let id = &simulated.network.node(*node).id;
+            terminal.say("warning", format!("the fixed flow at {id} has no way on{when}; it is taken as 0"));
+        }
+    }
+    if let Some(transport) = transport {
+        say_transport(terminal, simulated.network, transport, when);
+    }
+    if let Some(pulse) = pulse {
+        say_pulse(terminal, simulated, pulse, when);
+    }
+}
+
 fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str, changes: &[FlowChange]) {
     if changes.is_empty() {
         terminal.say(heading, format!("{what} no other vessel"));
@@ -63,32 +82,23 @@ fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str,
         let [before, after] = [c.before, c.after].map(|q| brief(ml_per_min(q)));
         format!("{} ({before} -> {after} mL/min)", name(network, c.vessel))
     };
-    let first: Vec<String> = changes.iter().take(MOST_COLLATERALS).map(flows).collect();
-    terminal.say(heading, format!("{what} {}{}", first.join(", "), more(changes.len(), MOST_COLLATERALS)));
+    terminal.say(heading, format!("{what} {}", listed(changes.iter().map(flows), MOST_COLLATERALS)));
     for change in changes.iter().skip(MOST_COLLATERALS) {
         terminal.detail(heading, flows(change));
     }
 }
 
 fn say_beyond_laminar(terminal: Terminal, network: &Network, state: &State, when: &str) {
-    let vessels: Vec<String> = state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))).collect();
+    let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
     if !vessels.is_empty() {
-        let first = vessels.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
-        let rest = more(vessels.len(), NAMED);
-        terminal.say(
-            "warning",
-            format!(
-                "Reynolds number above {}{when} in {first}{rest}: Poiseuille's law no longer holds there",
-                count(LAMINAR_LIMIT as u64)
-            ),
-        );
+        let limit = count(LAMINAR_LIMIT as u64);
+        terminal
+            .say("warning", format!("Reynolds number above {limit}{when} in {vessels}: Poiseuille's law no longer holds there"));
     }
 }
 
 /// The outlets of each inlet's territory, and when blood reaches them.
-fn say_transport(terminal: Terminal, simulated: &Simulated<'_>, transport: Option<&Transport>, when: &str) {
-    let Some(transport) = transport else { return };
-    let network = simulated.network;
+fn say_transport(terminal: Terminal, network: &Network, transport: &Transport, when: &str) {
     for (at, source) in transport.sources.iter().enumerate() {
         let fed = transport.exits.iter().filter_map(|(exit, _)| {
             let share = transport.nodes[*exit].as_ref()?.supply[at];
@@ -97,9 +107,7 @@ fn say_transport(terminal: Terminal, simulated: &Simulated<'_>, transport: Optio
         let mut fed: Vec<(String, f64)> = fed.collect();
         fed.sort_by(|a, b| (b.1 as f32).total_cmp(&(a.1 as f32)));
         let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
-        let first: Vec<String> = fed.iter().take(NAMED).map(words).collect();
-        let fed = format!("{}{}", first.join(", "), more(fed.len(), NAMED));
-        terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
+        terminal.say("feeds", format!("{}{when}: {}", end_name(network, *source), listed(fed.iter().map(words), NAMED)));
     }
     let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
     let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
@@ -111,8 +119,7 @@ fn say_transport(terminal: Terminal, simulated: &Simulated<'_>, transport: Optio
 }
 
 /// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
-fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: Option<&Pulse>, when: &str) {
-    let Some(pulse) = pulse else { return };
+fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: &Pulse, when: &str) {
     let network = simulated.network;
     let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
     // In single precision, so that rounding does not change the order of equal flows.
@@ -126,28 +133,17 @@ fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: Option<&Pulse
     back.sort_by(|a, b| (b.1.reversed_share as f32).total_cmp(&(a.1.reversed_share as f32)));
     if !back.is_empty() {
         let words = |(row, of): &&(usize, Indices)| format!("{} ({:.0} %)", name(network, *row), 100.0 * of.reversed_share);
-        let first: Vec<String> = back.iter().take(NAMED).map(words).collect();
-        let rest = more(back.len(), NAMED);
-        terminal.say("turns", format!("flow turns round within the cycle{when} in {}{rest}", first.join(", ")));
+        let vessels = listed(back.iter().map(words), NAMED);
+        terminal.say("turns", format!("flow turns round within the cycle{when} in {vessels}"));
     }
     if simulated.transports.is_some() {
         let ratio = |(row, of): &&(usize, Indices)| of.reversed / pulse.walls[*row].volume;
         let filled = found.iter().filter(|found| ratio(found) > 1.0);
-        let filled: Vec<String> = filled.map(|found| format!("{} ({:.1})", name(network, found.0), ratio(&found))).collect();
-        if !filled.is_empty() {
-            let which = filled.iter().take(NAMED).cloned().collect::<Vec<_>>().join(", ");
+        let filled = filled.map(|found| format!("{} ({:.1})", name(network, found.0), ratio(&found)));
+        let which = filled.take(NAMED).collect::<Vec<_>>().join(", ");
+        if !which.is_empty() {
             let why = "in a cycle more blood goes back than the vessel holds, so supply by the mean flow is less sure";
             terminal.say("note", format!("{which}: {why}"));
-        }
-    }
-}
-
-/// Fixed flows into a part that nothing joins to a pressure.
-fn say_stranded(terminal: Terminal, simulated: &Simulated<'_>, state: &State, when: &str) {
-    for (node, condition) in &simulated.boundary.conditions {
-        if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
-            let id = &simulated.network.node(*node).id;
-            terminal.say("warning", format!("the fixed flow at {id} has no way on{when}; it is taken as 0"));
         }
     }
 }
@@ -177,16 +173,15 @@ fn name(network: &Network, row: usize) -> String {
     }
 }
 
-/// The change as a share of what was before.
+/// The change as a share of what was before, with a minus sign that every terminal has.
 fn relative(before: f64, after: f64) -> String {
-    let percent = 100.0 * (after / before - 1.0);
-    match percent.abs() {
-        _ if before == 0.0 => String::new(),
-        0.0..0.05 => " (by less than 0.05 %)".to_owned(),
-        _ => format!(" ({percent:+.1} %)"),
-    }
+    change(before, after).replace('\u{2212}', "-")
 }
 
-fn more(all: usize, shown: usize) -> String {
-    if all > shown { format!(" and {} more", count((all - shown) as u64)) } else { String::new() }
+/// The first of some words, and how many more there are.
+fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
+    let all: Vec<String> = words.collect();
+    let more = all.len().saturating_sub(most);
+    let rest = if more > 0 { format!(" and {} more", count(more as u64)) } else { String::new() };
+    format!("{}{rest}", all[..all.len() - more].join(", "))
 }

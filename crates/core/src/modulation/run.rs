@@ -50,7 +50,7 @@ pub fn modulate(
     network: &Network,
     boundary: &Boundary,
     params: &ModulationOptions,
-    progress: &mut impl Progress,
+    progress: &mut (impl Progress + ?Sized),
 ) -> Result<Modulation> {
     params.validate()?;
     check_memory(network, params)?;

@@ -32,7 +32,9 @@ const SPARE: usize = 6;
 /// Hears how far a run has come, and may stop it.
 pub trait Progress: Send {
     /// `done` of `total` samples are finished; false stops the run.
-    fn report(&mut self, done: u64, total: u64) -> bool;
+    fn report(&mut self, _done: u64, _total: u64) -> bool {
+        true
+    }
 
     /// More of the run is finished. A later [`Sampling::sample`] can continue from this part.
     fn finished(&mut self, _part: &PartialRun) {}
@@ -53,7 +55,7 @@ pub fn infer(
     network: &Network,
     boundary: &Boundary,
     params: &SamplingOptions,
-    progress: &mut impl Progress,
+    progress: &mut (impl Progress + ?Sized),
 ) -> Result<(Likelihood, Method)> {
     let sampling = Sampling::new(network, boundary, params)?;
     let mut part = sampling.part();
@@ -108,7 +110,7 @@ impl Sampling {
     /// # Errors
     ///
     /// A breakdown of the solver, or a stop by `progress`; `part` then has what was finished.
-    pub fn sample(&self, part: &mut PartialRun, progress: &mut impl Progress) -> Result<()> {
+    pub fn sample(&self, part: &mut PartialRun, progress: &mut (impl Progress + ?Sized)) -> Result<()> {
         let (total, done) = (part.samples(), part.done());
         let gaps = part.gaps(0..part.blocks());
         let unit = part.step().min(UNIT);
@@ -164,7 +166,7 @@ impl Sampling {
         &mut self,
         part: &mut PartialRun,
         decided: impl Fn(&Likelihood) -> Result<bool>,
-        progress: &mut impl Progress,
+        progress: &mut (impl Progress + ?Sized),
     ) -> Result<Likelihood> {
         self.samples = part.samples();
         loop {
@@ -189,14 +191,14 @@ impl Sampling {
 }
 
 /// What the workers share.
-struct Shared<'a, P> {
+struct Shared<'a, P: ?Sized> {
     part: &'a mut PartialRun,
     units: Units,
     done: u64,
     progress: &'a mut P,
 }
 
-impl<P: Progress> Shared<'_, P> {
+impl<P: Progress + ?Sized> Shared<'_, P> {
     /// Reports `fresh` more samples; false stops the run.
     fn report(&mut self, fresh: u64, total: u64) -> bool {
         self.done += fresh;

@@ -133,7 +133,7 @@ fn read_table(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
     let defined = rows.find(&["defined"]).filter(|_| frame.is_known());
     let probability = rows.find(&["probability"]);
     let (mut landmarks, mut undefined, mut doubtful) = (Vec::new(), 0, 0);
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;
         }
@@ -255,7 +255,7 @@ fn read_fcsv(bytes: &[u8], head: &FcsvHead) -> Result<LandmarkList, Fault> {
     // The columns that newer versions write without naming them begin with the status: 2 is defined.
     let status = rows.find(&["associatedNodeID"]).map(|last| last + 1);
     let is_defined = |row: &Row<'_>| status.is_none_or(|column| matches!(row.text(column), "" | "2"));
-    while let Some(row) = rows.next().map_err(here)? {
+    while let Some(row) = rows.row().map_err(here)? {
         if row.texts().next().is_none() {
             continue;
         }

@@ -166,6 +166,17 @@ impl StagedFile {
         Ok(Self { in_progress })
     }
 
+    /// Writes a file that appears complete or not at all; an earlier one is replaced with `force`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::new`] and [`write_file`].
+    pub fn write(target: &Path, force: bool, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+        let file = Self::new(target, force)?;
+        write_file(&file.path(), fill)?;
+        file.commit()
+    }
+
     /// Where to write until then.
     pub fn path(&self) -> PathBuf {
         self.in_progress.new_path()

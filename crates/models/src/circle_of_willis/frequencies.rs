@@ -48,7 +48,7 @@ impl VariantFrequencies {
         };
         let (missing, share) = (column("missing")?, column("share")?);
         let mut table = vec![0.0; 1 << RING.len()];
-        while let Some(row) = rows.next()? {
+        while let Some(row) = rows.row()? {
             let (text, value) = (row.text(missing).to_owned(), row.real(share)?);
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Fault::line(row.line, format!("share {value}"), "expected a number from 0 on"));

@@ -1,5 +1,8 @@
 //! The ranges of axes and their ticks: counts, logarithmic and linear axes.
 
+use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::types::RangedCoordf64;
+
 /// The text at a tick: `text`, then an exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Label {
@@ -114,24 +117,10 @@ impl LogRange {
 }
 
 /// Ticks at whole numbers from 0 to `last`, in steps of 1, 2 or 5 times a power of ten; at most `most` after 0.
-pub fn count_ticks(last: u64, most: u64) -> Vec<Tick> {
-    let mut step = 1_u64;
-    for factor in [2, 5, 10].into_iter().cycle() {
-        if last / step <= most {
-            break;
-        }
-        step = 10_u64.pow(step.ilog10()).saturating_mul(factor);
-    }
-    (0..=last / step).map(|k| Tick { at: (k * step) as f64, label: count(k * step) }).collect()
-}
-
-/// A whole number with commas between thousands, or as a power of ten where that would be too wide.
-fn count(n: u64) -> Label {
-    const WIDEST: u64 = 1_000_000;
-    match format!("{n:e}").split_once('e') {
-        Some((mantissa, exponent)) if n > WIDEST => Label { text: format!("{mantissa}\u{b7}10"), exponent: exponent.to_owned() },
-        _ => Label::plain(grouped(n)),
-    }
+pub fn count_ticks(last: u64, most: usize) -> Vec<Tick> {
+    // Over at least `most` whole numbers a step is one or more.
+    let ticks = LinearRange { low: 0.0, high: last.max(most as u64) as f64 }.ticks(most + 1);
+    ticks.into_iter().filter(|tick| tick.at <= last as f64).collect()
 }
 
 /// A whole number with commas between thousands from five digits on.
@@ -180,13 +169,13 @@ impl LinearRange {
         if !(rough.is_finite() && rough > (1e-12 * self.low.abs().max(self.high.abs())).max(1e-300)) {
             return Vec::new();
         }
-        let power = rough.log10().floor() as i32;
-        let wide = |(factor, power): &(i64, i32)| *factor as f64 * 10_f64.powi(*power) >= rough * (1.0 - 1e-9);
-        let next = (1, power + 1);
-        let (factor, power) = [(1, power), (2, power), (5, power)].into_iter().find(wide).unwrap_or(next);
-        let step = factor as f64 * 10_f64.powi(power);
-        let (first, last) = ((self.low / step - 1e-9).ceil() as i64, (self.high / step + 1e-9).floor() as i64);
-        (first..=last).map(|k| Tick { at: k as f64 * step, label: multiple(k * factor, power) }).collect()
+        let points = RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(most));
+        let [first, second, ..] = points[..] else { return Vec::new() };
+        let step = second - first;
+        let power = (step.log10() + 1e-6).floor() as i32;
+        let factor = (step / 10_f64.powi(power)).round() as i64;
+        let label = |at: f64| multiple((at / step).round() as i64 * factor, power);
+        points.into_iter().map(|at| Tick { at, label: label(at) }).collect()
     }
 }
 
@@ -196,7 +185,7 @@ fn multiple(k: i64, power: i32) -> Label {
     let digits = k.unsigned_abs();
     match power {
         _ if k == 0 => Label::plain("0"),
-        0..=4 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
+        0..=5 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
         -3..0 => Label::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
         _ => Label::power(&format!("{sign}{digits}\u{b7}"), power),
     }

@@ -1,114 +1,107 @@
-//! A bitmap page: dots drawn by plotters, averaged into the pixels of a PNG.
+//! A sheet as a bitmap: a PNG file.
 
-use std::fmt::Display;
+use tiny_skia::{
+    Color, FillRule, GradientStop, LineCap, LineJoin, LinearGradient, Paint, Pixmap, Point, PremultipliedColorU8, Rect,
+    SpreadMode, Stroke, StrokeDash, Transform,
+};
 
-use plotters::backend::{BitMapBackend, DrawingBackend};
-use plotters::style::{Color, FontTransform, IntoFont, RGBColor, ShapeStyle, TextStyle};
-
-use super::canvas::{Dot, Page, Run};
-use super::colour::{INK, PAPER, Rgb};
-use super::font::FAMILY;
+use super::colour::{INK, MAP, Rgb};
+use super::sheet::{Filled, Line, Mark, Place};
+use super::style::{DASH, POINTS_PER_INCH};
 
 const METRES_PER_INCH: f64 = 0.0254;
 
-/// A bitmap page. Each pixel is a square of dots.
-pub struct Bitmap {
-    pixels: [u32; 2],
-    /// Dots along the side of a pixel.
-    fine: u32,
-    rgb: Vec<u8>,
+/// The PNG file of some marks: 8-bit RGB, with its resolution.
+pub fn png(inches: [f64; 2], marks: &[Mark], dpi: u32) -> Result<Vec<u8>, String> {
+    let [width, height] = inches.map(|length| (length * f64::from(dpi)).round() as u32);
+    let mut page = page(width, height)?;
+    let scale = f64::from(dpi) / POINTS_PER_INCH;
+    for mark in marks {
+        draw(&mut page, mark, scale);
+    }
+    encoded(&page, Some((f64::from(dpi) / METRES_PER_INCH).round() as u32))
 }
 
-impl Bitmap {
-    /// A white page.
-    pub fn new(pixels: [u32; 2], fine: u32) -> Self {
-        let dots = pixels.map(|p| (p * fine) as usize);
-        Self { pixels, fine, rgb: PAPER.repeat(dots[0] * dots[1]) }
+/// Boxes as a PNG file of a side in pixels. The first of them fills it.
+pub fn image(boxes: &[Filled], side: u32) -> Result<Vec<u8>, String> {
+    let mut page = page(side, side)?;
+    if let Some(([corner, to], _)) = boxes.first() {
+        fill(&mut page, boxes, *corner, f64::from(side) / (to[0] - corner[0]));
     }
+    encoded(&page, None)
+}
 
-    /// The PNG file: 8-bit RGB, with the resolution.
-    pub fn png(&self, dpi: u32) -> Result<Vec<u8>, String> {
-        let per_metre = (f64::from(dpi) / METRES_PER_INCH).round() as u32;
-        png(self.pixels, &self.averaged(), Some(per_metre))
-    }
+/// A white page of a size in pixels.
+fn page(width: u32, height: u32) -> Result<Pixmap, String> {
+    let mut page = Pixmap::new(width, height).ok_or("it is too large")?;
+    page.fill(Color::WHITE);
+    Ok(page)
+}
 
-    /// The pixels, each the mean of its dots.
-    fn averaged(&self) -> Vec<u8> {
-        let [width, height] = self.pixels.map(|p| p as usize);
-        let fine = self.fine as usize;
-        let count = (fine * fine) as u32;
-        let mut image = Vec::with_capacity(width * height * 3);
-        let mut sums = vec![0_u32; width * 3];
-        for rows in self.rgb.chunks_exact(width * fine * 3 * fine) {
-            sums.fill(0);
-            for row in rows.chunks_exact(width * fine * 3) {
-                for (sum, dots) in sums.chunks_exact_mut(3).zip(row.chunks_exact(fine * 3)) {
-                    for dot in dots.chunks_exact(3) {
-                        for (s, d) in sum.iter_mut().zip(dot) {
-                            *s += u32::from(*d);
-                        }
-                    }
-                }
+fn draw(page: &mut Pixmap, mark: &Mark, scale: f64) {
+    let to_pixels = Transform::from_scale(scale as f32, scale as f32);
+    match mark {
+        Mark::Boxes(boxes) => fill(page, boxes, [0.0; 2], scale),
+        Mark::Map([from, to]) => {
+            let [left, top, right, bottom] = [from[0], from[1], to[0], to[1]].map(|c| c as f32);
+            let last = (MAP.len() - 1) as f32;
+            let stops = MAP.iter().enumerate().map(|(at, rgb)| GradientStop::new(at as f32 / last, colour(*rgb, 1.0)));
+            let ends = [bottom, top].map(|y| Point::from_xy(left, y));
+            let shader = LinearGradient::new(ends[0], ends[1], stops.collect(), SpreadMode::Pad, Transform::identity());
+            if let Some((shader, rectangle)) = shader.zip(Rect::from_ltrb(left, top, right, bottom)) {
+                page.fill_rect(rectangle, &Paint { shader, ..Paint::default() }, to_pixels, None);
             }
-            image.extend(sums.iter().map(|s| ((s + count / 2) / count) as u8));
         }
-        image
-    }
-
-    fn draw<E: Display>(&mut self, stroke: impl FnOnce(&mut BitMapBackend<'_>) -> Result<(), E>) -> Result<(), String> {
-        let [width, height] = self.pixels.map(|p| p * self.fine);
-        stroke(&mut BitMapBackend::with_buffer(&mut self.rgb, (width, height))).map_err(|error| error.to_string())
-    }
-}
-
-impl Page for Bitmap {
-    fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String> {
-        self.draw(|page| page.draw_rect(from, to, &ink(rgb, 1.0), true))
-    }
-
-    fn path(&mut self, dots: &[Dot], width: u32, rgb: Rgb, opacity: f64) -> Result<(), String> {
-        self.draw(|page| page.draw_path(dots.iter().copied(), &ink(rgb, opacity).stroke_width(width)))
-    }
-
-    /// plotters draws long spikes at sharp corners of a thick line, so that here each straight stretch and each corner is drawn by itself.
-    fn tube(&mut self, dots: &[Dot], width: u32, rgb: Rgb) -> Result<(), String> {
-        let half = f64::from(width) / 2.0;
-        for (at, dot) in dots.iter().enumerate() {
-            self.draw(|page| page.draw_circle(*dot, half.round() as u32, &ink(rgb, 1.0), true))?;
-            let Some(next) = dots.get(at + 1) else { continue };
-            let [x, y] = [f64::from(next.0 - dot.0), f64::from(next.1 - dot.1)];
-            let aside = |(x, y): Dot, side: f64, across: [f64; 2]| {
-                (x + (side * across[0]).round() as i32, y + (side * across[1]).round() as i32)
+        Mark::Line(path, line, width, rgb, opacity) => {
+            let stroke = Stroke {
+                width: *width as f32,
+                line_cap: if *line == Line::Tube { LineCap::Round } else { LineCap::Butt },
+                line_join: LineJoin::Round,
+                dash: (*line == Line::Dashed).then(|| StrokeDash::new(DASH.to_vec(), 0.0)).flatten(),
+                ..Stroke::default()
             };
-            let across = [-y, x].map(|c| half * c / x.hypot(y).max(f64::MIN_POSITIVE));
-            let corners = [(*dot, 1.0), (*next, 1.0), (*next, -1.0), (*dot, -1.0)].map(|(dot, side)| aside(dot, side, across));
-            self.draw(|page| page.fill_polygon(corners, &ink(rgb, 1.0)))?;
+            page.stroke_path(path, &paint(*rgb, *opacity), &stroke, to_pixels, None);
         }
-        Ok(())
+        Mark::Text(outline, _) => page.fill_path(outline, &paint(INK, 1.0), FillRule::Winding, to_pixels, None),
     }
+}
 
-    fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String> {
-        let turn = match run {
-            Run::Right => FontTransform::None,
-            Run::Up => FontTransform::Rotate270,
+/// Fills whole pixels, at least one for each box.
+fn fill(page: &mut Pixmap, boxes: &[Filled], corner: Place, scale: f64) {
+    let [width, height] = [page.width(), page.height()].map(|side| side as usize);
+    for ([from, to], [r, g, b]) in boxes {
+        let Some(rgb) = PremultipliedColorU8::from_rgba(*r, *g, *b, u8::MAX) else { continue };
+        let edges = |axis: usize, side: usize| {
+            let [low, high] = [from, to].map(|place| ((place[axis] - corner[axis]) * scale).round() as usize);
+            let low = low.min(side.saturating_sub(1));
+            low..high.clamp(low + usize::from(from[axis] < to[axis]), side)
         };
-        let style = TextStyle::from((FAMILY, size).into_font()).color(&RGBColor(INK[0], INK[1], INK[2])).transform(turn);
-        self.draw(|page| page.draw_text(text, &style, at))
+        for row in edges(1, height) {
+            let across = edges(0, width);
+            page.pixels_mut()[row * width + across.start..row * width + across.end].fill(rgb);
+        }
     }
 }
 
-fn ink(rgb: Rgb, opacity: f64) -> ShapeStyle {
-    RGBColor(rgb[0], rgb[1], rgb[2]).mix(opacity).filled()
+fn colour([r, g, b]: Rgb, opacity: f64) -> Color {
+    Color::from_rgba8(r, g, b, (opacity * 255.0).round() as u8)
 }
 
-/// An 8-bit RGB image, row by row from the top, as a PNG file.
-pub fn png(pixels: [u32; 2], rgb: &[u8], per_metre: Option<u32>) -> Result<Vec<u8>, String> {
+fn paint(rgb: Rgb, opacity: f64) -> Paint<'static> {
+    let mut paint = Paint { anti_alias: true, ..Paint::default() };
+    paint.set_color(colour(rgb, opacity));
+    paint
+}
+
+/// A page as a PNG file: 8-bit RGB.
+fn encoded(page: &Pixmap, per_metre: Option<u32>) -> Result<Vec<u8>, String> {
     let mut file = Vec::new();
-    let mut encoder = png::Encoder::new(&mut file, pixels[0], pixels[1]);
+    let mut encoder = png::Encoder::new(&mut file, page.width(), page.height());
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_pixel_dims(per_metre.map(|n| png::PixelDimensions { xppu: n, yppu: n, unit: png::Unit::Meter }));
+    let rgb: Vec<u8> = page.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(rgb).and_then(|()| writer.finish()).map_err(|error| error.to_string())?;
+    writer.write_image_data(&rgb).and_then(|()| writer.finish()).map_err(|error| error.to_string())?;
     Ok(file)
 }

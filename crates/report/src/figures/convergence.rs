@@ -1,17 +1,14 @@
 //! The convergence of the likelihood: mean contribution per sample against the number of samples.
 
-use std::collections::BTreeMap;
-
 use super::axis::{Label, LogRange, count_ticks, grouped};
-use super::canvas::{Align, Place, Sheet};
 use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
-use super::style::{self, BOLD, CURVE, Key, NAME_BELOW, NAME_LEFT, REFERENCE, TICK};
-use willis_core::error::{Error, Result};
+use super::sheet::{Align, Place, Sheet};
+use super::style::{self, BOLD, CURVE, Key, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TICK};
 use willis_core::sampling::Weight;
 use willis_io::output::names::CONVERGENCE_PICTURE;
 
-const INCHES: [f64; 2] = [6.4, 4.6];
+const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 4.6 * POINTS_PER_INCH];
 /// Left, top, right and bottom of the axes, points.
 const BOX: [f64; 4] = [62.0, 50.0, 440.0, 284.0];
 /// Height of the line of zeros, points.
@@ -38,43 +35,22 @@ pub enum Cut {
 /// logarithmic axis, 6.4 by 4.6 inches. The median is a dashed line.
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
-/// - `series`: for each vessel L/n at each checkpoint, finite and not negative. Of more than 400 that are kept, or pruned, only a regular selection is drawn.
+/// - `series`: for each vessel L/n at each checkpoint. Of more than 400 that are kept, or pruned, only a regular selection is drawn.
 /// - `threshold`: the threshold or median on L/n at each checkpoint, as `cut` says; NaN where there is none.
 /// - `kept`: for each vessel whether it is kept.
 /// - `weight`: what L adds up, from which its unit follows.
 ///
 /// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
 /// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value is one sentence.
-///
-/// # Errors
-///
-/// When lengths disagree, when `samples` does not rise, and when a value is negative or not finite.
-pub fn convergence(
-    samples: &[u64],
-    series: &[Vec<f64>],
-    (cut, threshold): (Cut, &[f64]),
-    kept: &[bool],
-    weight: Weight,
-) -> Result<Figure> {
-    validate(samples, series, threshold, kept)?;
-    let name = match weight {
-        Weight::Resilience | Weight::Global => "mean contribution per sample L/n (W/m\u{b3})",
-        Weight::Count => "share of samples L/n",
-    };
-    let (samples, series, threshold, kept) = (samples.to_vec(), series.to_vec(), threshold.to_vec(), kept.to_vec());
-    Ok(Figure::new(CONVERGENCE_PICTURE, INCHES, move |sheet| draw(sheet, &samples, &series, (cut, &threshold), &kept, name)))
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: (Cut, &[f64]), kept: &[bool], weight: Weight) -> Figure {
+    let mut sheet = Sheet::default();
+    draw(&mut sheet, samples, series, threshold, kept, weight);
+    Figure::new(CONVERGENCE_PICTURE, PAGE, sheet)
 }
 
-fn draw(
-    sheet: &mut Sheet<'_>,
-    samples: &[u64],
-    series: &[Vec<f64>],
-    (cut, threshold): (Cut, &[f64]),
-    kept: &[bool],
-    name: &str,
-) -> Result<()> {
+fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold): (Cut, &[f64]), kept: &[bool], weight: Weight) {
     let [left, top, right, bottom] = BOX;
-    sheet.title("Convergence of the likelihood of uncertain vessels", left)?;
+    sheet.title("Convergence of the likelihood of uncertain vessels", left);
 
     let values = || series.iter().flatten().chain(threshold).copied();
     let range = if series.is_empty() { None } else { LogRange::of(values()) };
@@ -89,7 +65,7 @@ fn draw(
 
     let lowest = values().fold(f64::INFINITY, f64::min);
     let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
-    axes.ticks(sheet, name)?;
+    axes.ticks(sheet, weight);
     // A few curves are thick and opaque, thousands thin and transparent.
     let curves = [false, true].map(|kept_ones| {
         let all: Vec<&Vec<f64>> =
@@ -101,28 +77,20 @@ fn draw(
     let width = THIN + sparse * (CURVE - THIN);
     let opacity = 0.05 + 0.85 * sparse.powf(0.7);
     for (curves, rgb) in curves.iter().zip([PRUNED, KEPT]) {
-        // Those at zero lie on each other: each stretch is drawn once, as dark as all of them.
-        let mut at_zero: BTreeMap<[u64; 2], i32> = BTreeMap::new();
         for run in curves.iter().flat_map(|values| axes.runs(samples, values)) {
-            match run[..] {
-                [(first, share), .., (last, _)] if share < 0.0 => *at_zero.entry([first, last]).or_default() += 1,
-                _ => axes.stroke(sheet, &run, width, rgb, opacity)?,
-            }
-        }
-        for (ends, count) in at_zero {
-            axes.stroke(sheet, &ends.map(|samples| (samples, -1.0)), width, rgb, 1.0 - (1.0 - opacity).powi(count))?;
+            axes.stroke(sheet, &run, width, rgb, opacity);
         }
     }
     for run in axes.runs(samples, threshold) {
         match cut {
             Cut::Threshold => {
-                axes.stroke(sheet, &run, 2.0 * BOLD, PAPER, 0.8)?;
-                axes.stroke(sheet, &run, BOLD, INK, 1.0)?;
+                axes.stroke(sheet, &run, 2.0 * BOLD, PAPER, 0.8);
+                axes.stroke(sheet, &run, BOLD, INK, 1.0);
             }
-            Cut::Median => axes.dashes(sheet, &run)?,
+            Cut::Median => axes.dashes(sheet, &run),
         }
     }
-    sheet.frame([left, top], [right - left, bottom - top])?;
+    sheet.frame([left, top], [right - left, bottom - top]);
     let stay = kept.iter().filter(|kept| **kept).count();
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
     let counts = [count("kept", stay), count("pruned", kept.len() - stay)];
@@ -132,34 +100,7 @@ fn draw(
     };
     let line = threshold.iter().any(|cut| !cut.is_nan()).then_some(line);
     let curves = [(&*counts[0], Key::Line(CURVE), KEPT), (&*counts[1], Key::Line(CURVE), PRUNED)];
-    style::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>())
-}
-
-fn validate(samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]) -> Result<()> {
-    let checkpoints = samples.len();
-    let length = |name: String, found: usize| {
-        let accepted = || format!("expected one for each of {checkpoints} checkpoints");
-        (found == checkpoints).then_some(()).ok_or_else(|| Error::parameter(name, format!("of {found} values"), accepted()))
-    };
-    if let Some(at) = (0..checkpoints).find(|at| samples[*at] == 0 || (*at > 0 && samples[*at] <= samples[at - 1])) {
-        return Err(Error::parameter(format!("samples at checkpoint {at}"), samples[at], "expected positive, rising numbers"));
-    }
-    length("threshold".to_owned(), threshold.len())?;
-    if kept.len() != series.len() {
-        let accepted = format!("expected one for each of {} vessels", series.len());
-        return Err(Error::parameter("kept", format!("of {} values", kept.len()), accepted));
-    }
-    let accepted = "expected a finite number from 0 up";
-    for (row, values) in series.iter().enumerate() {
-        length(format!("contribution of edge {row}"), values.len())?;
-        if let Some(value) = values.iter().find(|v| !v.is_finite() || **v < 0.0) {
-            return Err(Error::parameter(format!("contribution of edge {row}"), value, accepted));
-        }
-    }
-    match threshold.iter().find(|v| v.is_infinite() || **v < 0.0) {
-        Some(value) => Err(Error::parameter("threshold", value, accepted)),
-        None => Ok(()),
-    }
+    style::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>());
 }
 
 /// The positions of numbers of samples and contributions on the page.
@@ -181,19 +122,23 @@ impl Axes {
         if share < 0.0 { ZERO } else { lowest - (lowest - BOX[1]) * share }
     }
 
-    fn ticks(&self, sheet: &mut Sheet<'_>, name: &str) -> Result<()> {
+    fn ticks(&self, sheet: &mut Sheet, weight: Weight) {
         let [left, top, right, bottom] = BOX;
         let counts = count_ticks(self.last, 6).into_iter();
-        sheet.ticks_below([top, bottom], counts.map(|tick| (self.x(tick.at), tick.label)))?;
+        sheet.ticks_below([top, bottom], counts.map(|tick| (self.x(tick.at), tick.label)));
         let powers = self.range.ticks();
         let lowest = powers.first().filter(|_| self.range.clipped);
         let below = lowest.map_or_else(|| Label::plain("0"), |tick| tick.label.clone().after("<"));
         let zeros = self.zeros.then_some((ZERO, below));
         let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
-        sheet.ticks_left([left, right], powers.chain(zeros))?;
+        sheet.ticks_left([left, right], powers.chain(zeros));
         let middle = [f64::midpoint(left, right), f64::midpoint(top, bottom)];
-        sheet.plain("number of samples, n", [middle[0], bottom + TICK + NAME_BELOW], Align::Middle)?;
-        sheet.upright(name, [NAME_LEFT, middle[1]])
+        sheet.plain("number of samples, n", [middle[0], bottom + TICK + NAME_BELOW], Align::Middle);
+        let name = match weight {
+            Weight::Resilience | Weight::Global => "mean contribution per sample L/n (W/m\u{b3})",
+            Weight::Count => "share of samples L/n",
+        };
+        sheet.upright(name, [NAME_LEFT, middle[1]]);
     }
 
     /// The stretches of a curve, each a number of samples and a share of the axis: interrupted at NaN and between zero and positive values.
@@ -204,21 +149,21 @@ impl Axes {
     }
 
     /// Draws a stretch. A single checkpoint is a dash.
-    fn stroke(&self, sheet: &mut Sheet<'_>, run: &[(u64, f64)], width: f64, rgb: Rgb, opacity: f64) -> Result<()> {
+    fn stroke(&self, sheet: &mut Sheet, run: &[(u64, f64)], width: f64, rgb: Rgb, opacity: f64) {
         let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
         if let [[x, y]] = path[..] {
             let half = 2.0 + 2.0 * width;
             path = vec![[x - half, y], [x + half, y]];
         }
-        sheet.line(path, width, rgb, opacity)
+        sheet.line(path, width, rgb, opacity);
     }
 
     /// Draws a stretch of the median, a dash a checkpoint or more.
-    fn dashes(&self, sheet: &mut Sheet<'_>, run: &[(u64, f64)]) -> Result<()> {
+    fn dashes(&self, sheet: &mut Sheet, run: &[(u64, f64)]) {
         let place = |(n, share): &(u64, f64)| [self.x(*n as f64), self.y(*share)];
         if run.len() < 2 {
             return self.stroke(sheet, run, BOLD, INK, 1.0);
         }
-        sheet.dashed(run.iter().map(place), 1.2, INK)
+        sheet.dashed(run.iter().map(place), 1.2, INK);
     }
 }

@@ -1,13 +1,12 @@
-//! One figure, which the same code draws as PNG at any resolution and as SVG.
+//! One figure, which is written as PNG at any resolution and as SVG.
 
 use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
-use super::bitmap::Bitmap;
-use super::canvas::Sheet;
-use super::font;
-use super::svg::SvgPage;
+use super::sheet::Sheet;
+use super::style::POINTS_PER_INCH;
+use super::{bitmap, svg};
 use willis_core::error::{Error, Result};
 use willis_io::output::atomic::write_file;
 
@@ -15,8 +14,6 @@ use willis_io::output::atomic::write_file;
 pub const DEFAULT_DPI: u32 = 150;
 
 const DPI: RangeInclusive<u32> = 36..=1200;
-/// The lowest resolution of drawing, dots per inch. Plotters puts glyphs and corners on whole dots, which are then averaged to pixels.
-const FINEST: u32 = 600;
 
 /// Refuses a resolution out of its range.
 ///
@@ -28,23 +25,17 @@ pub fn check_dpi(dpi: u32) -> Result<()> {
     if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("dpi", dpi, accepted())) }
 }
 
-type Draw = dyn Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync;
-
-/// A figure that can be drawn in any format.
+/// A figure that can be written in any format.
 pub struct Figure {
     name: &'static str,
     inches: [f64; 2],
-    draw: Box<Draw>,
+    sheet: Sheet,
 }
 
 impl Figure {
-    /// A figure called `name`, of a width and height in inches.
-    pub(crate) fn new(
-        name: &'static str,
-        inches: [f64; 2],
-        draw: impl Fn(&mut Sheet<'_>) -> Result<()> + Send + Sync + 'static,
-    ) -> Self {
-        Self { name, inches, draw: Box::new(draw) }
+    /// A figure called `name`, of a width and height in points.
+    pub(crate) fn new(name: &'static str, points: [f64; 2], sheet: Sheet) -> Self {
+        Self { name, inches: points.map(|length| length / POINTS_PER_INCH), sheet }
     }
 
     /// The name of its files, without the endings.
@@ -64,11 +55,7 @@ impl Figure {
     /// When `dpi` is out of range.
     pub fn png(&self, dpi: u32) -> Result<Vec<u8>> {
         check_dpi(dpi)?;
-        let fine = FINEST.div_ceil(dpi);
-        let pixels = self.inches.map(|length| (length * f64::from(dpi)).round() as u32);
-        let mut bitmap = Bitmap::new(pixels, fine);
-        self.on(&mut Sheet::new(&mut bitmap, self.name, dpi, fine))?;
-        bitmap.png(dpi).map_err(|error| self.failure(&error))
+        bitmap::png(self.inches, &self.sheet.marks, dpi).map_err(|reason| self.failure(reason))
     }
 
     /// The SVG file. It has only curves and filled shapes, for text too, so that it looks the same without any font and refers to no
@@ -78,32 +65,24 @@ impl Figure {
     ///
     /// # Errors
     ///
-    /// When the built-in font cannot be read.
+    /// When an image in it cannot be made.
     pub fn svg(&self) -> Result<String> {
-        let mut page = SvgPage::new(self.name);
-        self.on(&mut Sheet::new(&mut page, self.name, SvgPage::DPI, 1))?;
-        Ok(page.svg(self.inches))
+        svg::svg(self.name, self.inches, &self.sheet.marks).map_err(|reason| self.failure(reason))
     }
 
-    /// Writes NAME.png and NAME.svg into a folder.
+    /// Writes NAME.png and NAME.svg into a folder, and returns the SVG.
     ///
     /// # Errors
     ///
     /// When `dpi` is out of range, and when a file cannot be written.
-    pub fn write(&self, folder: &Path, dpi: u32) -> Result<()> {
+    pub fn write(&self, folder: &Path, dpi: u32) -> Result<String> {
         let (png, svg) = (self.png(dpi)?, self.svg()?);
         write_file(&folder.join(format!("{}.png", self.name)), |out| out.write_all(&png))?;
-        write_file(&folder.join(format!("{}.svg", self.name)), |out| out.write_all(svg.as_bytes()))
+        write_file(&folder.join(format!("{}.svg", self.name)), |out| out.write_all(svg.as_bytes()))?;
+        Ok(svg)
     }
 
-    fn on(&self, sheet: &mut Sheet<'_>) -> Result<()> {
-        if !font::is_registered() {
-            return Err(self.failure("the built-in font cannot be read"));
-        }
-        (self.draw)(sheet)
-    }
-
-    fn failure(&self, reason: impl std::fmt::Display) -> Error {
-        Error::Write { path: self.name.into(), source: std::io::Error::other(reason.to_string()) }
+    fn failure(&self, reason: String) -> Error {
+        Error::Write { path: self.name.into(), source: std::io::Error::other(reason) }
     }
 }

@@ -1,11 +1,11 @@
 //! The flows of a simulation as horizontal bars: the flow of each vessel before and after a perturbation.
 
 use super::axis::{Label, LinearRange};
-use super::canvas::{Align, Run, Sheet};
-use super::colour::{INK, PERTURBED, Rgb, UNPERTURBED};
+use super::colour::{INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
+use super::font;
+use super::sheet::{Align, Run, Sheet};
 use super::style::{self, HAIR, Key, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
-use willis_core::error::{Error, Result};
 use willis_io::output::names::FLOW_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
@@ -57,19 +57,11 @@ impl VesselFlow {
 /// wide.
 ///
 /// A flow is positive in its direction in the unperturbed network, so that only reversed flows lie left of zero.
-///
-/// # Errors
-///
-/// When a flow is not finite.
-pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
-    if let Some(f) = flows.iter().find(|f| !f.rank().is_finite()) {
-        return Err(Error::parameter(format!("flow of {}", f.name), f.unperturbed, "expected finite numbers of mL/min"));
-    }
+pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
     let mut shown: Vec<&VesselFlow> = flows.iter().collect();
     // In single precision, so that rounding does not change the order of equal flows.
     shown.sort_by(|a, b| (b.rank() as f32).total_cmp(&(a.rank() as f32)));
     shown.truncate(MOST);
-    let shown: Vec<VesselFlow> = shown.into_iter().cloned().collect();
     let pair = flows.iter().any(|f| f.perturbed.is_some());
     let title = match (flows.len(), pair) {
         (n, _) if n > MOST => format!("Flow in the {MOST} vessels of largest flow{}", if pair { " or change" } else { "" }),
@@ -78,78 +70,38 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Result<Figure> {
     let each = GAP + if pair { 2.0 * BAR } else { BAR };
     let top = if pair { TOP[0] } else { TOP[1] };
     let bottom = top + each * shown.len() as f64;
-    let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
-    Ok(Figure::new(FLOW_PICTURE, inches, move |sheet| draw(sheet, &shown, &title, [top, bottom], pair)))
-}
-
-fn draw(sheet: &mut Sheet<'_>, shown: &[VesselFlow], title: &str, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
-    let each = GAP + if pair { 2.0 * BAR } else { BAR };
-    let mut names = Vec::new();
-    let mut widest: f64 = 0.0;
-    for flow in shown {
-        let name = style::fitting(sheet, &flow.name, NAME, TEXT)?;
-        widest = widest.max(sheet.text_width(&name, TEXT)?);
-        names.push(name);
-    }
-    let axis = Axis::new(shown, [widest + 22.0, WIDTH - 14.0]);
-    axis.draw(sheet, [top, bottom], pair)?;
-    sheet.title(title, axis.span[0])?;
+    let names: Vec<String> = shown.iter().map(|flow| style::fitting(&flow.name, NAME, TEXT)).collect();
+    let left = names.iter().map(|name| font::width(name, TEXT)).fold(0.0, f64::max) + 22.0;
+    let right = WIDTH - 14.0;
+    let both = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
+    let (low, high) = (both().fold(0.0, f64::min), both().fold(0.0, f64::max));
+    let range = LinearRange { low, high: if high > low { high } else { NO_FLOW } };
+    let first = left + if low < 0.0 { ROOM } else { 0.0 };
+    let x = |flow: f64| first + (right - ROOM - first) * range.share(flow);
+    let mut sheet = Sheet::default();
+    sheet.ticks_below([top, bottom], range.ticks(7).into_iter().map(|tick| (x(tick.at), tick.label)));
+    sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0);
+    let name = if pair { "flow along its unperturbed direction (mL/min)" } else { "flow (mL/min)" };
+    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
+    sheet.title(&title, left);
     if pair {
         let keys = [("unperturbed", Key::Box, UNPERTURBED), ("perturbed", Key::Box, PERTURBED)];
-        style::legend(sheet, axis.span[0], &keys)?;
+        style::legend(&mut sheet, left, &keys);
     }
     for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
         let above = top + GAP / 2.0 + each * row as f64;
-        let centre = above + (each - GAP) / 2.0;
-        sheet.plain(&name, [axis.span[0] - 8.0, centre], Align::End)?;
+        sheet.plain(&name, [left - 8.0, above + (each - GAP) / 2.0], Align::End);
         let (before, after) = flow.along();
-        axis.bar(sheet, above, before, UNPERTURBED)?;
-        if let Some(after) = after {
-            axis.bar(sheet, above + BAR, after, PERTURBED)?;
+        for (above, flow, rgb) in [(above, Some(before), UNPERTURBED), (above + BAR, after, PERTURBED)] {
+            let Some(flow) = flow else { continue };
+            let (zero, end) = (x(0.0), x(flow));
+            sheet.rectangle([zero.min(end), above], [(end - zero).abs(), BAR], rgb);
+            let (at, align) = if flow < 0.0 { (end - 3.0, Align::End) } else { (end + 3.0, Align::Begin) };
+            sheet.text(&figure(flow), [at, above + BAR / 2.0], SMALL, align, Run::Right);
         }
     }
-    let zero = axis.x(0.0);
-    sheet.line([[zero, top], [zero, bottom]], HAIR, INK, 1.0)
-}
-
-/// The positions of flows across the page.
-struct Axis {
-    /// Left and right end, points.
-    span: [f64; 2],
-    /// The smallest and largest flow, mL/min; zero lies between.
-    range: LinearRange,
-}
-
-impl Axis {
-    fn new(shown: &[VesselFlow], span: [f64; 2]) -> Self {
-        let flows = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
-        let (low, high) = (flows().fold(0.0, f64::min), flows().fold(0.0, f64::max));
-        Self { span, range: LinearRange { low, high: if high > low { high } else { NO_FLOW } } }
-    }
-
-    fn x(&self, flow: f64) -> f64 {
-        let LinearRange { low, high } = self.range;
-        let left = self.span[0] + if low < 0.0 { ROOM } else { 0.0 };
-        left + (self.span[1] - ROOM - left) * (flow - low) / (high - low)
-    }
-
-    fn draw(&self, sheet: &mut Sheet<'_>, [top, bottom]: [f64; 2], pair: bool) -> Result<()> {
-        let ticks = self.range.ticks(7).into_iter();
-        sheet.ticks_below([top, bottom], ticks.map(|tick| (self.x(tick.at), tick.label)))?;
-        sheet.line([[self.span[0], bottom], [self.span[1], bottom]], HAIR, INK, 1.0)?;
-        let name = if pair { "flow along its unperturbed direction (mL/min)" } else { "flow (mL/min)" };
-        let middle = f64::midpoint(self.span[0], self.span[1]);
-        sheet.plain(name, [middle, bottom + TICK + NAME_BELOW], Align::Middle)
-    }
-
-    fn bar(&self, sheet: &mut Sheet<'_>, top: f64, flow: f64, rgb: Rgb) -> Result<()> {
-        let (zero, end) = (self.x(0.0), self.x(flow));
-        let [from, to] = [zero.min(end), zero.max(end)].map(|x| sheet.pixels(x));
-        let [above, below] = [top, top + BAR].map(|y| sheet.pixels(y));
-        sheet.fill([from, above], [to - from, below - above], rgb)?;
-        let (at, align) = if flow < 0.0 { (end - 3.0, Align::End) } else { (end + 3.0, Align::Begin) };
-        sheet.text(&figure(flow), [at, top + BAR / 2.0], SMALL, align, Run::Right)
-    }
+    sheet.line([[x(0.0), top], [x(0.0), bottom]], HAIR, INK, 1.0);
+    Figure::new(FLOW_PICTURE, [WIDTH, bottom + BOTTOM], sheet)
 }
 
 /// A flow with at least three significant digits, or two as a power of ten.

@@ -1,12 +1,11 @@
 //! The distribution of hypertension forces: for each class a histogram, the fitted gamma distribution and the threshold of risk.
 
 use super::axis::LinearRange;
-use super::canvas::{Align, Place, Run, Sheet};
 use super::colour::{EACH, INK, PRUNED};
 use super::figure::Figure;
-use super::modulation::{SIDES, TOP, WIDTH_INCHES};
-use super::style::{self, HAIR, Key, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TEXT, TICK};
-use willis_core::error::Result;
+use super::modulation::{SIDES, TOP, WIDTH};
+use super::sheet::{Align, Sheet};
+use super::style::{self, Key, NAME_BELOW, NAME_LEFT, REFERENCE, TEXT, TICK};
 use willis_core::support::gamma::Gamma;
 use willis_io::output::names::HYPERTENSION_PICTURE;
 
@@ -43,24 +42,25 @@ pub struct Histograms {
 }
 
 /// Draws the histograms one above the other on common axes, 6.4 inches wide.
-pub fn hypertension(histograms: Histograms) -> Figure {
-    let points = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
-    Figure::new(HYPERTENSION_PICTURE, [WIDTH_INCHES, points / POINTS_PER_INCH], move |sheet| draw(sheet, &histograms, points))
+pub fn hypertension(histograms: &Histograms) -> Figure {
+    let height = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
+    let mut sheet = Sheet::default();
+    draw(&mut sheet, histograms, height);
+    Figure::new(HYPERTENSION_PICTURE, [WIDTH, height], sheet)
 }
 
-fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<()> {
+fn draw(sheet: &mut Sheet, histograms: &Histograms, height: f64) {
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
-    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", left)?;
+    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", left);
     let Some(last) = histograms.edges.last() else {
-        sheet.plain("no force above zero", [middle, points / 2.0], Align::Middle)?;
-        return Ok(());
+        return sheet.plain("no force above zero", [middle, height / 2.0], Align::Middle);
     };
     let curve = histograms.classes.iter().any(|class| class.fit.is_some());
     let fit = curve.then_some(("gamma distribution, fitted", Key::Line(1.6), PRUNED));
     let keys = [("vessels and instances", Key::Box, EACH)].into_iter().chain(fit);
     let keys: Vec<_> = keys.chain([("threshold of risk", REFERENCE.0, REFERENCE.1)]).collect();
-    style::legend(sheet, left, &keys)?;
+    style::legend(sheet, left, &keys);
     // The threshold is always visible.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
@@ -70,26 +70,24 @@ fn draw(sheet: &mut Sheet<'_>, histograms: &Histograms, points: f64) -> Result<(
         let top = TOP + EVERY * at as f64 + HEADING;
         let bottom = top + HEIGHT;
         let y = |density: f64| bottom - HEIGHT * up.share(density).min(1.0);
-        sheet.plain(&histogram.heading, [left, top - HEADING / 2.0], Align::Begin)?;
-        sheet.ticks_left(SIDES, up.ticks(5).into_iter().map(|tick| (y(tick.at), tick.label)))?;
+        sheet.plain(&histogram.heading, [left, top - HEADING / 2.0], Align::Begin);
+        sheet.ticks_left(SIDES, up.ticks(5).into_iter().map(|tick| (y(tick.at), tick.label)));
         for (edges, density) in histograms.edges.windows(2).zip(&histogram.density).filter(|(_, density)| **density > 0.0) {
             let (corner, size) = ([x(edges[0]), y(*density)], [x(edges[1]) - x(edges[0]), bottom - y(*density)]);
-            sheet.rectangle(corner, size, EACH)?;
-            sheet.frame(corner, size)?;
+            sheet.rectangle(corner, size, EACH);
+            sheet.frame(corner, size);
         }
         if let Some(gamma) = &histogram.fit {
             let force = |i: usize| across.high * (i as f64 + 0.5) / CURVE as f64;
-            let curve: Vec<Place> = (0..CURVE).map(|i| [x(force(i)), y(gamma.density(force(i)))]).collect();
-            sheet.line(curve, 1.6, PRUNED, 1.0)?;
+            sheet.line((0..CURVE).map(|i| [x(force(i)), y(gamma.density(force(i)))]), 1.6, PRUNED, 1.0);
         }
-        sheet.dashes([[x(histograms.threshold), top], [x(histograms.threshold), bottom]], 1.2, INK)?;
-        sheet.frame([left, top], [right - left, HEIGHT])?;
+        sheet.dashed([top, bottom].map(|y| [x(histograms.threshold), y]), 1.2, INK);
+        sheet.frame([left, top], [right - left, HEIGHT]);
     }
-    let bottom = points - FOOT - GAP;
+    let bottom = height - FOOT - GAP;
     for tick in across.ticks(9) {
-        sheet.line([[x(tick.at), bottom], [x(tick.at), bottom + TICK]], HAIR, INK, 1.0)?;
-        sheet.text(&tick.label, [x(tick.at), bottom + TICK + 8.0], TEXT, Align::Middle, Run::Right)?;
+        sheet.tick_below([x(tick.at), bottom], &tick.label, TEXT);
     }
-    sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + NAME_BELOW], Align::Middle)?;
-    sheet.upright("density (mm\u{b2}/mmHg)", [NAME_LEFT, f64::midpoint(TOP, bottom)])
+    sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + NAME_BELOW], Align::Middle);
+    sheet.upright("density (mm\u{b2}/mmHg)", [NAME_LEFT, f64::midpoint(TOP, bottom)]);
 }

@@ -4,7 +4,6 @@
 
 pub mod axis;
 mod bitmap;
-mod canvas;
 pub(crate) mod colour;
 mod colour_bar;
 pub(crate) mod convergence;
@@ -15,6 +14,7 @@ mod font;
 pub(crate) mod heat_map;
 pub(crate) mod hypertension;
 pub(crate) mod modulation;
+mod sheet;
 mod style;
 pub(crate) mod summary;
 pub(crate) mod supply_bars;

@@ -1,15 +1,14 @@
 //! The response to resistance modulation: for each class a box over all vessels or nodes, and one for the whole network.
 
 use super::axis::LinearRange;
-use super::canvas::{Align, Sheet};
 use super::colour::{EACH, INK, Rgb, WHOLE};
 use super::figure::Figure;
+use super::sheet::{Align, Sheet};
 use super::style::{self, BOLD, CURVE, HAIR, Key, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TICK};
-use willis_core::error::Result;
 use willis_io::output::names::MODULATION_PICTURE;
 
-/// Width of this picture and that of hypertension.
-pub(crate) const WIDTH_INCHES: f64 = 6.4;
+/// Width of this picture and that of hypertension, points.
+pub(crate) const WIDTH: f64 = 6.4 * POINTS_PER_INCH;
 /// Left and right of the axes in both, points.
 pub(crate) const SIDES: [f64; 2] = [62.0, 448.0];
 /// Where the panels begin in both, points.
@@ -53,13 +52,14 @@ pub struct Panel {
 ///
 /// A box reaches from the first to the third quartile, its bar is the median, its whiskers reach from the 5th to the 95th
 /// percentile. A dashed line marks the value without modulation. NaN values are left out.
-pub fn modulation(classes: Vec<String>, panels: [Panel; 3]) -> Figure {
+pub fn modulation(classes: &[String], panels: &[Panel; 3]) -> Figure {
     // Names that are too wide for a class alternate between rows.
     let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
-    let rows = ((digits * NAMES[1] + NAMES[2]) / room(&classes)).ceil().max(1.0) as usize;
+    let rows = ((digits * NAMES[1] + NAMES[2]) / room(classes)).ceil().max(1.0) as usize;
     let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
-    let inches = [WIDTH_INCHES, (foot + FOOT[1]) / POINTS_PER_INCH];
-    Figure::new(MODULATION_PICTURE, inches, move |sheet| draw(sheet, &classes, &panels, rows, foot))
+    let mut sheet = Sheet::default();
+    draw(&mut sheet, classes, panels, rows, foot);
+    Figure::new(MODULATION_PICTURE, [WIDTH, foot + FOOT[1]], sheet)
 }
 
 /// The width that a class has, points.
@@ -67,55 +67,54 @@ fn room(classes: &[String]) -> f64 {
     (SIDES[1] - SIDES[0]) / classes.len() as f64
 }
 
-fn draw(sheet: &mut Sheet<'_>, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) -> Result<()> {
+fn draw(sheet: &mut Sheet, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) {
     let ([left, right], room) = (SIDES, room(classes));
     let middle = f64::midpoint(left, right);
-    sheet.title("Response to resistance modulation, against the unperturbed network", left)?;
+    sheet.title("Response to resistance modulation, against the unperturbed network", left);
     let keys = [("every vessel (pressure: node)", Key::Box, EACH), ("whole network", Key::Box, WHOLE)];
-    style::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)])?;
+    style::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)]);
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
-        quantity(sheet, panel, top, room, at)?;
+        quantity(sheet, panel, top, room, at);
         top += HEIGHT + GAP;
     }
     for (class, name) in classes.iter().enumerate() {
         let y = BOTTOM + TICK + NAMES[0] * ((class % rows) as f64 + 0.6);
-        sheet.line([[at(class), BOTTOM], [at(class), BOTTOM + TICK]], HAIR, INK, 1.0)?;
-        sheet.plain(name, [at(class), y], Align::Middle)?;
+        sheet.line([[at(class), BOTTOM], [at(class), BOTTOM + TICK]], HAIR, INK, 1.0);
+        sheet.plain(name, [at(class), y], Align::Middle);
     }
-    sheet.plain("modulation u, by class", [middle, foot], Align::Middle)
+    sheet.plain("modulation u, by class", [middle, foot], Align::Middle);
 }
 
 /// One panel below `top`.
-fn quantity(sheet: &mut Sheet<'_>, panel: &Panel, top: f64, room: f64, at: impl Fn(usize) -> f64) -> Result<()> {
+fn quantity(sheet: &mut Sheet, panel: &Panel, top: f64, room: f64, at: impl Fn(usize) -> f64) {
     let ([left, right], bottom) = (SIDES, top + HEIGHT);
     let figures = panel.boxes.iter().flat_map(|b| b.each.into_iter().chain(b.whole));
     if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
         let y = |value: f64| bottom - HEIGHT * range.share(value);
-        sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)))?;
-        sheet.dashes([[left, y(panel.unchanged)], [right, y(panel.unchanged)]], CURVE, INK)?;
+        sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)));
+        sheet.dashed(SIDES.map(|x| [x, y(panel.unchanged)]), CURVE, INK);
         for (class, boxes) in panel.boxes.iter().enumerate() {
             for (quantiles, aside, rgb) in [(boxes.each, -ASIDE, EACH), (boxes.whole, ASIDE, WHOLE)] {
                 if quantiles.iter().all(|q| q.is_finite()) {
-                    boxed(sheet, at(class) + aside * room, BOX * room, quantiles.map(y), rgb)?;
+                    boxed(sheet, at(class) + aside * room, BOX * room, quantiles.map(y), rgb);
                 }
             }
         }
     }
-    sheet.frame([left, top], [right - left, HEIGHT])?;
-    sheet.upright(&panel.name, [NAME_LEFT, top + HEIGHT / 2.0])
+    sheet.frame([left, top], [right - left, HEIGHT]);
+    sheet.upright(&panel.name, [NAME_LEFT, top + HEIGHT / 2.0]);
 }
 
 /// A box around x, with its quantiles at the heights `y`.
-fn boxed(sheet: &mut Sheet<'_>, x: f64, width: f64, y: [f64; 5], rgb: Rgb) -> Result<()> {
+fn boxed(sheet: &mut Sheet, x: f64, width: f64, y: [f64; 5], rgb: Rgb) {
     let [left, right] = [x - width / 2.0, x + width / 2.0];
-    sheet.line([[x, y[0]], [x, y[1]]], CURVE, INK, 1.0)?;
-    sheet.line([[x, y[3]], [x, y[4]]], CURVE, INK, 1.0)?;
-    for whisker in [y[0], y[4]] {
-        sheet.line([[x - width / 4.0, whisker], [x + width / 4.0, whisker]], CURVE, INK, 1.0)?;
+    for (quartile, whisker) in [(y[1], y[0]), (y[3], y[4])] {
+        sheet.line([[x, quartile], [x, whisker]], CURVE, INK, 1.0);
+        sheet.line([[x - width / 4.0, whisker], [x + width / 4.0, whisker]], CURVE, INK, 1.0);
     }
-    sheet.rectangle([left, y[3]], [width, y[1] - y[3]], rgb)?;
-    sheet.frame([left, y[3]], [width, y[1] - y[3]])?;
-    sheet.line([[left, y[2]], [right, y[2]]], BOLD, INK, 1.0)
+    sheet.rectangle([left, y[3]], [width, y[1] - y[3]], rgb);
+    sheet.frame([left, y[3]], [width, y[1] - y[3]]);
+    sheet.line([[left, y[2]], [right, y[2]]], BOLD, INK, 1.0);
 }

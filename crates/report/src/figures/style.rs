@@ -1,8 +1,8 @@
 //! The style that all figures share: sizes of text and lines, where titles and legends stand, and how a legend is drawn.
 
-use super::canvas::{Align, Place, Sheet};
 use super::colour::{INK, Rgb};
-use willis_core::error::Result;
+use super::font;
+use super::sheet::{Align, Place, Sheet};
 
 /// Places and lengths on a page are in points.
 pub const POINTS_PER_INCH: f64 = 72.0;
@@ -22,6 +22,8 @@ pub const HAIR: f64 = 0.6;
 pub const CURVE: f64 = 1.0;
 /// The line that everything else is compared with, points.
 pub const BOLD: f64 = 1.8;
+/// Lengths of a dash and of the gap after it, points.
+pub const DASH: [f32; 2] = [4.0, 3.0];
 /// Length of a tick, points.
 pub const TICK: f64 = 4.0;
 /// The name of the axis below stands so far below its ticks, points.
@@ -46,24 +48,23 @@ const SPACE: f64 = 5.0;
 const APART: f64 = 18.0;
 
 /// One entry of a legend, with the left and middle of its key at a place; returns its width.
-pub fn key(sheet: &mut Sheet<'_>, [x, y]: Place, text: &str, key: Key, rgb: Rgb) -> Result<f64> {
+pub fn key(sheet: &mut Sheet, [x, y]: Place, text: &str, key: Key, rgb: Rgb) -> f64 {
     let ends = [[x, y], [x + KEY[0], y]];
     match key {
-        Key::Line(width) => sheet.line(ends, width.max(1.5), rgb, 1.0)?,
-        Key::Dashes(width) => sheet.dashes(ends, width, rgb)?,
-        Key::Box => sheet.rectangle([x, y - KEY[1] / 2.0], KEY, rgb)?,
+        Key::Line(width) => sheet.line(ends, width.max(1.5), rgb, 1.0),
+        Key::Dashes(width) => sheet.dashed(ends, width, rgb),
+        Key::Box => sheet.rectangle([x, y - KEY[1] / 2.0], KEY, rgb),
     }
-    sheet.plain(text, [x + KEY[0] + SPACE, y], Align::Begin)?;
-    Ok(KEY[0] + SPACE + sheet.text_width(text, TEXT)?)
+    sheet.plain(text, [x + KEY[0] + SPACE, y], Align::Begin);
+    KEY[0] + SPACE + font::width(text, TEXT)
 }
 
 /// A legend in a row below the title, from the left edge of the axes.
-pub fn legend(sheet: &mut Sheet<'_>, left: f64, entries: &[(&str, Key, Rgb)]) -> Result<()> {
+pub fn legend(sheet: &mut Sheet, left: f64, entries: &[(&str, Key, Rgb)]) {
     let mut x = left;
     for (text, kind, rgb) in entries {
-        x += key(sheet, [x, LEGEND_AT], text, *kind, *rgb)? + APART;
+        x += key(sheet, [x, LEGEND_AT], text, *kind, *rgb) + APART;
     }
-    Ok(())
 }
 
 /// The key of the line that everything else is compared with.
@@ -73,17 +74,13 @@ pub const REFERENCE: (Key, Rgb) = (Key::Dashes(1.2), INK);
 const MOST_LETTERS: usize = 200;
 
 /// A name without its middle where it is wider than `most` points.
-pub fn fitting(sheet: &Sheet<'_>, name: &str, most: f64, height: f64) -> Result<String> {
+pub fn fitting(name: &str, most: f64, height: f64) -> String {
     let letters: Vec<char> = name.chars().collect();
     let shortened = |kept: usize| {
         let (first, last) = (&letters[..kept.div_ceil(2)], &letters[letters.len() - kept / 2..]);
         first.iter().chain(&['\u{2026}']).chain(last).collect::<String>()
     };
-    let mut kept = letters.len().min(MOST_LETTERS);
-    let mut cut = if kept < letters.len() { shortened(kept) } else { name.to_owned() };
-    while sheet.text_width(&cut, height)? > most && kept > 0 {
-        kept -= 1;
-        cut = shortened(kept);
-    }
-    Ok(cut)
+    let whole = (letters.len() <= MOST_LETTERS).then(|| name.to_owned());
+    let shorter = (0..letters.len().min(MOST_LETTERS)).rev().map(shortened);
+    whole.into_iter().chain(shorter).find(|cut| font::width(cut, height) <= most).unwrap_or_else(|| shortened(0))
 }

@@ -1,16 +1,15 @@
 //! A run in one picture: the vessels from two sides, the candidates by their probability, and the counts.
 
 use super::axis::Label;
-use super::canvas::{Align, Sheet};
 use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 use super::colour_bar::colour_bar;
 use super::course::smoothed;
 use super::figure::Figure;
-use super::style::LEGEND_AT;
-use willis_core::error::Result;
+use super::sheet::{Align, Sheet};
+use super::style::{LEGEND_AT, POINTS_PER_INCH};
 use willis_io::output::names::SUMMARY_PICTURE;
 
-const INCHES: [f64; 2] = [6.4, 3.9];
+const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 3.9 * POINTS_PER_INCH];
 /// Left edge of each panel, their top, and their width and height, points.
 const LEFT: [f64; 2] = [14.0, 206.0];
 const TOP: f64 = 46.0;
@@ -62,11 +61,13 @@ pub struct Projection {
 /// Draws a run in one picture, 6.4 by 3.9 inches: what was found in words, and two views on one scale. Certain vessels are grey, darker
 /// where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. A ring is
 /// around each undecided one, up to 30. Radii and courses are smoothed along each vessel, for display only.
-pub fn summary(title: String, words: String, mut vessels: Vec<DrawnVessel>, views: [Projection; 2]) -> Figure {
+pub fn summary(title: &str, words: &str, mut vessels: Vec<DrawnVessel>, views: &[Projection; 2]) -> Figure {
     for vessel in &mut vessels {
         vessel.course = smoothed(&vessel.course);
     }
-    Figure::new(SUMMARY_PICTURE, INCHES, move |sheet| draw(sheet, &title, &words, &vessels, &views))
+    let mut sheet = Sheet::default();
+    draw(&mut sheet, title, words, &vessels, views);
+    Figure::new(SUMMARY_PICTURE, PAGE, sheet)
 }
 
 /// A piece of a vessel on the page: how far off, its course, and how it is drawn.
@@ -77,9 +78,9 @@ struct Piece {
     rgb: Rgb,
 }
 
-fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel], views: &[Projection; 2]) -> Result<()> {
-    sheet.title(title, LEFT[0])?;
-    sheet.plain(words, [LEFT[0], LEGEND_AT - 3.0], Align::Begin)?;
+fn draw(sheet: &mut Sheet, title: &str, words: &str, vessels: &[DrawnVessel], views: &[Projection; 2]) {
+    sheet.title(title, LEFT[0]);
+    sheet.plain(words, [LEFT[0], LEGEND_AT - 3.0], Align::Begin);
     let boxes = [0, 1].map(|at| extent(vessels, &views[at]));
     // One scale for both views, points a millimetre.
     let fits = |[[west, east], [south, north]]: [[f64; 2]; 2]| {
@@ -95,22 +96,23 @@ fn draw(sheet: &mut Sheet<'_>, title: &str, words: &str, vessels: &[DrawnVessel]
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
         for piece in pieces(vessels, view, scale, place) {
-            sheet.tube(piece.path, piece.width, piece.rgb)?;
+            sheet.tube(piece.path, piece.width, piece.rgb);
         }
         for vessel in vessels.iter().filter(|vessel| vessel.undecided).take(MOST_RINGS) {
             if let Some(middle) = vessel.course.get(vessel.course.len() / 2) {
                 let [x, y] = place(middle);
                 let turn = |step: i32| std::f64::consts::TAU * f64::from(step) / 36.0;
-                sheet.line((0..=36).map(|k| [x + RING[0] * turn(k).cos(), y + RING[0] * turn(k).sin()]), RING[1], INK, 1.0)?;
+                sheet.line((0..=36).map(|k| [x + RING[0] * turn(k).cos(), y + RING[0] * turn(k).sin()]), RING[1], INK, 1.0);
             }
         }
-        sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle)?;
+        sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle);
         for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
-            sheet.plain(text, [x, centre[1]], Align::Middle)?;
+            sheet.plain(text, [x, centre[1]], Align::Middle);
         }
     }
-    scale_bar(sheet, scale)?;
-    bar(sheet)
+    scale_bar(sheet, scale);
+    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, Label::plain(share.to_string())));
+    colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability");
 }
 
 /// The extent of the vessels in a view, mm; that of a point where there is none.
@@ -165,16 +167,11 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
     all
 }
 
-fn scale_bar(sheet: &mut Sheet<'_>, scale: f64) -> Result<()> {
+fn scale_bar(sheet: &mut Sheet, scale: f64) {
     let widest = 60.0 / scale;
     let ten = 10_f64.powf(widest.log10().floor());
     let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
     let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
-    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0)?;
-    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin)
-}
-
-fn bar(sheet: &mut Sheet<'_>) -> Result<()> {
-    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, Label::plain(share.to_string())));
-    colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability")
+    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0);
+    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin);
 }

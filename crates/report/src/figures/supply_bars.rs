@@ -1,11 +1,11 @@
 //! Whose blood every outlet gets: a bar an outlet, divided by inlet, with the mean time since entry beside it.
 
 use super::axis::Label;
-use super::canvas::{Align, Run, Sheet};
 use super::colour::{INK, Rgb};
 use super::figure::Figure;
+use super::font;
+use super::sheet::{Align, Run, Sheet};
 use super::style::{self, HAIR, Key, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
-use willis_core::error::Result;
 use willis_io::output::names::TERRITORY_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
@@ -42,82 +42,51 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     rows.sort_by(|a, b| (outlets[*b].flow as f32).total_cmp(&(outlets[*a].flow as f32)));
     rows.truncate(MOST);
     rows.sort_unstable();
-    let shown: Vec<OutletSupply> = rows.into_iter().map(|row| outlets[row].clone()).collect();
+    let shown: Vec<&OutletSupply> = rows.into_iter().map(|row| &outlets[row]).collect();
     let title = if outlets.len() > MOST {
         format!("Blood of the {MOST} outlets of largest flow, by inlet")
     } else {
         "Blood of every outlet, by inlet".to_owned()
     };
+    let height = |outlet: &OutletSupply| GAP + BAR * outlet.states.len() as f64;
     let top = TOP + LEGEND * inlets.len().div_ceil(IN_A_LINE) as f64;
-    let bottom = top + shown.iter().map(height).sum::<f64>();
-    let inlets = inlets.to_vec();
-    let inches = [WIDTH / POINTS_PER_INCH, (bottom + BOTTOM) / POINTS_PER_INCH];
-    Figure::new(TERRITORY_PICTURE, inches, move |sheet| draw(sheet, &shown, &inlets, &title, [top, bottom]))
-}
-
-/// The height of an outlet's bars, points.
-fn height(outlet: &OutletSupply) -> f64 {
-    GAP + BAR * outlet.states.len() as f64
-}
-
-fn draw(
-    sheet: &mut Sheet<'_>,
-    shown: &[OutletSupply],
-    inlets: &[(String, Rgb)],
-    title: &str,
-    [top, bottom]: [f64; 2],
-) -> Result<()> {
-    let mut widest: f64 = 0.0;
-    for outlet in shown {
-        widest = widest.max(sheet.text_width(&outlet.name, TEXT)?);
-    }
+    let bottom = top + shown.iter().map(|outlet| height(outlet)).sum::<f64>();
+    let widest = shown.iter().map(|outlet| font::width(&outlet.name, TEXT)).fold(0.0, f64::max);
     let (left, right) = (widest.min(WIDTH / 3.0) + 22.0, WIDTH - 14.0 - ROOM);
     let x = |share: f64| left + (right - left) * share;
-    sheet.title(title, left)?;
-    legend(sheet, inlets, left)?;
+    let mut sheet = Sheet::default();
+    sheet.title(&title, left);
+    // The colours of the inlets, between the title and the bars.
+    let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
+    for (at, (name, rgb)) in inlets.iter().enumerate() {
+        let (line, place) = ((at / IN_A_LINE) as f64, (at % IN_A_LINE) as f64);
+        style::key(&mut sheet, [left + step * place, LEGEND_AT + LEGEND * line], name, Key::Box, *rgb);
+    }
     let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), Label::plain(format!("{:.0}", 100.0 * share))));
-    sheet.ticks_below([top, bottom], ticks)?;
-    sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0)?;
+    sheet.ticks_below([top, bottom], ticks);
+    sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0);
     let pair = shown.iter().any(|outlet| outlet.states.len() > 1);
     let name = if pair { "share of the blood (%), as it is above, perturbed below" } else { "share of the blood (%)" };
-    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle)?;
+    sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
     let mut above = top;
     for outlet in shown {
-        let bars = BAR * outlet.states.len() as f64;
-        sheet.plain(&outlet.name, [left - 8.0, above + GAP / 2.0 + bars / 2.0], Align::End)?;
+        let small =
+            |text: String, sheet: &mut Sheet, place| sheet.text(&Label::plain(text), place, SMALL, Align::Begin, Run::Right);
+        sheet.plain(&outlet.name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
         for (at, state) in outlet.states.iter().enumerate() {
             let place = above + GAP / 2.0 + BAR * at as f64;
             let Some((shares, time)) = state else {
-                sheet.text(
-                    &Label::plain("no blood".to_owned()),
-                    [left + 3.0, place + BAR / 2.0],
-                    SMALL,
-                    Align::Begin,
-                    Run::Right,
-                )?;
+                small("no blood".to_owned(), &mut sheet, [left + 3.0, place + BAR / 2.0]);
                 continue;
             };
             let mut from = 0.0;
             for (share, (_, rgb)) in shares.iter().zip(inlets) {
-                let ends = [x(from), x(from + share)].map(|x| sheet.pixels(x));
-                let [upper, lower] = [place, place + BAR - 1.0].map(|y| sheet.pixels(y));
-                sheet.fill([ends[0], upper], [ends[1] - ends[0], lower - upper], *rgb)?;
+                sheet.rectangle([x(from), place], [x(*share) - left, BAR - 1.0], *rgb);
                 from += share;
             }
-            let time = Label::plain(format!("{time:.0} ms"));
-            sheet.text(&time, [right + 4.0, place + BAR / 2.0], SMALL, Align::Begin, Run::Right)?;
+            small(format!("{time:.0} ms"), &mut sheet, [right + 4.0, place + BAR / 2.0]);
         }
         above += height(outlet);
     }
-    Ok(())
-}
-
-/// The colours of the inlets, between the title and the bars.
-fn legend(sheet: &mut Sheet<'_>, inlets: &[(String, Rgb)], left: f64) -> Result<()> {
-    let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
-    for (at, (name, rgb)) in inlets.iter().enumerate() {
-        let (line, place) = (at / IN_A_LINE, at % IN_A_LINE);
-        style::key(sheet, [left + step * place as f64, LEGEND_AT + LEGEND * line as f64], name, Key::Box, *rgb)?;
-    }
-    Ok(())
+    Figure::new(TERRITORY_PICTURE, [WIDTH, bottom + BOTTOM], sheet)
 }

@@ -1,168 +1,123 @@
-//! An SVG page of curves and filled shapes.
-//!
-//! The SVG page of plotters is not used: it rounds to whole pixels, and its text depends on the fonts of the viewer.
+//! A sheet as SVG: curves and filled shapes, without text, which would depend on the fonts of the viewer.
 
 use std::fmt::Write;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use tiny_skia::{Path, PathSegment};
 
-use super::bitmap::png;
-use super::canvas::{Dot, Image, Page, Run};
-use super::colour::{INK, Rgb};
-use super::font::{Piece, outline};
+use super::bitmap::image;
+use super::colour::{INK, MAP, Rgb};
+use super::sheet::{Filled, Line, Mark, Place};
+use super::style::{DASH, POINTS_PER_INCH};
 use willis_io::formats::escape;
 
-/// An SVG page. A dot is 1/100 point.
-pub struct SvgPage {
-    name: &'static str,
-    elements: String,
+/// The units of a point. Coordinates are whole numbers.
+const UNITS: f64 = 100.0;
+/// The largest number of boxes in a matrix; beyond it they are one image ...
+const BOXES: usize = 4000;
+/// ... of this side in pixels.
+const IMAGE: u32 = 1325;
+
+/// The SVG file of some marks, for the figure called `name`.
+pub fn svg(name: &str, inches: [f64; 2], marks: &[Mark]) -> Result<String, String> {
+    let [wide, high] = inches.map(|length| units(length * POINTS_PER_INCH));
+    let [width, height] = [wide, high].map(|length| f64::from(length) / UNITS);
+    let mut file = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width}pt\" \
+         height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
+    );
+    for mark in marks {
+        file += &element(name, mark)?;
+    }
+    Ok(file + "</svg>\n")
 }
 
-impl SvgPage {
-    /// Dots per inch.
-    pub const DPI: u32 = 7200;
-
-    /// An empty page for the figure called `name`.
-    pub fn new(name: &'static str) -> Self {
-        Self { name, elements: String::new() }
-    }
-
-    /// The SVG file.
-    pub fn svg(self, inches: [f64; 2]) -> String {
-        let [width, height] = inches.map(|length| (length * f64::from(Self::DPI)).round() as i32);
-        let [wide, high] = [width, height].map(|dots| f64::from(dots) / 100.0);
-        format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{wide}pt\" \
-             height=\"{high}pt\" viewBox=\"0 0 {width} {height}\" role=\"img\" aria-label=\"{}\">\n<path fill=\"#fff\" d=\"M0 0H{width}V{height}H0z\"/>\n{}</svg>\n",
-            self.name, self.elements
-        )
-    }
-
-    fn element(&mut self, text: std::fmt::Arguments<'_>) {
-        // Writing to a string cannot fail.
-        let _ = writeln!(self.elements, "{text}");
-    }
-}
-
-impl Page for SvgPage {
-    fn rectangle(&mut self, from: Dot, to: Dot, rgb: Rgb) -> Result<(), String> {
-        let ((x, y), (right, bottom)) = (from, to);
-        // Crisp edges leave no gap between neighbours.
-        let rgb = hex(rgb);
-        self.element(format_args!("<path fill=\"{rgb}\" shape-rendering=\"crispEdges\" d=\"M{x} {y}H{right}V{bottom}H{x}z\"/>"));
-        Ok(())
-    }
-
-    fn path(&mut self, dots: &[Dot], width: u32, rgb: Rgb, opacity: f64) -> Result<(), String> {
-        let mut d = Path::default();
-        for (at, dot) in dots.iter().enumerate() {
-            d.go(if at == 0 { 'M' } else { 'l' }, &[*dot]);
-        }
-        let closed = if dots.len() > 3 && dots.first() == dots.last() { "z" } else { "" };
-        let clear = if opacity < 1.0 { format!(" stroke-opacity=\"{opacity:.3}\"") } else { String::new() };
-        let (rgb, d) = (hex(rgb), d.text);
-        self.element(format_args!(
-            "<path fill=\"none\" stroke=\"{rgb}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{clear} d=\"{d}{closed}\"/>"
-        ));
-        Ok(())
-    }
-
-    fn tube(&mut self, dots: &[Dot], width: u32, rgb: Rgb) -> Result<(), String> {
-        let mut d = Path::default();
-        let end = dots.last().copied();
-        // A single dot is a line to itself, which has round ends.
-        for (at, dot) in dots.iter().copied().chain(end.filter(|_| dots.len() == 1)).enumerate() {
-            d.go(if at == 0 { 'M' } else { 'l' }, &[dot]);
-        }
-        let (rgb, d) = (hex(rgb), d.text);
-        self.element(format_args!(
-            "<path fill=\"none\" stroke=\"{rgb}\" stroke-width=\"{width}\" stroke-linejoin=\"round\" stroke-linecap=\"round\" d=\"{d}\"/>"
-        ));
-        Ok(())
-    }
-
-    fn text(&mut self, text: &str, size: f64, at: Dot, run: Run) -> Result<(), String> {
-        // As in plotters, the base line is half of the size below the place.
-        let place = |[x, y]: [f64; 2]| {
-            let y = y + size / 2.0;
-            let (x, y) = match run {
-                Run::Right => (x, y),
-                Run::Up => (y, -x),
+fn element(name: &str, mark: &Mark) -> Result<String, String> {
+    Ok(match mark {
+        Mark::Boxes(boxes) if boxes.len() > BOXES => embedded(boxes)?,
+        Mark::Boxes(boxes) => {
+            // Crisp edges leave no gap between neighbours.
+            let each = |(corners, rgb): &Filled| {
+                let fill = hex(*rgb);
+                format!("<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{}\"/>\n", rectangle(corners))
             };
-            (at.0 + x.round() as i32, at.1 + y.round() as i32)
+            boxes.iter().map(each).collect::<Vec<String>>().concat()
+        }
+        Mark::Map(corners) => {
+            let last = (MAP.len() - 1) as f64;
+            let stop = |(at, rgb): (usize, &Rgb)| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", at as f64 / last, hex(*rgb));
+            let stops: String = MAP.iter().enumerate().map(stop).collect();
+            format!(
+                "<linearGradient id=\"{name}-ramp\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient>\n\
+                 <path fill=\"url(#{name}-ramp)\" d=\"{}\"/>\n",
+                rectangle(corners)
+            )
+        }
+        Mark::Line(path, line, width, rgb, opacity) => {
+            let clear = if *opacity < 1.0 { format!(" stroke-opacity=\"{opacity:.3}\"") } else { String::new() };
+            let shape = match line {
+                Line::Solid => String::new(),
+                Line::Dashed => format!(" stroke-dasharray=\"{} {}\"", units(DASH[0].into()), units(DASH[1].into())),
+                Line::Tube => " stroke-linecap=\"round\"".to_owned(),
+            };
+            format!(
+                "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{shape}{clear} d=\"{}\"/>\n",
+                hex(*rgb),
+                units(*width).max(1),
+                commands(path)
+            )
+        }
+        Mark::Text(outline, words) => {
+            format!("<path fill=\"{}\" aria-label=\"{}\" d=\"{}\"/>\n", hex(INK), escape(words), commands(outline))
+        }
+    })
+}
+
+/// Boxes as one image. Programs older than SVG 2 need the prefix.
+fn embedded(boxes: &[Filled]) -> Result<String, String> {
+    let Some(([from, to], _)) = boxes.first() else { return Ok(String::new()) };
+    let ([x, y], [right, bottom]) = (from.map(units), to.map(units));
+    Ok(format!(
+        "<image x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,{}\"/>\n",
+        right - x,
+        bottom - y,
+        STANDARD.encode(image(boxes, IMAGE)?)
+    ))
+}
+
+fn units(points: f64) -> i32 {
+    (UNITS * points).round() as i32
+}
+
+fn rectangle([from, to]: &[Place; 2]) -> String {
+    let ([x, y], [right, bottom]) = (from.map(units), to.map(units));
+    format!("M{x} {y}H{right}V{bottom}H{x}z")
+}
+
+/// The commands of a path. The first place of a contour is absolute, the others are relative to the one before; a repeated command is
+/// left out.
+fn commands(path: &Path) -> String {
+    let (mut text, mut at, mut last) = (String::new(), [0, 0], None);
+    for segment in path.segments() {
+        let (command, places) = match segment {
+            PathSegment::MoveTo(p) => ('M', vec![p]),
+            PathSegment::LineTo(p) => ('l', vec![p]),
+            PathSegment::QuadTo(a, p) => ('q', vec![a, p]),
+            PathSegment::CubicTo(a, b, p) => ('c', vec![a, b, p]),
+            PathSegment::Close => ('z', Vec::new()),
         };
-        let mut d = Path::default();
-        for piece in outline(text, size) {
-            match piece {
-                Piece::Start(p) => d.go('M', &[place(p)]),
-                Piece::Line(p) => d.go('l', &[place(p)]),
-                Piece::Quadratic(points) => d.go('q', &points.map(place)),
-                Piece::Cubic(points) => d.go('c', &points.map(place)),
-            }
+        text.push(if last == Some(command) && command != 'M' { ' ' } else { command });
+        let from = if command == 'M' { [0, 0] } else { at };
+        let places: Vec<[i32; 2]> = places.iter().map(|p| [p.x, p.y].map(|c| units(c.into()))).collect();
+        for (row, number) in places.iter().flat_map(|p| [p[0] - from[0], p[1] - from[1]]).enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(text, "{}{number}", if row == 0 || number < 0 { "" } else { " " });
         }
-        if !d.text.is_empty() {
-            let (rgb, label, d) = (hex(INK), escape(text), d.text);
-            self.element(format_args!("<path fill=\"{rgb}\" aria-label=\"{label}\" d=\"{d}\"/>"));
-        }
-        Ok(())
+        at = places.last().copied().unwrap_or(at);
+        last = Some(command);
     }
-
-    fn frame(&mut self, from: Dot, to: Dot, width: u32) -> Result<bool, String> {
-        self.path(&[from, (to.0, from.1), to, (from.0, to.1), from], width, INK, 1.0)?;
-        Ok(true)
-    }
-
-    fn ramp(&mut self, from: Dot, to: Dot, stops: &[Rgb]) -> Result<bool, String> {
-        let id = format!("{}-ramp", self.name);
-        let last = stops.len().saturating_sub(1).max(1) as f64;
-        let stop = |(at, rgb): (usize, &Rgb)| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", at as f64 / last, hex(*rgb));
-        let stops: String = stops.iter().enumerate().map(stop).collect();
-        let ((x, y), (right, bottom)) = (from, to);
-        self.element(format_args!("<linearGradient id=\"{id}\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient>"));
-        self.element(format_args!("<path fill=\"url(#{id})\" d=\"M{x} {y}H{right}V{bottom}H{x}z\"/>"));
-        Ok(true)
-    }
-
-    fn image(&mut self, from: Dot, to: Dot, image: &dyn Fn() -> Image) -> Result<bool, String> {
-        let image = image();
-        let side = image.side as u32;
-        // Programs older than SVG 2 need the prefix.
-        let file = png([side; 2], &image.rgb, None)?;
-        let ((x, y), width, height, data) = (from, to.0 - from.0, to.1 - from.1, STANDARD.encode(file));
-        self.element(format_args!(
-            "<image x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
-             xlink:href=\"data:image/png;base64,{data}\"/>"
-        ));
-        Ok(true)
-    }
-}
-
-/// The commands of a path. The first place of a contour is absolute, the others are relative to the one before.
-#[derive(Default)]
-struct Path {
-    text: String,
-    at: Dot,
-    last: Option<char>,
-}
-
-impl Path {
-    fn go(&mut self, command: char, places: &[Dot]) {
-        // A repeated command is left out. Filled contours close automatically.
-        if self.last != Some(command) || command == 'M' {
-            self.text.push(command);
-        } else {
-            self.text.push(' ');
-        }
-        let from = if command == 'M' { (0, 0) } else { self.at };
-        let numbers = places.iter().flat_map(|p| [p.0 - from.0, p.1 - from.1]);
-        for (at, number) in numbers.enumerate() {
-            let between = if at == 0 || number < 0 { "" } else { " " };
-            let _ = write!(self.text, "{between}{number}");
-        }
-        self.at = places.last().copied().unwrap_or(self.at);
-        self.last = Some(command);
-    }
+    text
 }
 
 fn hex([r, g, b]: Rgb) -> String {

@@ -1,11 +1,10 @@
 //! The flow of arteries over a cycle, a panel each, with mean and pulsatility index above, as ultrasound shows them.
 
 use super::axis::{Label, LinearRange};
-use super::canvas::{Align, Run, Sheet};
-use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::colour::{GRID, INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
-use super::style::{self, HAIR, Key, POINTS_PER_INCH, SMALL, TEXT, TICK};
-use willis_core::error::Result;
+use super::sheet::{Align, Run, Sheet};
+use super::style::{self, HAIR, Key, SMALL};
 use willis_io::output::names::WAVEFORM_PICTURE;
 
 /// Panels in a row, and the most that are shown.
@@ -42,7 +41,7 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     rows.sort_by(|a, b| arteries[*b].is_named.cmp(&arteries[*a].is_named).then(flow(*b).total_cmp(&flow(*a))));
     rows.truncate(MOST);
     rows.sort_unstable();
-    let shown: Vec<ArteryWaveform> = rows.iter().map(|row| arteries[*row].clone()).collect();
+    let shown: Vec<&ArteryWaveform> = rows.iter().map(|row| &arteries[*row]).collect();
     let title = if arteries.len() > MOST {
         format!("Flow over a cycle in {MOST} of {} vessels", arteries.len())
     } else {
@@ -51,58 +50,50 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
     let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + MARGIN;
     let height = TOP + lines * (ABOVE + PANEL[1] + BELOW) + BOTTOM;
-    let inches = [width / POINTS_PER_INCH, height / POINTS_PER_INCH];
-    Figure::new(WAVEFORM_PICTURE, inches, move |sheet| draw(sheet, &shown, period, &title, [width, height]))
-}
-
-fn draw(sheet: &mut Sheet<'_>, shown: &[ArteryWaveform], period: f64, title: &str, [width, height]: [f64; 2]) -> Result<()> {
-    sheet.title(title, MARGIN + LEFT)?;
+    let mut sheet = Sheet::default();
+    sheet.title(&title, MARGIN + LEFT);
     if shown.iter().any(|artery| artery.states.len() > 1) {
         let keys = [("as it is", Key::Line(LINE), UNPERTURBED), ("perturbed", Key::Line(LINE), PERTURBED)];
-        style::legend(sheet, MARGIN + LEFT, &keys)?;
+        style::legend(&mut sheet, MARGIN + LEFT, &keys);
     }
-    for (at, artery) in shown.iter().enumerate() {
+    for (at, artery) in shown.into_iter().enumerate() {
         let left = MARGIN + (at % IN_A_ROW) as f64 * (LEFT + PANEL[0]) + LEFT;
         let top = TOP + (at / IN_A_ROW) as f64 * (ABOVE + PANEL[1] + BELOW) + ABOVE;
-        panel(sheet, artery, period, [left, top])?;
+        panel(&mut sheet, artery, period, [left, top]);
     }
-    sheet.plain("time (s); flow in mL/min", [width / 2.0, height - BOTTOM / 2.0 - 2.0], Align::Middle)
+    sheet.plain("time (s); flow in mL/min", [width / 2.0, height - BOTTOM / 2.0 - 2.0], Align::Middle);
+    Figure::new(WAVEFORM_PICTURE, [width, height], sheet)
 }
 
-fn panel(sheet: &mut Sheet<'_>, artery: &ArteryWaveform, period: f64, [left, top]: [f64; 2]) -> Result<()> {
+fn panel(sheet: &mut Sheet, artery: &ArteryWaveform, period: f64, [left, top]: [f64; 2]) {
     let (right, bottom) = (left + PANEL[0], top + PANEL[1]);
     let values = || artery.states.iter().flat_map(|(flow, ..)| flow.iter().copied());
-    let small = |sheet: &mut Sheet<'_>, text: &str, place: [f64; 2], align: Align| {
-        sheet.text(&Label::plain(text), place, SMALL, align, Run::Right)
-    };
-    sheet.text(&Label::plain(artery.name.clone()), [left, top - 23.0], TEXT, Align::Begin, Run::Right)?;
-    let minus = |text: String| text.replace('-', "\u{2212}");
-    let figures = |(_, mean, index): &(Vec<f64>, f64, f64)| {
-        let index = if index.is_finite() { format!("{index:.2}") } else { "-".to_owned() };
-        (minus(format!("{:.0}", mean + 0.0)), index)
-    };
-    let (means, indices): (Vec<String>, Vec<String>) = artery.states.iter().map(figures).unzip();
+    sheet.plain(&artery.name, [left, top - 23.0], Align::Begin);
+    let (means, indices): (Vec<String>, Vec<String>) = artery
+        .states
+        .iter()
+        .map(|(_, mean, index)| {
+            let index = if index.is_finite() { format!("{index:.2}") } else { "-".to_owned() };
+            (format!("{:.0}", mean + 0.0).replace('-', "\u{2212}"), index)
+        })
+        .unzip();
     // The font of the pictures has no arrow.
     let text = format!("mean {}  PI {}", means.join(" to "), indices.join(" to "));
-    small(sheet, &text, [left, top - 10.0], Align::Begin)?;
+    sheet.text(&Label::plain(text), [left, top - 10.0], SMALL, Align::Begin, Run::Right);
     let is_none = values().all(|flow| flow.abs() < NONE);
-    let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return Ok(()) };
+    let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return };
     let y = |flow: f64| bottom - PANEL[1] * range.share(flow);
     for tick in range.ticks(4) {
         let at = y(tick.at);
-        sheet.line([[left, at], [right, at]], HAIR, if tick.at == 0.0 { INK } else { GRID }, 1.0)?;
-        sheet.text(&tick.label, [left - 3.0, at], SMALL, Align::End, Run::Right)?;
+        sheet.line([[left, at], [right, at]], HAIR, if tick.at == 0.0 { INK } else { GRID }, 1.0);
+        sheet.text(&tick.label, [left - 3.0, at], SMALL, Align::End, Run::Right);
     }
-    sheet.line([[left, top], [left, bottom], [right, bottom]], HAIR, INK, 1.0)?;
-    for (share, time) in [(0.0, 0.0), (0.5, period / 2.0), (1.0, period)] {
-        let x = left + PANEL[0] * share;
-        sheet.line([[x, bottom], [x, bottom + TICK]], HAIR, INK, 1.0)?;
-        small(sheet, &format!("{time:.2}"), [x, bottom + TICK + 6.0], Align::Middle)?;
+    sheet.line([[left, top], [left, bottom], [right, bottom]], HAIR, INK, 1.0);
+    for share in [0.0, 0.5, 1.0] {
+        sheet.tick_below([left + PANEL[0] * share, bottom], &Label::plain(format!("{:.2}", period * share)), SMALL);
     }
-    let colours: [Rgb; 2] = [UNPERTURBED, PERTURBED];
-    for ((flow, ..), rgb) in artery.states.iter().zip(colours) {
+    for ((flow, ..), rgb) in artery.states.iter().zip([UNPERTURBED, PERTURBED]) {
         let point = |at: usize| [left + PANEL[0] * at as f64 / flow.len() as f64, y(flow[at % flow.len()])];
-        sheet.line((0..=flow.len()).map(point), LINE, rgb, 1.0)?;
+        sheet.line((0..=flow.len()).map(point), LINE, rgb, 1.0);
     }
-    Ok(())
 }

@@ -84,8 +84,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     for (title, caption, picture) in
         [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
     {
-        picture.write(folder, dpi)?;
-        figures.push(Picture::new(title, caption, &picture)?);
+        figures.push(Picture::write(title, caption, &picture, folder, dpi)?);
     }
     let record = record::Record::of(outcome);
     write_record(folder, &record)?;

@@ -39,7 +39,7 @@ pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
         }),
     ];
     let names: Vec<String> = classes.iter().map(|(class, _)| name(*class)).collect();
-    crate::figures::modulation::modulation(names, panels)
+    crate::figures::modulation::modulation(&names, &panels)
 }
 
 /// A figure divided by that of the unperturbed network; `None` where that is zero.
@@ -96,7 +96,7 @@ pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
     let classes = outcome.result.classes.iter().map(|(class, _)| *class).zip(&found.classes);
     let histograms =
         Histograms { threshold: mmhg_per_mm2(found.threshold), classes: classes.map(one).collect(), edges: edges.clone() };
-    crate::figures::hypertension::hypertension(histograms)
+    crate::figures::hypertension::hypertension(&histograms)
 }
 
 /// A positive number with three digits.

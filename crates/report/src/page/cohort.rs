@@ -37,7 +37,7 @@ pub fn write_cohort_page(
     folder: &Path,
 ) -> io::Result<()> {
     let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
-    let table = Table { title: "Subjects".to_owned(), columns, exact: &[], of_vessels: false };
+    let table = Table::new("Subjects", columns, false);
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({
         "command": about.line,

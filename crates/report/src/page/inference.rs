@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use serde_json::Value;
 
 use super::scene::{cuts, scene, suggestions};
-use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take};
 use crate::inference::{Outcome, pairing_columns, suggested_cut_columns};
 use crate::run_record::{Summary, unit_of};
 use willis_core::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
@@ -76,33 +76,25 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
     let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
     Page {
-        title: title("infer", &record),
-        lead: Vec::new(),
         warnings,
         facts: facts(&record, &names),
-        record,
         phenotype,
-        scene,
         colourings: colourings(unit, evidence),
         image_cuts: outcome.image_cuts.to_vec(),
         segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold(outcome, unit)),
-        figures,
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
             .collect(),
+        ..Page::new("infer", record, scene, figures)
     }
 }
 
 fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     let colouring = |name, unit, scale, uncertain_only, column| Colouring {
-        name,
-        unit,
-        scale,
         uncertain_only,
-        variants: vec![(String::new(), 0, String::from(column))],
-        legend: Vec::new(),
+        ..Colouring::new(name, unit, scale, vec![(String::new(), 0, String::from(column))])
     };
     let mut all = vec![
         colouring("likelihood L", unit, Scale::Log, true, "likelihood"),

@@ -18,8 +18,8 @@ fn brief(x: f64) -> String {
     format!("{x:.decimals$}").replace('-', "\u{2212}")
 }
 
-/// A change as a percentage.
-fn change(before: f64, after: f64) -> String {
+/// A change as a percentage, in brackets.
+pub fn change(before: f64, after: f64) -> String {
     let percent = 100.0 * (after / before - 1.0);
     match percent.abs() {
         size if !size.is_finite() => String::new(),

@@ -16,6 +16,7 @@ pub use scene::scene;
 pub use simulation::page as simulation_page;
 
 use std::io::{self, Write};
+use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -59,6 +60,27 @@ pub struct Page {
     pub figures: Vec<Picture>,
     /// The tables.
     pub tables: Vec<Table>,
+}
+
+impl Page {
+    /// The page of a run of a command with the least that every run has.
+    fn new(command: &str, record: Value, scene: std::result::Result<Scene, String>, figures: Vec<Picture>) -> Self {
+        Self {
+            title: title(command, &record),
+            record,
+            lead: Vec::new(),
+            warnings: Vec::new(),
+            facts: Vec::new(),
+            phenotype: None,
+            scene,
+            colourings: Vec::new(),
+            image_cuts: Vec::new(),
+            segmentation: None,
+            threshold: None,
+            figures,
+            tables: Vec::new(),
+        }
+    }
 }
 
 /// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
@@ -122,6 +144,13 @@ pub struct Table {
     pub of_vessels: bool,
 }
 
+impl Table {
+    /// A table of numbers in single precision.
+    fn new(title: impl Into<String>, columns: Vec<Column>, of_vessels: bool) -> Self {
+        Self { title: title.into(), columns, exact: &[], of_vessels }
+    }
+}
+
 /// How a figure is converted to a colour.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -153,6 +182,13 @@ pub struct Colouring {
     pub variants: Vec<(String, usize, String)>,
     /// What is mixed by [`Scale::Mixed`]: names and colours.
     pub legend: Vec<(String, Rgb)>,
+}
+
+impl Colouring {
+    /// A figure that colours all vessels.
+    fn new(name: &'static str, unit: &'static str, scale: Scale, variants: Vec<(String, usize, String)>) -> Self {
+        Self { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() }
+    }
 }
 
 /// A threshold on a column of the first table.
@@ -313,13 +349,13 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// A figure as SVG, or as PNG where the SVG is large.
+    /// Writes a figure into a folder. The page has it as SVG, or as PNG where the SVG is large.
     ///
     /// # Errors
     ///
-    /// A figure that cannot be drawn.
-    pub fn new(title: &'static str, caption: &'static str, figure: &Figure) -> Result<Self> {
-        let drawing = figure.svg()?;
+    /// When `dpi` is out of range, and when a file cannot be written.
+    pub fn write(title: &'static str, caption: &'static str, figure: &Figure, folder: &Path, dpi: u32) -> Result<Self> {
+        let drawing = figure.write(folder, dpi)?;
         let (kind, bytes) =
             if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
         let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
@@ -340,7 +376,7 @@ fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Table> {
         };
         Column { name: name.into(), values }
     };
-    Some(Table { title: title.to_owned(), columns: columns.iter().map(column).collect(), exact: &[], of_vessels: false })
+    Some(Table::new(title, columns.iter().map(column).collect(), false))
 }
 
 fn word(value: &Value) -> String {

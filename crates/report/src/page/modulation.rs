@@ -1,7 +1,7 @@
 //! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
 
 use super::scene::scene;
-use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, record, take};
 use crate::modulation::ModulationOutcome;
 use willis_io::formats::{Column, Values};
 
@@ -48,36 +48,18 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
             ("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
         ],
     );
-    let plain = |title: &str, columns| Table { title: title.to_owned(), columns, exact: &[], of_vessels: false };
-    let mut all: Vec<Table> = classes
+    let of_vessels = classes
         .iter()
         .enumerate()
-        .map(|(at, class)| Table {
-            title: format!("Vessels, u in {class}"),
-            columns: of_class(outcome, &tables.vessels, at),
-            exact: &[],
-            of_vessels: true,
-        })
-        .collect();
-    all.push(plain("Classes", tables.classes));
-    all.push(plain("Nodes", tables.nodes));
-    all.push(plain("Hypertension", tables.hypertension));
+        .map(|(at, class)| Table::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
+    let mut all: Vec<Table> = of_vessels.collect();
+    all.push(Table::new("Classes", tables.classes, false));
+    all.push(Table::new("Nodes", tables.nodes, false));
+    all.push(Table::new("Hypertension", tables.hypertension, false));
     all.extend(conditions(&take(&mut record, "boundary_conditions")));
-    Page {
-        title: title("modulate", &record),
-        record,
-        lead,
-        warnings,
-        facts,
-        phenotype: None,
-        scene: scene(outcome.network, outcome.boundary),
-        colourings: colourings(&classes),
-        image_cuts: Vec::new(),
-        segmentation: None,
-        threshold: None,
-        figures,
-        tables: all,
-    }
+    let scene = scene(outcome.network, outcome.boundary);
+    let colourings = colourings(&classes);
+    Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, figures) }
 }
 
 /// One row per vessel, from the rows of edges.csv of one class.
@@ -114,10 +96,8 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
     };
     let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
-        let colouring =
-            |name, unit, scale, variants| Colouring { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() };
-        let mean = colouring(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
-        [mean, colouring(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
+        let mean = Colouring::new(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
+        [mean, Colouring::new(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
     });
     each.flatten().collect()
 }

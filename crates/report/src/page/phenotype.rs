@@ -31,7 +31,7 @@ pub fn write_phenotype_page(out: &mut impl Write, record: &Value, collaterals: V
     let mut record = record.clone();
     let phenotype = record["phenotype"].take();
     record["collateral"].take();
-    let table = Table { title: "Flow without each feeder".to_owned(), columns: collaterals, exact: &[], of_vessels: false };
+    let table = Table::new("Flow without each feeder", collaterals, false);
     let title = title("classify", &record);
     let data = json!({
         "phenotype": phenotype,

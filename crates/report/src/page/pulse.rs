@@ -30,13 +30,7 @@ pub fn cycle(simulated: &Simulated<'_>, pulses: &Pulses, at: usize) -> Option<(T
         columns.push(Column::real(name(stop), flows.into_iter()));
     }
     let title = if pulses.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
-    let colouring = Colouring {
-        name: OVER_THE_CYCLE,
-        unit: "mL/min",
-        scale: Scale::Linear,
-        uncertain_only: false,
-        variants: (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect(),
-        legend: Vec::new(),
-    };
-    Some((Table { title: title.to_owned(), columns, exact: &[], of_vessels: true }, colouring))
+    let variants = (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect();
+    let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", Scale::Linear, variants);
+    Some((Table::new(title, columns, true), colouring))
 }

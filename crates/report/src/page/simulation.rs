@@ -2,7 +2,7 @@
 
 use super::pulse::cycle;
 use super::scene::scene;
-use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take, title};
+use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take};
 use crate::figures::colour::Rgb;
 use crate::simulation::{FlowRecord, Simulated};
 use crate::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
@@ -40,34 +40,20 @@ pub fn page(
         list("Reversed flows", &part("reversed"), &COLLATERAL),
         conditions(&part("boundary_conditions")),
     ];
-    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &[], of_vessels };
-    let mut tables: Vec<Table> =
-        [Some(table("Vessels", vessels, true)), Some(table("Nodes", nodes, false))].into_iter().chain(lists).flatten().collect();
+    let mut tables = vec![Table::new("Vessels", vessels, true), Table::new("Nodes", nodes, false)];
+    tables.extend(lists.into_iter().flatten());
     let mut colourings = colourings(perturbed);
     if let Some(transports) = simulated.transports {
         colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
-        tables.push(table("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
-        tables.push(table("Arrival", transit_columns(simulated, transports), false));
+        tables.push(Table::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
+        tables.push(Table::new("Arrival", transit_columns(simulated, transports), false));
     }
     if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
         tables.push(flows);
         colourings.push(over_the_cycle);
     }
-    Page {
-        title: title("simulate", &record),
-        record,
-        lead,
-        warnings,
-        facts,
-        phenotype: None,
-        scene: scene(simulated.network, simulated.boundary),
-        colourings,
-        image_cuts: Vec::new(),
-        segmentation: None,
-        threshold: None,
-        figures,
-        tables,
-    }
+    let scene = scene(simulated.network, simulated.boundary);
+    Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, figures) }
 }
 
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
@@ -95,16 +81,10 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
         if perturbed {
             variants.insert(0, ("perturbed".to_owned(), 0, format!("{column}{PERTURBED}")));
         }
-        Colouring { name, unit, scale: Scale::Log, uncertain_only: false, variants, legend: Vec::new() }
+        Colouring::new(name, unit, Scale::Log, variants)
     });
-    let change = Colouring {
-        name: "change of flow",
-        unit: "mL/min",
-        scale: Scale::Diverging,
-        uncertain_only: false,
-        variants: vec![(String::new(), 0, "flow_change".to_owned())],
-        legend: Vec::new(),
-    };
+    let of_change = vec![(String::new(), 0, "flow_change".to_owned())];
+    let change = Colouring::new("change of flow", "mL/min", Scale::Diverging, of_change);
     each.into_iter().chain(perturbed.then_some(change)).collect()
 }
 
@@ -115,21 +95,6 @@ fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) 
         let shown = suffixes.into_iter().filter(|(_, suffix)| perturbed || suffix.is_empty());
         shown.map(|(name, suffix)| (name.to_owned(), table, format!("{column}{suffix}"))).collect()
     };
-    let supply = Colouring {
-        name: "blood from",
-        unit: "",
-        scale: Scale::Mixed,
-        uncertain_only: false,
-        variants: variants(at, MIXED),
-        legend,
-    };
-    let arrival = Colouring {
-        name: "mean time since entry",
-        unit: "ms",
-        scale: Scale::Linear,
-        uncertain_only: false,
-        variants: variants(0, "arrival_ms"),
-        legend: Vec::new(),
-    };
-    [supply, arrival]
+    let supply = Colouring { legend, ..Colouring::new("blood from", "", Scale::Mixed, variants(at, MIXED)) };
+    [supply, Colouring::new("mean time since entry", "ms", Scale::Linear, variants(0, "arrival_ms"))]
 }

@@ -149,7 +149,7 @@ fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, Label>, Fault> {
         |name: &str| rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected id,label"));
     let (id, label) = (column("id")?, column("label")?);
     let mut labels = BTreeMap::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let text = row.text(label).to_owned();
         let number: u64 =
             row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;

@@ -115,7 +115,7 @@ fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault
         return Err(wrong(format!("no column kind in {}", columns(rows.header()))));
     }
     let mut out = Vec::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let stated = |column: Option<usize>| column.filter(|column| !row.text(*column).is_empty());
         let text = |column: Option<usize>| stated(column).map(|column| row.text(column).to_owned());
         let number = |column: Option<usize>| stated(column).map(|column| row.finite(column)).transpose();

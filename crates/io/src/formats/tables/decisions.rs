@@ -34,7 +34,7 @@ pub fn read_decisions(bytes: &[u8]) -> Result<Vec<ListedDecision>, Fault> {
     let (edge, a, b, decision) = (edge?, a?, b?, decision?);
     let [who, when, input] = ["who", "when", "input_sha256"].map(|name| rows.find(&[name]));
     let mut all: Vec<ListedDecision> = Vec::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let number = row.text(edge).parse().map_err(|_| {
             Fault::line(row.line, format!("edge \"{}\"", row.text(edge)), "expected the row of a vessel in edges.csv, from 0")
         })?;

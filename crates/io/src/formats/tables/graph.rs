@@ -205,7 +205,7 @@ pub(crate) fn checksum_of_pair(nodes: &[u8]) -> String {
 pub(crate) fn stated_checksum(edges: &[u8]) -> Option<String> {
     let mut rows = TableReader::open(edges).ok()?;
     let column = rows.find(&[PAIR])?;
-    let row = rows.next().ok()??;
+    let row = rows.row().ok()??;
     row.texts().find(|(at, _)| *at == column).map(|(_, text)| text.to_owned())
 }
 
@@ -221,7 +221,7 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let header = rows.header().to_vec();
     let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
     let mut records = Records::named(&header);
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         records.begin(row.line);
         for (column, text) in row.texts().filter(|(column, _)| wanted[*column]) {
             records.put(column, text);

@@ -36,7 +36,7 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     }
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
     let mut out = Vec::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         if let Some(kept) = kept {
             match row.text(kept) {
                 "1" => {}
@@ -99,7 +99,7 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
         added += 1;
         [0, 1]
     };
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         link(row.line, [row.text(a), row.text(b)])?;
         added += 1;
     }

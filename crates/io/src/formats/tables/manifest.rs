@@ -86,7 +86,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Manifest>, Fa
     let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
     let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty() && text != "n/a");
     let (mut found, mut lines) = (Vec::new(), HashMap::new());
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;
         }

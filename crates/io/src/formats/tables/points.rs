@@ -46,7 +46,7 @@ pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, 
     let mut lines = Centerlines::default();
     let mut last: HashMap<String, (u32, u32)> = HashMap::new();
     let mut line_of: HashMap<u64, usize> = HashMap::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         if row.texts().next().is_none() {
             continue;
         }

@@ -48,7 +48,7 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
         let [a, b] = network.ends(vessel);
         between.entry([a.min(b), a.max(b)]).or_default().push(vessel);
     }
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let value = row.real(prior)?;
         if value.is_nan() {
             continue;

@@ -55,7 +55,11 @@ impl<'a> TableReader<'a> {
         Self::with(bytes, false)
     }
 
-    /// As [`Self::open`], for a table whose rows may have more or fewer columns than its header.
+    /// As `open`, for a table whose rows may have more or fewer columns than its header.
+    ///
+    /// # Errors
+    ///
+    /// No header, or one with a column twice.
     pub fn ragged(bytes: &'a [u8]) -> Result<Self, Fault> {
         Self::with(bytes, true)
     }
@@ -108,7 +112,11 @@ impl<'a> TableReader<'a> {
     }
 
     /// The next row.
-    pub fn next(&mut self) -> Result<Option<Row<'_>>, Fault> {
+    ///
+    /// # Errors
+    ///
+    /// A row with another number of columns than the header, or that is not UTF-8.
+    pub fn row(&mut self) -> Result<Option<Row<'_>>, Fault> {
         if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.text, self.skipped))? {
             return Ok(None);
         }
@@ -135,6 +143,10 @@ impl Row<'_> {
     }
 
     /// The number in a column; NaN for an empty one.
+    ///
+    /// # Errors
+    ///
+    /// What is no number.
     pub fn real(&self, column: usize) -> Result<f64, Fault> {
         let text = self.text(column);
         if text.is_empty() {

@@ -30,7 +30,7 @@ pub fn read_waveform(bytes: &[u8]) -> Result<Waveform, Fault> {
     };
     let (quantity, column) = quantity;
     let (mut times, mut values) = (Vec::<f64>::new(), Vec::new());
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let (t, x) = (row.finite(time)?, row.finite(column)?);
         if let Some(before) = times.last().filter(|before| **before > t) {
             return Err(Fault::line(row.line, format!("time_s {t} after {before}"), "expected times that never fall"));

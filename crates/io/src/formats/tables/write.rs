@@ -139,7 +139,7 @@ fn is_formula(text: &str) -> bool {
 }
 
 /// The text for a table cell. Text that a spreadsheet would take for a formula gets a leading apostrophe, which
-/// [`unescape_formula`] removes.
+/// `unescape_formula` removes.
 pub fn escape_formula(text: &str) -> Cow<'_, str> {
     if is_formula(text) { Cow::Owned(format!("'{text}")) } else { Cow::Borrowed(text) }
 }

@@ -71,7 +71,7 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
     }
     let count = rows.find(&["NumPts"]);
     let mut vessels = Vec::new();
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         if row.texts().next().is_none() {
             continue;
         }

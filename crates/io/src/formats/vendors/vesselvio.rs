@@ -35,7 +35,7 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
     let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
     let radius = rows.find(&["radius"]);
     let (mut positions, mut radii) = (Vec::new(), Vec::new());
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         positions.push(scale.position(row.position(place)?));
         radii.push(scale.length(radius.map_or(Ok(f64::NAN), |radius| row.real(radius))?));
     }
@@ -68,7 +68,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     let none = || Fault::file("no edges", "expected a row for every edge");
     let Some(radius) = radius else {
         let (mut links, mut labels) = (Vec::new(), Vec::new());
-        while let Some(row) = rows.next()? {
+        while let Some(row) = rows.row()? {
             links.push(linked(&row, ends, vertices.positions.len())?);
             labels.push(name(&row));
         }
@@ -84,7 +84,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         network.add_node(Node { id: row.to_string(), position: Some(*position), ..Node::default() });
     }
     let mut straight = 0;
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let ends = linked(&row, ends, vertices.positions.len())?;
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
         let size = options.scale.length(row.real(radius)?);

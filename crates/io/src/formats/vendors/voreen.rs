@@ -31,7 +31,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
         *column = rows.column(&[name], "Voreen's table of nodes")?;
     }
     let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new() };
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let id = row.text(id).to_owned();
         if id.is_empty() {
             return Err(Fault::line(row.line, "no id", "expected the id of a node"));
@@ -68,7 +68,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         network.add_node(node);
     }
     let (mut from_area, mut from_radius, mut straight) = (0, 0, 0);
-    while let Some(row) = rows.next()? {
+    while let Some(row) = rows.row()? {
         let name = id.map_or_else(|| row.number.to_string(), |id| row.text(id).to_owned());
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {name}: {found}"), accepted);
         let mut at = [0; 2];

@@ -54,6 +54,10 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
 }
 
 /// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.
+///
+/// # Errors
+///
+/// A graph whose elimination has more joins than memory holds.
 pub fn last_pass(extraction: &Extraction, table: &CandidateTable, weights: &Weights) -> Result<(Forests, Marginals)> {
     let mut last: Option<(Forests, Marginals)> = None;
     let mut feedback = None;

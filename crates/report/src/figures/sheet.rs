@@ -1,0 +1,181 @@
+//! The sheet that a figure is drawn on: lines, boxes, text and ticks in points, which are then drawn as a bitmap or as SVG.
+
+use tiny_skia::{Path, PathBuilder};
+
+use super::axis::Label;
+use super::colour::{GRID, INK, Rgb};
+use super::font;
+use super::style::{HAIR, TEXT, TICK, TITLE, TITLE_AT};
+
+/// Height of the digits as a share of the text's.
+const DIGIT: f64 = 0.6;
+/// Height of an exponent as a share of the text's.
+const EXPONENT: f64 = 0.72;
+/// How far an exponent is raised, as a share of the text's height.
+const LIFT: f64 = 0.3;
+/// Space for a number left of its tick, and for one below it, points.
+const ASIDE: f64 = 3.0;
+const BELOW: f64 = 7.0;
+
+/// A place on the page, points from its upper left corner.
+pub type Place = [f64; 2];
+
+/// Which point of the text is at its place.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Align {
+    /// Its beginning.
+    Begin,
+    /// Its middle.
+    Middle,
+    /// Its end.
+    End,
+}
+
+/// The direction of text.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Run {
+    /// From left to right.
+    Right,
+    /// Upwards.
+    Up,
+}
+
+/// How a line is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Line {
+    /// Without a break.
+    Solid,
+    /// In dashes of 4 points with gaps of 3.
+    Dashed,
+    /// With round ends.
+    Tube,
+}
+
+/// A box of a colour, by its upper left and lower right corner.
+pub type Filled = ([Place; 2], Rgb);
+
+/// One thing on the sheet.
+#[derive(Debug)]
+pub enum Mark {
+    /// Boxes with sharp edges, later ones over earlier ones; the first of several holds all others.
+    Boxes(Vec<Filled>),
+    /// A box with the colour map from bottom to top, by its corners.
+    Map([Place; 2]),
+    /// A line of a width in points, and its opacity in (0, 1].
+    Line(Path, Line, f64, Rgb, f64),
+    /// The outline of text, and its words.
+    Text(Path, String),
+}
+
+/// A sheet whose unit is the point (1/72 inch).
+#[derive(Debug, Default)]
+pub struct Sheet {
+    /// What is on it, from bottom to top.
+    pub marks: Vec<Mark>,
+}
+
+impl Sheet {
+    /// A line along `path`, `width` points wide, `opacity` in (0, 1].
+    pub fn line(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb, opacity: f64) {
+        self.stroke(path, Line::Solid, width, rgb, opacity);
+    }
+
+    /// A line along `path` with round corners and ends, `width` points wide.
+    pub fn tube(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) {
+        self.stroke(path, Line::Tube, width, rgb, 1.0);
+    }
+
+    /// A dashed line along `path`.
+    pub fn dashed(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) {
+        self.stroke(path, Line::Dashed, width, rgb, 1.0);
+    }
+
+    fn stroke(&mut self, path: impl IntoIterator<Item = Place>, line: Line, width: f64, rgb: Rgb, opacity: f64) {
+        let mut along = PathBuilder::new();
+        for [x, y] in path.into_iter().map(|place| place.map(|c| c as f32)) {
+            if along.is_empty() { along.move_to(x, y) } else { along.line_to(x, y) }
+        }
+        self.marks.extend(along.finish().map(|path| Mark::Line(path, line, width, rgb, opacity)));
+    }
+
+    /// Fills a rectangle of a corner and size (width, height).
+    pub fn rectangle(&mut self, corner: Place, size: [f64; 2], rgb: Rgb) {
+        self.marks.push(Mark::Boxes(vec![([corner, [corner[0] + size[0], corner[1] + size[1]]], rgb)]));
+    }
+
+    /// The outline of a rectangle of a corner and size (width, height).
+    pub fn frame(&mut self, [left, top]: Place, [width, height]: [f64; 2]) {
+        let rectangle = tiny_skia::Rect::from_xywh(left as f32, top as f32, width as f32, height as f32);
+        self.marks.extend(rectangle.map(|of| Mark::Line(PathBuilder::from_rect(of), Line::Solid, HAIR, INK, 1.0)));
+    }
+
+    /// The title of a figure, from `x`, the left edge of its axes.
+    pub fn title(&mut self, text: &str, x: f64) {
+        self.text(&Label::plain(text), [x, TITLE_AT], TITLE, Align::Begin, Run::Right);
+    }
+
+    /// Plain text.
+    pub fn plain(&mut self, text: &str, place: Place, align: Align) {
+        self.text(&Label::plain(text), place, TEXT, align, Run::Right);
+    }
+
+    /// Plain text that runs upwards, around `place`.
+    pub fn upright(&mut self, text: &str, place: Place) {
+        self.text(&Label::plain(text), place, TEXT, Align::Middle, Run::Up);
+    }
+
+    /// A tick left of an axis, and its text.
+    pub fn tick_left(&mut self, [x, y]: Place, label: &Label, height: f64) {
+        self.line([[x - TICK, y], [x, y]], HAIR, INK, 1.0);
+        self.text(label, [x - TICK - ASIDE, y], height, Align::End, Run::Right);
+    }
+
+    /// A tick right of an axis, and its text.
+    pub fn tick_right(&mut self, [x, y]: Place, label: &Label) {
+        self.line([[x, y], [x + TICK, y]], HAIR, INK, 1.0);
+        self.text(label, [x + TICK + ASIDE, y], TEXT, Align::Begin, Run::Right);
+    }
+
+    /// A tick below an axis, and its text.
+    pub fn tick_below(&mut self, [x, y]: Place, label: &Label, height: f64) {
+        self.line([[x, y], [x, y + TICK]], HAIR, INK, 1.0);
+        self.text(label, [x, y + TICK + BELOW], height, Align::Middle, Run::Right);
+    }
+
+    /// Ticks at heights left of the axes, with grid lines between `left` and `right`.
+    pub fn ticks_left(&mut self, [left, right]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) {
+        for (y, label) in ticks {
+            self.line([[left, y], [right, y]], HAIR, GRID, 1.0);
+            self.tick_left([left, y], &label, TEXT);
+        }
+    }
+
+    /// Ticks below the axes, with grid lines between `top` and `bottom`.
+    pub fn ticks_below(&mut self, [top, bottom]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) {
+        for (x, label) in ticks {
+            self.line([[x, top], [x, bottom]], HAIR, GRID, 1.0);
+            self.tick_below([x, bottom], &label, TEXT);
+        }
+    }
+
+    /// Text whose digits are centred on `place` across its direction.
+    pub fn text(&mut self, label: &Label, place: Place, height: f64, align: Align, run: Run) {
+        let raised = height * EXPONENT;
+        let widths = [font::width(&label.text, height), font::width(&label.exponent, raised)];
+        let back = match align {
+            Align::Begin => 0.0,
+            Align::Middle => f64::midpoint(widths[0], widths[1]),
+            Align::End => widths[0] + widths[1],
+        };
+        let base = height * DIGIT / 2.0;
+        for (text, size, along, across) in
+            [(&label.text, height, -back, base), (&label.exponent, raised, widths[0] - back, base - height * LIFT)]
+        {
+            let at = |[x, y]: [f64; 2]| match run {
+                Run::Right => [place[0] + along + x, place[1] + across + y],
+                Run::Up => [place[0] + across + y, place[1] - along - x],
+            };
+            self.marks.extend(font::outline(text, size, at).map(|outline| Mark::Text(outline, text.clone())));
+        }
+    }
+}

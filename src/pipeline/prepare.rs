@@ -1,0 +1,306 @@
+//! From an input to the graph that is sampled: files, vessels, candidates, contacts, decisions, arteries and boundary conditions, in this order.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use super::arteries::{self, ArterySource, FoundArteries};
+use super::cuts::{Contacts, Cuts};
+use super::decisions::{self, ConnectionDecision, DecisionList};
+use super::picture::{Picture, pictures};
+use super::prepared::{Prepared, Records};
+use super::prior::{LoadedPrior, Prior};
+use super::progress::{Follow, Notes, Silent, Step};
+use super::{InferOptions, Input, Preset, RunOptions};
+use willis_core::error::{Error, Result};
+use willis_core::flow::{Boundary, FoundOutlets, Given};
+use willis_core::network::units::Scale;
+use willis_core::network::{Condition, Network, Origin};
+use willis_io::formats::Format;
+use willis_io::masks::{Scene, Unseen, View};
+use willis_models::candidates::CandidateOptions;
+use willis_models::candidates::kind::Kind;
+use willis_models::naming::Names;
+use willis_report::{Provenance, Segmentation};
+
+/// What may help where a graph leaves nothing to decide.
+const NOTHING_UNCERTAIN: &str =
+    "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain` all puts every vessel in question";
+
+/// The over-connected graph of an input with its boundary conditions: all that [`infer`](crate::infer) does before it samples.
+///
+/// # Errors
+///
+/// As [`infer`](crate::infer), before any sample.
+pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Arc<Prepared>> {
+    options.validate()?;
+    let (mut loaded, view) = Loaded::read(&input, options)?;
+    let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
+
+    let by_labels = loaded.arteries.as_ref().is_some_and(ArterySource::is_labels);
+    let mut vessels = if by_labels && loaded.is_fragments { input.divided_by_labels() } else { input.network };
+    let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
+    early.state_ends(&mut vessels, options);
+    let given = options.boundary.given(&vessels, notes.follow)?;
+    let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
+    let opened = Opened::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
+    let (mut graph, mut uniform_prior) = (opened.graph, loaded.prior.is_uniform());
+    let decided = loaded.decisions.take().map(|list| list.on(&graph, &input.provenance.sha256)).transpose()?;
+    if let Some(decided) = &decided {
+        uniform_prior = decide_on(&mut graph, &decided.made, uniform_prior)?;
+    }
+    let arteries = early.arteries(&graph, &loaded)?;
+    let boundary = loaded.boundary(&graph, &given, arteries.as_ref(), notes.follow)?;
+
+    let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
+    let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
+    let said = built.unlike.into_iter().chain(opened.crowded).chain(of_arteries);
+    said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
+        .chain(stated_resistances(options.preset, &given))
+        .for_each(|note| notes.say(note));
+    Ok(Arc::new(Prepared {
+        keep: options.keep.unwrap_or(loaded.prior.usual_rule(&graph)),
+        segmentation: input.lumen.as_ref().map(Segmentation::of),
+        image_cuts: built.scene.map(|scene| pictures(&scene, &graph)).unwrap_or_default(),
+        graph,
+        boundary,
+        provenance: Provenance { notes: notes.kept, ..input.provenance },
+        outlets: loaded.outlets,
+        records: Records {
+            prior: loaded.prior.source,
+            cut: loaded.cuts.map(|cuts| cuts.record),
+            image: loaded.image.map(|image| image.record(built.unseen)),
+            decisions: decided,
+        },
+        contacts: opened.contacts,
+        uniform_prior,
+        candidates: loaded.is_fragments.then_some(loaded.building),
+        options: RunOptions { read: input.options, infer: InferOptions { arteries: loaded.arteries, ..options.clone() } },
+        arteries,
+        started: input.started,
+    }))
+}
+
+/// What the options of a run mean for an input, with every file that they name.
+struct Loaded<'a> {
+    options: &'a InferOptions,
+    path: PathBuf,
+    scale: Scale,
+    is_fragments: bool,
+    /// What outlets are that are found.
+    outlets: FoundOutlets,
+    /// Where blood comes in by labels.
+    inlets_by_labels: Vec<usize>,
+    /// How the arteries are known, where they are asked for.
+    arteries: Option<ArterySource>,
+    prior: LoadedPrior,
+    building: CandidateOptions,
+    cuts: Option<Cuts>,
+    image: Option<Picture>,
+    decisions: Option<DecisionList>,
+}
+
+impl<'a> Loaded<'a> {
+    /// Reads the files; beside them the image.
+    fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
+        let is_fragments = input.is_fragments;
+        let kind = Kind::of(&input.network, input.format.is_some_and(Format::is_mask));
+        let cuts = Cuts::load(&options.cut, options.mask.as_deref(), input, kind)?;
+        let usual = if is_fragments { Prior::Evidence } else { Prior::None };
+        let chosen = options.prior.as_ref().unwrap_or(&usual);
+        let prior = chosen.load(kind)?;
+        if prior.is_evidence() && !is_fragments {
+            let accepted =
+                "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
+            return Err(Error::parameter("prior", chosen.to_string(), accepted));
+        }
+        let (image, view) = Picture::load(options, &prior, &input.options, is_fragments)?.unzip();
+        let building = CandidateOptions {
+            k: options.candidates.k.or(Some(prior.usual_k())),
+            radius_rule: input.options.radius_rule,
+            ..options.candidates.clone()
+        };
+        let loaded = Self {
+            options,
+            path: input.provenance.input.clone().into(),
+            scale: input.options.scale,
+            is_fragments,
+            outlets: options.boundary.found_outlets.unwrap_or(input.usual_outlets()),
+            inlets_by_labels: input.inlets_by_labels(),
+            arteries: options.arteries.as_ref().map(|source| source.resolved(&input.network)),
+            prior,
+            building,
+            cuts,
+            image,
+            decisions: options.decisions.as_deref().map(DecisionList::read).transpose()?,
+        };
+        Ok((loaded, view))
+    }
+
+    /// The arteries of a network by landmarks or labels.
+    fn find(&self, source: &ArterySource, network: &Network) -> Result<FoundArteries> {
+        source.find(&self.path, network, &self.scale, &self.options.phenotypes)
+    }
+
+    /// The stated conditions of a graph, and those that are found: not where a candidate probably leaves.
+    fn boundary(
+        &self,
+        graph: &Network,
+        given: &[Given],
+        arteries: Option<&FoundArteries>,
+        follow: &mut dyn Follow,
+    ) -> Result<Boundary> {
+        let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.known_inlets(graph));
+        let boundary = Boundary::resolve_knowing(graph, given, self.outlets, &known)?;
+        let all_stated = boundary.found_outlets.is_empty() && arteries.is_none_or(|found| found.circle.outlets().is_empty());
+        if self.options.preset == Preset::Willis && self.options.boundary.found_outlets.is_some() && all_stated {
+            follow.step(Step::OutletsAllStated);
+        }
+        follow.step(Step::Boundary { graph, boundary: &boundary });
+        Ok(boundary)
+    }
+}
+
+/// What is known of the arteries before there are candidates: where they enter and leave is a boundary condition.
+enum EarlyArteries {
+    /// Nothing: labels are looked at when every vessel has its row.
+    Nothing,
+    /// By landmarks, found before candidates make new nodes.
+    Landmarks(FoundArteries),
+    /// By geometry, with the names of a first over-connected graph, whose candidates pass them over gaps.
+    Geometry(FoundArteries, Box<Names>),
+}
+
+impl EarlyArteries {
+    fn find(vessels: &Network, loaded: &Loaded<'_>, notes: &mut Notes<'_>) -> Result<Self> {
+        let found = match &loaded.arteries {
+            Some(source) if source.is_landmarks() => return loaded.find(source, vessels).map(Self::Landmarks),
+            Some(ArterySource::Geometry) => Self::by_geometry(vessels, loaded),
+            _ => return Ok(Self::Nothing),
+        };
+        match found {
+            // A network without a circle is no error.
+            Err(Error::Input { found, accepted, .. }) => {
+                notes.say(format!("{NO_PHENOTYPE}{found}; {accepted}"));
+                Ok(Self::Nothing)
+            }
+            found => found,
+        }
+    }
+
+    fn by_geometry(vessels: &Network, loaded: &Loaded<'_>) -> Result<Self> {
+        let models = loaded.options.phenotypes.models()?;
+        let given = loaded.options.boundary.given(vessels, &mut Silent)?;
+        let (graph, ..) = loaded.prior.graph(vessels.clone(), loaded.is_fragments, &given, &loaded.building, None)?;
+        let names = models.name(&graph).ok_or_else(|| arteries::no_vessel().in_file(&loaded.path))?;
+        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names), &models)?;
+        Ok(Self::Geometry(found, Box::new(names)))
+    }
+
+    /// States inlets, unless the options do, and outlets where the arteries enter and leave.
+    fn state_ends(&self, vessels: &mut Network, options: &InferOptions) {
+        let (Self::Landmarks(found) | Self::Geometry(found, _)) = self else { return };
+        if !options.boundary.states_an_inlet() {
+            found.state_inlets(vessels);
+        }
+        found.name_outlets(vessels);
+    }
+
+    /// The arteries of the graph that is sampled.
+    fn arteries(self, graph: &Network, loaded: &Loaded<'_>) -> Result<Option<FoundArteries>> {
+        let phenotypes = &loaded.options.phenotypes;
+        match (self, &loaded.arteries) {
+            (Self::Landmarks(found), _) => found.with_names(graph, phenotypes).map(Some),
+            (Self::Geometry(_, names), _) => {
+                arteries::by_geometry(&loaded.path, graph, Some(&names), &phenotypes.models()?).map(Some)
+            }
+            (Self::Nothing, None | Some(ArterySource::Geometry)) => Ok(None),
+            (Self::Nothing, Some(labels)) => loaded.find(labels, graph).map(Some),
+        }
+    }
+}
+
+/// What the note begins with that says why there is no phenotype.
+pub(super) const NO_PHENOTYPE: &str = "no phenotype: ";
+
+/// The over-connected graph, before contacts are opened.
+struct OverConnected {
+    graph: Network,
+    /// The image as it was measured, where it shows the vessels, ...
+    scene: Option<Scene>,
+    /// ... and why it does not.
+    unseen: Option<Unseen>,
+    /// What to tell a person where the model knows no such fragments.
+    unlike: Option<String>,
+}
+
+impl OverConnected {
+    fn build(vessels: Network, loaded: &Loaded<'_>, given: &[Given], view: Option<View>, notes: &mut Notes<'_>) -> Result<Self> {
+        let Loaded { prior, building, is_fragments, .. } = loaded;
+        let (graph, looked, unlike) = prior.graph(vessels, *is_fragments, given, building, view)?;
+        let (scene, unseen) = match looked {
+            None => (None, None),
+            Some(Ok(scene)) => (Some(scene), None),
+            Some(Err(why)) => (None, Some(why)),
+        };
+        if *is_fragments {
+            notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: prior.is_evidence() });
+            // Said with the step.
+            notes.kept.extend(nothing_built(&graph, building).map(str::to_owned));
+        }
+        let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), prior));
+        remarks.into_iter().flatten().for_each(|note| notes.say(note));
+        Ok(Self { graph, scene, unseen, unlike })
+    }
+}
+
+/// The over-connected graph with its contacts cut apart, where they are.
+struct Opened {
+    graph: Network,
+    contacts: Contacts,
+    /// What to tell a person of contacts.
+    crowded: Option<String>,
+}
+
+impl Opened {
+    fn of(graph: Network, loaded: &Loaded<'_>, scene: Option<&Scene>, follow: &mut dyn Follow) -> Self {
+        let Some(cuts) = &loaded.cuts else { return Self { graph, contacts: Contacts::default(), crowded: None } };
+        let (graph, contacts, crowded) = cuts.open(graph, scene);
+        follow.step(if cuts.record.only_suggested {
+            Step::CutsSuggested { suggested: contacts.suggested.len() }
+        } else {
+            Step::Cut { graph: &graph, with_mask: cuts.record.mask, with_image: cuts.looks_at(scene) }
+        });
+        Self { graph, contacts, crowded }
+    }
+}
+
+/// What a run with the choices of the paper says of outlets that are not at ground.
+fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
+    let outlets = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
+    let these = if outlets == 1 {
+        "1 outlet keeps its resistance".to_owned()
+    } else {
+        format!("{outlets} outlets keep their resistances")
+    };
+    let said = format!("{these}, as stated; the paper has outlets at ground only");
+    (preset == Preset::Paper && outlets > 0).then_some(said)
+}
+
+/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
+/// so from then on the vessels' own priors count, which are set to 1.
+pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
+    if uniform_prior && !made.is_empty() {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    decisions::apply(graph, made)?;
+    Ok(uniform_prior && made.is_empty())
+}
+
+/// That there is no candidate, and what may help.
+pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'static str> {
+    let candidates = graph.vessels().any(|(_, vessel)| vessel.origin == Origin::Candidate);
+    (!candidates).then_some(match options.max_gap {
+        Some(_) => "no free end has another vessel within `max_gap`; a larger one may help",
+        None => "no free end has another vessel within reach",
+    })
+}
