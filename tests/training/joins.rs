@@ -49,6 +49,6 @@ fn a_model_of_skeletons_is_fitted_and_the_threads_do_not_matter() {
     let links = fs::read_to_string(here.path().join("cases/t0/links.csv")).expect("a table").lines().count() - 1;
     let mut table = csv::Reader::from_path(here.path().join("out/edges.csv")).expect("a table");
     let rows = table.deserialize::<HashMap<String, String>>().map(|row| row.expect("a row"));
-    let kept = rows.filter(|row| row["origin"] == "candidate" && row["kept"] == "true").count();
+    let kept = rows.filter(|row| row["origin"] == "candidate" && row["kept"] == "1").count();
     assert!(2 * kept >= links, "{kept} of {links}");
 }
