@@ -1,4 +1,5 @@
-//! The method of the paper as it is written: slow, obvious, and what every fast kernel must agree with.
+//! The method of the paper as it is written, with the rules for ties, dead ends and rounding that the fast kernels have too: slow, and what
+//! they are compared with figure by figure. The oracle that shares nothing with them is `tests/inference/textbook.rs`.
 //!
 //! Moriconi et al. 2019, one sample after another:
 //!
