@@ -80,6 +80,25 @@ fn specks_are_left_out_and_told() {
     assert!(trace(&drawn, RadiusFrom::Area, Cavities::Keep).is_some_and(|all| graph(&all.lines).0 + all.specks == 3));
 }
 
+/// A part that is longer than wide, but not by much, and far from all others keeps its line; nothing joins it, and no blood leaves there.
+#[test]
+fn a_short_part_far_off_is_neither_joined_nor_an_outlet() {
+    let here = folder();
+    let drawn = mask([70, 40, 20], |[x, y, z]| {
+        let tube = (4..66).contains(&x) && (y as f64 - 8.0).hypot(z as f64 - 10.0) < 3.5;
+        tube || ((30..36).contains(&x) && (27..30).contains(&y) && (10..12).contains(&z))
+    });
+    let header = "ObjectType = Image\nNDims = 3\nDimSize = 70 40 20\nElementSpacing = 0.5 0.5 0.5\nElementType = MET_UCHAR\nElementDataFile = m.raw\n";
+    fs::write(here.path().join("m.mhd"), header).expect("written");
+    fs::write(here.path().join("m.raw"), &drawn.classes).expect("written");
+    let done = willis(here.path(), &["infer", "m.mhd", "-o", "out", "--max-gap", "20", "-k", "5", "--units", "mm"]);
+    assert!(done.status.success(), "{}", stderr(&done));
+    let run: serde_json::Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("read")).expect("JSON");
+    let (observed, candidates) = (&run["counts"]["observed"], &run["counts"]["candidates"]);
+    let ends = run["boundary_conditions"].as_array().map(Vec::len);
+    assert_eq!((observed.as_u64(), candidates.as_u64(), ends), (Some(2), Some(0), Some(2)), "{}", run["counts"]);
+}
+
 /// SciPy fills the same voxels (`binary_fill_holes`) and counts as many cavities.
 #[test]
 fn scipy_fills_the_same() {

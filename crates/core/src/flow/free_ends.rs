@@ -17,6 +17,9 @@ const SAME_WIDTH: f64 = 0.05;
 /// No inlet lies in a part that nothing can join to the longest part and that has less than this share of its length: it may be a piece of a
 /// sinus. The parts of traced circles that hold a carotid or the basilar artery have at least 0.2.
 const LEAST_PART: f64 = 0.1;
+/// A part that nothing can join to another and that is shorter than so many of its widths is a speck of a mask, not a vessel: it has no free
+/// end, unless it belongs to the long ones.
+const SPECK_WIDTHS: f64 = 3.0;
 
 /// The free ends of the observed vessels (of all vessels where none is observed) that have no condition. A contact of observed vessels
 /// does not make one.
@@ -61,8 +64,10 @@ impl FreeEnds {
             }
         }
         let position: Vec<Option<Point>> = network.nodes().map(|node| node.position).collect();
-        let nodes: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] == 1 && roles[*n] == Role::Inner).collect();
-        let belongs = in_long_parts(network);
+        let parts = JoinableParts::of(network);
+        let is_free = |n: &usize| degree[*n] == 1 && roles[*n] == Role::Inner && !parts.is_speck(*n);
+        let nodes: Vec<usize> = (0..network.node_count()).filter(is_free).collect();
+        let belongs: Vec<bool> = (0..network.node_count()).map(|n| parts.is_long(n)).collect();
         let placed: Vec<Point> = nodes.iter().filter(|node| belongs[**node]).filter_map(|node| position[*node]).collect();
         let mean = |axis: usize| placed.iter().map(|p| p[axis]).sum::<f64>() / placed.len().max(1) as f64;
         Self {
@@ -186,15 +191,36 @@ fn joinable_parts(network: &Network) -> Fragments {
     fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed)
 }
 
-/// By node whether it lies in a part of at least [`LEAST_PART`] of the observed length of the longest, all that can be joined being one part.
-fn in_long_parts(network: &Network) -> Vec<bool> {
-    let parts = joinable_parts(network);
-    let mut lengths = vec![0.0; parts.count];
-    for ([a, _], vessel) in network.vessels().filter(|(_, v)| v.origin != Origin::Candidate) {
-        lengths[parts.of_node[a]] += vessel.length;
+/// All that can be joined being one part: what is observed of each.
+struct JoinableParts {
+    parts: Fragments,
+    /// By part the length, and the length times the width, of its observed vessels; m, m².
+    measured: Vec<[f64; 2]>,
+    longest: f64,
+}
+
+impl JoinableParts {
+    fn of(network: &Network) -> Self {
+        let parts = joinable_parts(network);
+        let mut measured = vec![[0.0; 2]; parts.count];
+        for ([a, _], vessel) in network.vessels().filter(|(_, v)| v.origin != Origin::Candidate) {
+            let [length, area] = &mut measured[parts.of_node[a]];
+            *length += vessel.length;
+            *area += vessel.length * 2.0 * vessel.radius;
+        }
+        Self { longest: measured.iter().map(|[length, _]| *length).fold(0.0, f64::max), parts, measured }
     }
-    let longest = lengths.iter().copied().fold(0.0, f64::max);
-    parts.of_node.iter().map(|part| steady(lengths[*part]) >= steady(LEAST_PART * longest)).collect()
+
+    /// Whether a node lies in a part of at least [`LEAST_PART`] of the observed length of the longest.
+    fn is_long(&self, node: usize) -> bool {
+        steady(self.measured[self.parts.of_node[node]][0]) >= steady(LEAST_PART * self.longest)
+    }
+
+    /// Whether it lies in one of less than [`SPECK_WIDTHS`] widths, which is not long.
+    fn is_speck(&self, node: usize) -> bool {
+        let [length, area] = self.measured[self.parts.of_node[node]];
+        steady(length * length) < steady(SPECK_WIDTHS * area) && !self.is_long(node)
+    }
 }
 
 /// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.

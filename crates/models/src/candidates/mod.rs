@@ -264,7 +264,9 @@ fn found_by_joins(
         let candidate = candidates[*row];
         let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        let stays = probability > LEAST_PROBABLE && may_end && options.max_gap.is_none_or(|most| gap <= most);
+        let reach = [e.ends[candidate.end].fragment, e.fragment[candidate.point]].map(|row| e.fragments[row].reach());
+        let within = gap <= options.max_gap.unwrap_or(f64::INFINITY).min(reach[0]).min(reach[1]);
+        let stays = probability > LEAST_PROBABLE && may_end && within;
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         let radii = [e.ends[candidate.end].radius, there];
         let course = image.as_ref().filter(|_| model.image.is_some());

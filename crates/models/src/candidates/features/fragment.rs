@@ -6,6 +6,10 @@ use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{dot, sub, unit};
 use willis_core::support::ties::steady;
 
+/// A fragment shorter than so many of its widths may be noise: it is joined over no gap wider than so many of its lengths.
+const SHORT_WIDTHS: f64 = 3.0;
+const SHORT_REACH: f64 = 2.0;
+
 /// A connected part of what the image showed.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Fragment {
@@ -26,6 +30,11 @@ pub struct Fragment {
 }
 
 impl Fragment {
+    /// The widest gap (m) over which an automatic skeleton's fragment may be joined; infinite but for a short one.
+    pub fn reach(&self) -> f64 {
+        if self.length < SHORT_WIDTHS * 2.0 * self.radius { SHORT_REACH * self.length } else { f64::INFINITY }
+    }
+
     /// The radius (m) of its widest free end, half a spacing at least.
     pub fn end_radius(&self, spacing: f64) -> f64 {
         self.widest_end.unwrap_or(0.0).max(0.5 * spacing)
