@@ -262,7 +262,7 @@ fn rules_on_evidence_ask_for_it_and_have_their_ranges() {
 
 #[test]
 fn a_contact_is_reconnected_by_what_the_partitions_say_and_not_by_its_probability() {
-    let kept = |joined: f64| {
+    let kept = |joined: f64, least: f64| {
         let mut network = Network::new();
         (0..4).for_each(|row| {
             network.add_node(Node { id: row.to_string(), ..Node::default() });
@@ -272,9 +272,10 @@ fn a_contact_is_reconnected_by_what_the_partitions_say_and_not_by_its_probabilit
         network.add_vessel([2, 3], vessel(Origin::Observed, None));
         let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(0.6) };
         network.add_vessel([1, 2], vessel(Origin::Contact, Some(evidence)));
-        reconnected(&network, RECONNECT)[2]
+        reconnected(&network, least)[2]
     };
-    assert_eq!([kept(0.017), kept(0.019)], [false, true]);
+    assert_eq!([kept(0.017, 0.018), kept(0.019, 0.018)], [false, true]);
+    assert!(kept(0.0, RECONNECT), "a cut sets nothing apart");
 }
 
 #[test]

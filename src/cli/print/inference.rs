@@ -36,6 +36,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     let cut = match (outcome.rule, answer.threshold) {
         (Keep::Frequency(f), _) => format!("frequency >= {f}"),
         (Keep::Probability(p), _) => format!("probability >= {p}"),
+        (Keep::Reconnect(0.0), _) => "most probable first, then what joins parts".to_owned(),
         (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
         (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
         (Keep::Probable(price), _) => format!("the most probable forest, price {price}"),

@@ -7,8 +7,8 @@ use crate::network::{Network, Origin, Vessel};
 /// The usual least probability.
 pub const BEST_FIRST: f64 = 0.4;
 
-/// The usual least probability by the partitions of a contact that joins two parts: four nats against it.
-pub const RECONNECT: f64 = 0.018;
+/// The usual least probability by the partitions of a contact that joins two parts: a cut opens a loop and sets nothing apart.
+pub const RECONNECT: f64 = 0.0;
 /// A candidate that was not probable enough by itself joins two parts from this probability on.
 pub const DOUBTFUL: f64 = 0.1;
 
@@ -50,7 +50,7 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
 
 /// Per vessel whether it is observed or certain, or kept by [`best_first`], or joins two parts of what is kept: contacts at least as
 /// probable as `least`, and candidates of [`DOUBTFUL`] probability, the most probable first (Kruskal's algorithm). Cuts at contacts stay
-/// where they set nothing apart, or where the connection is less probable.
+/// where they set nothing apart, or where the connection is less probable than `least`.
 ///
 /// A contact counts here by what the partitions say ([`Evidence::attached`](crate::network::Evidence::attached)), which is less than its
 /// probability: a contact that is kept by mistake makes two vessels one, and on a par with doubtful candidates fewer fusions were undone.

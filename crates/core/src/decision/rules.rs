@@ -13,7 +13,7 @@ use crate::support::ties::TIE;
 
 /// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
 /// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`,
-/// `reconnect` or `reconnect=0.018`.
+/// `reconnect` or `reconnect=0`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Keep {
