@@ -93,7 +93,8 @@ fn a_short_part_far_off_is_neither_joined_nor_an_outlet() {
     fs::write(here.path().join("m.raw"), &drawn.classes).expect("written");
     let done = willis(here.path(), &["infer", "m.mhd", "-o", "out", "--max-gap", "20", "-k", "5", "--units", "mm"]);
     assert!(done.status.success(), "{}", stderr(&done));
-    let run: serde_json::Value = serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("read")).expect("JSON");
+    let run: serde_json::Value =
+        serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("read")).expect("JSON");
     let (observed, candidates) = (&run["counts"]["observed"], &run["counts"]["candidates"]);
     let ends = run["boundary_conditions"].as_array().map(Vec::len);
     assert_eq!((observed.as_u64(), candidates.as_u64(), ends), (Some(2), Some(0), Some(2)), "{}", run["counts"]);
