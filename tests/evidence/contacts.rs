@@ -385,7 +385,7 @@ fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
     let p = pair_probabilities(&scores, 2, &weights)[0].1;
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
-    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights, &Together::ANY);
+    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights, Together::ANY);
     assert_eq!(blocks.of_end, [0, 1]);
     assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
 }
@@ -395,7 +395,7 @@ fn a_crossing_is_two_vessels() {
     // 0-1 and 2-3 pass straight through, the rest bends.
     let scores = Table::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let blocks = most_probable(&scores, 4, &weights, &Together::ANY);
+    let blocks = most_probable(&scores, 4, &weights, Together::ANY);
     assert_eq!(blocks.of_end, [0, 0, 1, 1]);
     // By hand: of the fifteen partitions those where a pair of the two vessels is together.
     let joined =
@@ -419,5 +419,5 @@ fn a_crossing_is_two_vessels() {
 #[test]
 fn a_clump_is_put_together_while_that_pays() {
     let scores = Table::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
-    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], &Together::ANY).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
+    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], Together::ANY).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
 }

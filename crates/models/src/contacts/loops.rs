@@ -86,7 +86,9 @@ impl Opening<'_> {
     /// Notes which ends are at the blocks of a cluster.
     fn place(&mut self, cluster: usize) {
         let old: Vec<Vertex> = self.at.range((cluster, 0)..(cluster + 1, 0)).map(|(vertex, _)| *vertex).collect();
-        old.iter().for_each(|vertex| drop(self.at.remove(vertex)));
+        for vertex in old {
+            self.at.remove(&vertex);
+        }
         for (end, block) in self.branches.clusters[cluster].ends.iter().zip(&self.blocks[cluster].of_end) {
             self.at.entry((cluster, *block)).or_default().push(*end);
         }
@@ -157,10 +159,10 @@ impl Opening<'_> {
             let Some(table) = &self.tables[cluster] else { continue };
             let pair = [a.min(b), a.max(b)];
             let ends = self.branches.clusters[cluster].ends.len();
-            let now = most_probable(table, ends, self.weights, &Together::except(&self.apart[cluster]));
+            let now = most_probable(table, ends, self.weights, Together::except(&self.apart[cluster]));
             let mut apart = self.apart[cluster].clone();
             apart.insert(pair);
-            let then = most_probable(table, ends, self.weights, &Together::except(&apart));
+            let then = most_probable(table, ends, self.weights, Together::except(&apart));
             let cost = now.log - then.log;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
                 best = Some((cost, cluster, pair, then));

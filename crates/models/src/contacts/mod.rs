@@ -120,7 +120,7 @@ impl ContactTable {
     /// The most probable blocks of each cluster, given the scores of its pairs.
     pub fn blocks(&self, tables: &[Option<Table>], weights: &PartitionWeights) -> Vec<Blocks> {
         let of = |(table, cluster): (&Option<Table>, &branches::Cluster)| match table {
-            Some(table) => most_probable(table, cluster.ends.len(), weights, &Together::ANY),
+            Some(table) => most_probable(table, cluster.ends.len(), weights, Together::ANY),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
         tables.iter().zip(&self.branches.clusters).map(of).collect()

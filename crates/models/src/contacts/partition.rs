@@ -72,7 +72,7 @@ impl<'a> Together<'a> {
         Self(Some(apart))
     }
 
-    fn allows(&self, of_end: &[usize]) -> bool {
+    fn allows(self, of_end: &[usize]) -> bool {
         self.0.is_none_or(|apart| apart.iter().all(|[a, b]| of_end[*a] != of_end[*b]))
     }
 }
@@ -98,7 +98,7 @@ impl Blocks {
 }
 
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs, of those that are allowed.
-pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights, together: &Together<'_>) -> Blocks {
+pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights, together: Together<'_>) -> Blocks {
     if ends > MOST_ENDS {
         return greedy(scores, ends, together);
     }
@@ -145,7 +145,7 @@ fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Ve
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
-fn greedy(scores: &Table, ends: usize, together: &Together<'_>) -> Blocks {
+fn greedy(scores: &Table, ends: usize, together: Together<'_>) -> Blocks {
     let mut of_end: Vec<usize> = (0..ends).collect();
     let between = |of_end: &[usize], a: usize, b: usize| {
         let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
