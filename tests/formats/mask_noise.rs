@@ -91,7 +91,7 @@ fn a_short_part_far_off_is_neither_joined_nor_an_outlet() {
     let header = "ObjectType = Image\nNDims = 3\nDimSize = 70 40 20\nElementSpacing = 0.5 0.5 0.5\nElementType = MET_UCHAR\nElementDataFile = m.raw\n";
     fs::write(here.path().join("m.mhd"), header).expect("written");
     fs::write(here.path().join("m.raw"), &drawn.classes).expect("written");
-    let done = willis(here.path(), &["infer", "m.mhd", "-o", "out", "--max-gap", "20", "-k", "5", "--units", "mm"]);
+    let done = willis(here.path(), &["infer", "m.mhd", "-o", "out"]);
     assert!(done.status.success(), "{}", stderr(&done));
     let run: serde_json::Value =
         serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("read")).expect("JSON");

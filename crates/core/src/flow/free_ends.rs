@@ -1,7 +1,7 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
 use super::boundary_conditions::Boundary;
-use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments};
+use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use crate::support::ties::{compare, near_zero, steady};
 
@@ -17,12 +17,9 @@ const SAME_WIDTH: f64 = 0.05;
 /// No inlet lies in a part that nothing can join to the longest part and that has less than this share of its length: it may be a piece of a
 /// sinus. The parts of traced circles that hold a carotid or the basilar artery have at least 0.2.
 const LEAST_PART: f64 = 0.1;
-/// A part that nothing can join to another and that is shorter than so many of its widths is a speck of a mask, not a vessel: it has no free
-/// end, unless it belongs to the long ones.
-const SPECK_WIDTHS: f64 = 3.0;
 
 /// The free ends of the observed vessels (of all vessels where none is observed) that have no condition. A contact of observed vessels
-/// does not make one.
+/// does not make one, and a speck that nothing can join to another part has none.
 #[derive(Debug, Clone)]
 pub struct FreeEnds {
     nodes: Vec<usize>,
@@ -216,10 +213,10 @@ impl JoinableParts {
         steady(self.measured[self.parts.of_node[node]][0]) >= steady(LEAST_PART * self.longest)
     }
 
-    /// Whether it lies in one of less than [`SPECK_WIDTHS`] widths, which is not long.
+    /// Whether it lies in a speck: short, and not long beside the others.
     fn is_speck(&self, node: usize) -> bool {
         let [length, area] = self.measured[self.parts.of_node[node]];
-        steady(length * length) < steady(SPECK_WIDTHS * area) && !self.is_long(node)
+        may_be_speck(length, area / length) && !self.is_long(node)
     }
 }
 

@@ -29,6 +29,7 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::support::geometry::{Point, lerp};
+use crate::support::ties::steady;
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
 #[derive(Debug, Clone, Default)]
@@ -188,6 +189,14 @@ pub struct Fragments {
     pub of_node: Vec<usize>,
     /// How many parts there are.
     pub count: usize,
+}
+
+/// A part shorter than so many of its widths may be a speck of a mask, and no vessel.
+const SHORT_WIDTHS: f64 = 3.0;
+
+/// Whether a part of this length and width (m) may be a speck: how it is described decides nothing.
+pub fn may_be_speck(length: f64, width: f64) -> bool {
+    steady(length / width) < SHORT_WIDTHS
 }
 
 /// The connected parts over the vessels that `counts` admits; a node without vessel is a part of its own.

@@ -265,7 +265,7 @@ fn found_by_joins(
         let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
         let reach = [e.ends[candidate.end].fragment, e.fragment[candidate.point]].map(|row| e.fragments[row].reach());
-        let within = gap <= options.max_gap.unwrap_or(f64::INFINITY).min(reach[0]).min(reach[1]);
+        let within = options.max_gap.into_iter().chain(reach).all(|most| gap <= most);
         let stays = probability > LEAST_PROBABLE && may_end && within;
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         let radii = [e.ends[candidate.end].radius, there];

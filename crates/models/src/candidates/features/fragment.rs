@@ -2,13 +2,13 @@
 
 use super::extraction::Extraction;
 use super::tangent::{Heading, steps};
+use willis_core::network::may_be_speck;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{dot, sub, unit};
 use willis_core::support::ties::steady;
 
-/// A fragment shorter than so many of its widths may be noise: it is joined over no gap wider than so many of its lengths.
-const SHORT_WIDTHS: f64 = 3.0;
-const SHORT_REACH: f64 = 2.0;
+/// What may be a speck is joined over no gap wider than so many of its lengths.
+const SPECK_REACH: f64 = 2.0;
 
 /// A connected part of what the image showed.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -30,9 +30,9 @@ pub struct Fragment {
 }
 
 impl Fragment {
-    /// The widest gap (m) over which an automatic skeleton's fragment may be joined; infinite but for a short one.
+    /// The widest gap (m) over which an automatic skeleton's fragment may be joined; infinite but for what may be a speck.
     pub fn reach(&self) -> f64 {
-        if self.length < SHORT_WIDTHS * 2.0 * self.radius { SHORT_REACH * self.length } else { f64::INFINITY }
+        if may_be_speck(self.length, 2.0 * self.radius) { SPECK_REACH * self.length } else { f64::INFINITY }
     }
 
     /// The radius (m) of its widest free end, half a spacing at least.
