@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use willis::internals::formats::{ReadOptions, read_nifti, read_npy_mask};
+use willis::internals::formats::{ReadOptions, read_nifti, read_numpy_mask};
 use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis::internals::support::random::stream;
@@ -126,7 +126,7 @@ impl Tube {
     /// What is read of a file of probabilities.
     fn read(&self, parts: &[f64], level: f64) -> Option<Mask> {
         let file = npy(self.shape, parts.iter().map(|part| *part as f32));
-        read_npy_mask(&file, Some(self.spacing), Some(level), u64::MAX).ok()
+        read_numpy_mask(&file, Some(self.spacing), Some(level), u64::MAX).ok()
     }
 
     /// The median of found over true radius around the middle; none where no line is there.
@@ -206,7 +206,7 @@ fn dense(is_map: bool) {
     let started = Instant::now();
     let mut before = most_memory();
     let mask = if is_map {
-        let Ok(mask) = read_npy_mask(&file, Some(spacing), Some(0.5), u64::MAX) else { return };
+        let Ok(mask) = read_numpy_mask(&file, Some(spacing), Some(0.5), u64::MAX) else { return };
         println!("reading a map: {:.1} s", started.elapsed().as_secs_f64());
         before = before.map(|before| before + mask.classes.len() as f64);
         mask

@@ -99,7 +99,7 @@ fuzz_target!(|bytes: &[u8]| {
         }
         "nifti" => mask(io::read_nifti(bytes, None, 1 << 24)),
         "metaimage" => drop(io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
-        "npy-mask" => mask(io::read_npy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "npy-mask" => mask(io::read_numpy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
         "icafe" => drop(io::read_traced_vessels(bytes, &mm)),
         "links" => drop(io::read_links(bytes)),
         "loops" => {

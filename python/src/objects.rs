@@ -77,10 +77,14 @@ impl Scan {
     }
 }
 
-/// Reads a file, or the folder of a run.
+/// Reads a file, or of the folder of a run its topology; `run` reads the run itself.
 #[pyfunction]
-pub fn read(py: Python<'_>, path: PathBuf, words: Vec<String>) -> PyResult<Scan> {
-    let read = || willis::read(&path, &words::reading(&path, &words)?);
+#[pyo3(signature = (path, words, run=false))]
+pub fn read(py: Python<'_>, path: PathBuf, words: Vec<String>, run: bool) -> PyResult<Scan> {
+    let read = || {
+        let options = words::reading(&path, &words)?;
+        if run { willis::read_run(&path, &options) } else { willis::read(&path, &options) }
+    };
     interruptible(py, &Watch::default(), None, None, None, |_| read())?.map(|input| Scan { input: Arc::new(input) })
 }
 

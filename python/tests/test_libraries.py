@@ -1,5 +1,6 @@
 """Round trips with the libraries of the field, each read back by that library or compared with its own arithmetic."""
 
+import sys
 import warnings
 
 import numpy as np
@@ -166,3 +167,35 @@ def test_many_subjects_are_those_of_the_command(tmp_path):
 def test_the_page_is_shown_in_a_notebook(run):
     page = run._repr_html_()
     assert page.startswith("<iframe") and "&lt;html" in page
+
+
+def test_the_affine_of_nibabel_states_the_sides(tmp_path):
+    def frame(network):
+        network.save(tmp_path / "a.graphml", force=True)
+        written = (tmp_path / "a.graphml").read_text()
+        return next((word for word in ("RAS", "LPS") if f">{word}<" in written), None)
+
+    mask = np.zeros((40, 12, 14), np.uint8)
+    mask[4:36, 4:7, 5:8] = 1
+    affine = np.array([[-0.5, 0, 0, 20], [0, 1, 0, -6], [0, 0, 0.5, 3], [0, 0, 0, 1]])
+    network = willis.from_mask(mask, affine=affine)
+    assert frame(network) == "RAS"
+    corners = np.array([[4, 4, 5, 1], [35, 6, 7, 1]]) @ affine.T
+    for axis, column in enumerate(("x_mm", "y_mm", "z_mm")):
+        values = np.asarray(network.nodes[column])
+        assert values.min() >= corners[:, axis].min() - 0.5 and values.max() <= corners[:, axis].max() + 0.5
+    assert frame(willis.from_mask(mask, spacing=0.5)) is None
+    assert frame(willis.from_mask(mask, spacing=0.5, frame="LPS")) == "LPS"
+    batch, alone = (willis.from_mask(one, spacing=0.5) for one in (mask[None], mask))
+    assert same(batch.nodes["x_mm"], alone.nodes["x_mm"])
+    for wrong in ({}, {"spacing": 1, "affine": affine}):
+        with pytest.raises(willis.WillisError, match="expected spacing, or affine"):
+            willis.from_mask(mask, **wrong)
+    with pytest.raises(willis.WillisError, match="affine"):
+        willis.from_mask(mask, affine=np.eye(3))
+
+
+def test_a_library_that_is_not_there_is_named_with_its_extra(run, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy.sparse", None)
+    with pytest.raises(ImportError, match=r"scipy is not installed; pip install 'willis\[graph\]'"):
+        run.likelihood  # noqa: B018

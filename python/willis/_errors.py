@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import importlib
+from typing import Any
+
 
 class WillisError(ValueError):
     """What is wrong with an input or an option.
@@ -45,3 +48,12 @@ def _made(message: str, fields: dict[str, object]) -> WillisError:
 
 class Note(UserWarning):
     """What the command says as a note: something that a person should know."""
+
+
+def library(module: str, extra: str) -> Any:
+    """A module of a library that willis needs for this alone; an error that says how to install it."""
+    try:
+        return importlib.import_module(module)
+    except ImportError as error:
+        name = module.partition(".")[0]
+        raise ImportError(f"{name} is not installed; pip install 'willis[{extra}]'", name=name) from error

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _willis
-from ._errors import Note, WillisError
+from ._errors import Note, WillisError, library
 from ._following import PathLike, say
 from ._words import words
 
@@ -29,8 +29,7 @@ class Table(dict[str, npt.NDArray[Any]]):
 
     def to_pandas(self) -> Any:
         """A ``pandas.DataFrame`` of the same columns."""
-        import pandas as pd
-
+        pd = library("pandas", "graph")
         return pd.DataFrame(dict(self))
 
 
@@ -82,8 +81,7 @@ class Network:
 
     def to_networkx(self) -> Any:
         """A ``networkx.MultiGraph`` whose nodes and edges have the columns as attributes; nodes are rows."""
-        import networkx as nx
-
+        nx = library("networkx", "graph")
         graph = nx.MultiGraph()
         nodes, edges = self.nodes, self.edges
         ends = self.lines()[0]
@@ -105,10 +103,9 @@ class Network:
         """A ``vtkPolyData`` as the file that :meth:`save` writes holds it: a line a vessel, ``MaximumInscribedSphereRadius`` at its points,
         mm, and the columns. Ids of nodes, and nodes that only join two vessels, have no place in it.
         """
-        from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
-
+        vtk = library("vtkmodules.vtkIOXML", "view")
         with self._as_file("network.vtp", "ignore") as path:
-            reader = vtkXMLPolyDataReader()
+            reader = vtk.vtkXMLPolyDataReader()
             reader.SetFileName(str(path))
             reader.Update()
             return reader.GetOutput()
@@ -122,16 +119,14 @@ class Network:
 
     def to_skan(self) -> Any:
         """A ``skan.csr.PathGraph`` of all points, in mm, with the radii as values; it takes what ``skan.Skeleton`` takes."""
-        from scipy.sparse import coo_array
-        from skan.csr import PathGraph
-
+        sparse, skan = library("scipy.sparse", "graph"), library("skan.csr", "image")
         points, radii, edges = self._joined()
         length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         rows, columns = np.concatenate([edges, edges[:, ::-1]]).T
         # Points that lie on each other are as near as numbers allow: a length of zero would be no connection.
         weights = np.maximum(np.tile(length, 2), np.finfo(float).tiny)
-        adjacency = coo_array((weights, (rows, columns)), shape=(len(points), len(points))).tocsr()
-        return PathGraph.from_graph(adj=adjacency, node_coordinates=points, node_values=radii)
+        adjacency = sparse.coo_array((weights, (rows, columns)), shape=(len(points), len(points))).tocsr()
+        return skan.PathGraph.from_graph(adj=adjacency, node_coordinates=points, node_values=radii)
 
     def _joined(self) -> tuple[Reals, Reals, npt.NDArray[np.int64]]:
         """All points once, the nodes first, their radii, and the rows that are joined."""
@@ -212,10 +207,16 @@ def read(
     return _read(Path(path).absolute(), Path(path), words(given, defaults_of(read)))
 
 
-def _read(place: Path, name: Path, reading: list[str]) -> Network:
-    network = Network(_willis.read(name if name.exists() else place, reading), (_read, (place, name, reading)), reading)
+def _read(place: Path, name: Path, reading: list[str], run: bool = False) -> Network:
+    scan = _willis.read(name if name.exists() else place, reading, run)
+    network = Network(scan, (_read, (place, name, reading, run)), reading)
     _tell_of(network)
     return network
+
+
+def read_run(folder: PathLike) -> Network:
+    """The over-connected graph of a run in a folder, which knows what was found by sampling it."""
+    return _read(Path(folder).absolute(), Path(folder), [], run=True)
 
 
 def read_packed(name: str, packed: bytes, reading: list[str]) -> Network:
@@ -335,9 +336,7 @@ def from_vtk(polydata: Any, *, radius_array: str | None = None) -> Network:
 
     ``radius_array`` is the point array that holds the radii, when it has an unusual name.
     """
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
-
-    writer = vtkXMLPolyDataWriter()
+    writer = library("vtkmodules.vtkIOXML", "view").vtkXMLPolyDataWriter()
     writer.SetInputData(polydata)
     writer.WriteToOutputStringOn()
     writer.Write()
@@ -348,7 +347,9 @@ def from_vtk(polydata: Any, *, radius_array: str | None = None) -> Network:
 def from_mask(
     mask: npt.ArrayLike,
     *,
-    spacing: float | Sequence[float],
+    spacing: float | Sequence[float] | None = None,
+    affine: npt.ArrayLike | None = None,
+    frame: Literal["RAS", "LPS"] | None = None,
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",
@@ -357,17 +358,27 @@ def from_mask(
 ) -> Network:
     """Centerlines of a segmentation: an array of x, y, z, where 0 is background and other whole numbers are classes.
 
-    ``spacing`` is the size of a voxel in mm, along each axis. ``level`` takes probabilities, in which what is above it is inside.
+    ``affine`` (4, 4) is that of nibabel, from voxels to the scanner's frame in mm. Without it ``spacing`` is the size of a voxel in mm,
+    along each axis, and ``frame`` says which way the axes point; without that too, left and right are not known. ``level`` takes
+    probabilities, in which what is above it is inside.
     """
-    given = {name: value for name, value in locals().items() if name != "mask"}
+    given = {name: value for name, value in locals().items() if name not in ("mask", "affine")}
+    if (affine is None) == (spacing is None):
+        accepted = "spacing, or affine"
+        raise WillisError(f"mask: {'no frame' if affine is None else 'two'}; expected {accepted}", item="mask", expected=accepted)
     array = np.asarray(mask)
     if array.dtype == bool:
         array = array.view(np.uint8) if array.flags.c_contiguous else array.astype(np.uint8)
     if array.dtype == object:
         raise WillisError("mask: Python objects; expected numbers", item="mask", expected="numbers")
     packed = io.BytesIO()
-    np.save(packed, array, allow_pickle=False)
-    return read_packed("mask.npy", packed.getvalue(), words(given, defaults_of(from_mask)))
+    name = "mask.npy"
+    if affine is None:
+        np.save(packed, array, allow_pickle=False)
+    else:
+        name = "mask.npz"
+        np.savez(packed, mask=array, affine=np.asarray(affine, dtype=float))
+    return read_packed(name, packed.getvalue(), words(given, defaults_of(from_mask)))
 
 
 def network_of(source: Source) -> Network:

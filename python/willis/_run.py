@@ -19,7 +19,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _willis
-from ._errors import Note, WillisError
+from ._errors import Note, WillisError, library
 from ._following import PathLike, Progress, followed, say
 from ._network import Network, Source, Table, defaults_of, network_of, read
 from ._words import Repeated, words
@@ -50,11 +50,10 @@ class Run:
     @property
     def likelihood(self) -> Any:
         """The matrix L as ``scipy.sparse.csr_array`` (nodes x nodes), W/m3; symmetric."""
-        from scipy.sparse import coo_array
-
+        sparse = library("scipy.sparse", "graph")
         rows, columns, values = self._run.matrix()
         n = self.graph.n_nodes
-        upper = coo_array((values, (rows, columns)), shape=(n, n))
+        upper = sparse.coo_array((values, (rows, columns)), shape=(n, n))
         return (upper + upper.T).tocsr()
 
     @property
@@ -360,9 +359,8 @@ class SavedRun:
     @property
     def likelihood(self) -> Any:
         """The matrix L as ``scipy.sparse.csr_array`` (nodes x nodes), W/m3; symmetric."""
-        from scipy.sparse import csr_array, load_npz
-
-        return csr_array(load_npz(self.folder / "likelihood.npz"))
+        sparse = library("scipy.sparse", "graph")
+        return sparse.csr_array(sparse.load_npz(self.folder / "likelihood.npz"))
 
     @property
     def kept(self) -> npt.NDArray[np.bool_]:

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from . import _willis
 from ._errors import Note, WillisError
 from ._following import PathLike, say
-from ._network import Network, Source, Table, defaults_of, network_of, read
+from ._network import Network, Source, Table, defaults_of, network_of, read, read_run
 from ._run import Run, SavedRun, infer, table_of
 from ._words import Repeated, words
 
@@ -56,9 +56,11 @@ def classify(
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", Note)
                 source.save(Path(folder, "run"), dpi=36)
-                network = read(Path(folder, "run"))
+                network = read_run(Path(folder, "run"))
         elif isinstance(source, SavedRun):
-            network = read(source.folder)
+            network = read_run(source.folder)
+        elif isinstance(source, (str, os.PathLike)) and Path(source).is_dir():
+            network = read_run(source)
         else:
             network = network_of(source)
         found = _willis.classify(network._scan, network._reading + made, "")

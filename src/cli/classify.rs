@@ -86,7 +86,7 @@ impl ClassifyArgs {
     }
 
     fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
-        let input = self.reading.read(path, command, terminal)?;
+        let input = self.reading.read_run(path, command, terminal)?;
         let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
             terminal.say("note", note);

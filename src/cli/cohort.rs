@@ -12,7 +12,7 @@ use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::internals::formats::{checksum_of_file, companion_files};
 use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD};
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{read_json, write_json};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
@@ -93,8 +93,9 @@ impl Entry {
     /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() };
+        let topology = Some(subject.input.join(format!("{TOPOLOGY}.graphml"))).filter(|path| path.is_file());
         let mut files = BTreeMap::new();
-        for path in std::iter::once(input.clone()).chain(companion_files(&input)).chain(others) {
+        for path in std::iter::once(input.clone()).chain(topology).chain(companion_files(&input)).chain(others) {
             files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
         }
         Self { subject: subject.name.clone(), input: input.display().to_string(), files, options: subject.own() }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 /// Options that change no result, with whether a value follows.
-const IMMATERIAL: [(&str, bool); 11] = [
+const IMMATERIAL: [(&str, bool); 15] = [
     ("-o", true),
     ("--output", true),
     ("--threads", true),
@@ -15,6 +15,10 @@ const IMMATERIAL: [(&str, bool); 11] = [
     ("--force", false),
     ("--json", false),
     ("--record-failure", false),
+    ("--n-cpus", true),
+    ("--n_cpus", true),
+    ("--skip-bids-validator", false),
+    ("--skip_bids_validator", false),
 ];
 
 /// Options of `willis bids` that choose the masks.

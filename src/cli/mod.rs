@@ -83,7 +83,8 @@ enum Command {
 #[command(next_help_heading = "Common options")]
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
-    #[arg(long, global = true, env = THREADS, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    // BIDS apps call it n_cpus.
+    #[arg(long, aliases = ["n-cpus", "n_cpus"], global = true, env = THREADS, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]

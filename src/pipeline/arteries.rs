@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::input::Input;
 use super::options::{PhenotypeOptions, SourceFile};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
 use willis_core::error::{Fault, Result};
@@ -50,13 +51,15 @@ impl ArterySource {
         matches!(self, Self::AnyLabels | Self::Labels(_))
     }
 
-    /// Labels or geometry in the place of [`ArterySource::Automatic`], by what a network has.
+    /// Labels or geometry in the place of [`ArterySource::Automatic`], by what an input has.
     #[must_use]
-    pub(crate) fn resolved(&self, network: &Network) -> Self {
-        if *self != Self::Automatic {
-            return self.clone();
+    pub(crate) fn resolved(&self, input: &Input) -> Self {
+        let labels = || input.network.vessels().map(|(_, vessel)| vessel.label.as_str());
+        match self {
+            Self::Automatic | Self::AnyLabels if input.is_topcow => return Self::Labels(LabelScheme::TopCow),
+            Self::Automatic => {}
+            given => return given.clone(),
         }
-        let labels = || network.vessels().map(|(_, vessel)| vessel.label.as_str());
         // Labels that two lists have are for a person to say.
         let named = LabelScheme::of(labels()).map(|scheme| labels().any(|label| artery_of_label(label, scheme).is_some()));
         if named.unwrap_or(true) { Self::AnyLabels } else { Self::Geometry }

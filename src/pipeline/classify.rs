@@ -69,7 +69,7 @@ pub fn classify(
     let phenotypes = &input.run.as_ref().map_or_else(|| phenotypes.clone(), |run| phenotypes.or(&run.options.infer.phenotypes));
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
     let usual = ArterySource::Automatic;
-    let chosen = &source.or(of_run).unwrap_or(&usual).resolved(&input.network);
+    let chosen = &source.or(of_run).unwrap_or(&usual).resolved(input);
     if input.run.is_none() && input.is_fragments && *chosen == ArterySource::Geometry {
         return classify_by_geometry(input, phenotypes);
     }

@@ -13,7 +13,8 @@ use willis_core::support::geometry::Point;
 use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
 use willis_io::masks::{Cavities, Foreground, RadiusFrom};
-use willis_models::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
+use willis_io::output::names::TOPOLOGY;
+use willis_models::circle_of_willis::{Circle, LabelScheme, are_topcow_classes, split_where_labels_change};
 use willis_report::Provenance;
 
 /// A network and where it comes from: what every other function of this crate starts from.
@@ -38,6 +39,8 @@ pub struct Input {
     lines: Option<Centerlines>,
     /// The voxels inside the vessels of a mask.
     pub(crate) lumen: Option<Foreground>,
+    /// Whether it is a mask of TopCoW's classes.
+    pub(crate) is_topcow: bool,
 }
 
 /// What a file held.
@@ -51,7 +54,7 @@ pub enum Contents {
     Graph,
 }
 
-/// Reads centerlines, a graph, or the graph in a folder that [`infer`](crate::infer) saved.
+/// Reads centerlines, a mask, a graph, or the plausible topology in a folder that [`infer`](crate::infer) saved.
 ///
 /// # Errors
 ///
@@ -60,9 +63,30 @@ pub enum Contents {
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     let started = Instant::now();
     options.validate()?;
-    let run = if path.is_dir() { Some(StoredRun::read(path)?) } else { None };
-    let file = run.as_ref().map_or(path, |run| &run.graph);
-    made_of(read_file(file, options)?, file, options, started, run.clone())
+    if !path.is_dir() {
+        return made_of(read_file(path, options)?, path, options, started, None);
+    }
+    let graph = StoredRun::read(path)?.graph;
+    let file = path.join(format!("{TOPOLOGY}.graphml"));
+    let mut document = read_file(&file, options)?;
+    document.notes.insert(0, format!("the plausible topology of a run; {} has all candidates", graph.display()));
+    made_of(document, &file, options, started, None)
+}
+
+/// As [`read`], but of a folder that [`infer`](crate::infer) saved the run: its over-connected graph, with what was found by sampling it.
+///
+/// # Errors
+///
+/// As [`read`], or a graph that is not the one that was sampled.
+pub fn read_run(path: &Path, options: &ReadOptions) -> Result<Input> {
+    if !path.is_dir() {
+        return read(path, options);
+    }
+    let started = Instant::now();
+    options.validate()?;
+    let run = StoredRun::read(path)?;
+    let file = run.graph.clone();
+    made_of(read_file(&file, options)?, &file, options, started, Some(run))
 }
 
 /// As [`read`], of the bytes of a file that would be called `name`: arrays of another program, packed as NPZ or NIfTI.
@@ -101,6 +125,12 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         }
         made.network.frame = frame;
     }
+    let classes =
+        made.lines.iter().filter(|_| lumen.is_some()).flat_map(|lines| (0..lines.links.len()).map(|row| lines.labels.of(row)));
+    let is_topcow = are_topcow_classes(classes);
+    if is_topcow {
+        notes.push("the classes are those of the TopCoW challenge, and their vessels its arteries".to_owned());
+    }
     if let Some(field_of_view) = options.field_of_view {
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
@@ -131,6 +161,7 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         started,
         lines: made.lines,
         lumen,
+        is_topcow,
     })
 }
 
@@ -199,6 +230,7 @@ impl Input {
             started: Instant::now(),
             lines: None,
             lumen: None,
+            is_topcow: false,
         }
     }
 

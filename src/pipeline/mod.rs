@@ -25,7 +25,7 @@ pub use classify::{Phenotype, classify};
 pub use cuts::Cut;
 pub use decisions::ConnectionDecision;
 pub use inference::Inference;
-pub use input::{Contents, Input, read, read_bytes};
+pub use input::{Contents, Input, read, read_bytes, read_run};
 pub use label::{LabelOptions, Labelled, label};
 pub use options::{FlowOptions, InferOptions, ModelSource, PhenotypeOptions, Preset, RunOptions, SaveOptions, SourceFile};
 pub use prepare::{nothing_built, prepare};

@@ -126,7 +126,7 @@ impl<'a> Loaded<'a> {
             is_fragments,
             outlets: options.boundary.found_outlets.unwrap_or(input.usual_outlets()),
             inlets_by_labels: input.inlets_by_labels(),
-            arteries: options.arteries.as_ref().map(|source| source.resolved(&input.network)),
+            arteries: options.arteries.as_ref().map(|source| source.resolved(input)),
             prior,
             building,
             cuts,

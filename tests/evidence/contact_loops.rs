@@ -14,7 +14,7 @@ fn drawn(half: [f64; 3], voxel: f64, is_vessel: impl Fn([f64; 3]) -> bool) -> Ma
         [0, 1, 2].map(|axis| (index[axis] as f64 + 0.5 - shape[axis] as f64 / 2.0) * voxel)
     };
     let classes = (0..shape.iter().product()).map(|row| u8::from(is_vessel(at(row)))).collect();
-    Mask { shape, classes, affine: [[voxel, 0.0, 0.0, 0.0], [0.0, voxel, 0.0, 0.0], [0.0, 0.0, voxel, 0.0]], walls: None }
+    Mask::new(shape, classes, [[voxel, 0.0, 0.0, 0.0], [0.0, voxel, 0.0, 0.0], [0.0, 0.0, voxel, 0.0]])
 }
 
 /// Independent cycles of the lines of a mask, as they are and with contacts opened.

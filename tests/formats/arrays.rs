@@ -165,6 +165,7 @@ np.save(f'{out}/bad-one.npy', c)
     assert!(lines("none.npz", &optional()).radii.iter().all(|r| r.is_nan()));
     let long = network_of(load("long.npz", &mm()).unwrap());
     assert_eq!(sizes(&long).iter().map(|v| (v.2, v.3)).collect::<Vec<_>>(), [(2.0, 1.0), (3.0, 1.0), (4.0, 1.0), (5.0, 1.0)]);
+    let or_mask = "or a mask: mask, and affine or spacing";
     let graph = "expected a skeleton graph: coords (N, 3), edges (M, 2) and radii (N) or (M)";
     let types = "expected float32, float64, integers, or text for labels";
     for (name, said) in [
@@ -180,8 +181,8 @@ np.save(f'{out}/bad-one.npy', c)
         ("bad-count.npz", "array radii: 3 values; expected 5, one a point, or 4, one an edge"),
         ("bad-labels.npz", "array labels: 3 values; expected 4, one an edge, or 5, one a point"),
         ("bad-zero.npz", "array edges: no edges; expected a row for every edge"),
-        ("bad-names.npz", &format!("no array coords among x, edges; {graph}")),
-        ("bad-empty.npz", &format!("no array coords among nothing; {graph}")),
+        ("bad-names.npz", &format!("no array coords among x, edges; {graph}; {or_mask}")),
+        ("bad-empty.npz", &format!("no array coords among nothing; {graph}; {or_mask}")),
         ("bad-csr.npz", &format!("a sparse matrix of scipy.sparse, such as likelihood.npz; {graph}")),
         ("bad-coo.npz", &format!("a sparse matrix of scipy.sparse, such as likelihood.npz; {graph}")),
         (

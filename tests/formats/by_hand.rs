@@ -69,7 +69,6 @@ fn swc_faults_name_line_and_value() {
         ("1 0 0 zero 0 1 -1\n", "s:1: y \"zero\"; expected a number"),
         ("1 0 0 0 inf 1 -1\n", "s:1: z inf; expected a finite number"),
         ("1 0 0 0 nan 1 -1\n", "s:1: z NaN; expected a finite number"),
-        ("1 0 0 0 0 nan -1\n", "s:1: radius nan; expected a finite number (0 for a missing radius)"),
         ("1 0 0 0 0 wide -1\n", "s:1: radius \"wide\"; expected a number"),
         ("1.5 0 0 0 0 1 -1\n", "s:1: id \"1.5\"; expected a whole number"),
         ("-4 0 0 0 0 1 -1\n", "s:1: id -4 is negative; expected a whole number from 0 on"),
@@ -199,7 +198,7 @@ fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
     let e = "edge 0 (a - b): ";
     for (node, edge, message) in [
         (vec![], vec![("radius_mm", "0")], format!("{e}radius_mm 0; expected a positive number")),
-        (vec![], vec![("radius", "nan")], format!("{e}radius nan; expected a positive number")),
+        (vec![], vec![("radius", "inf")], format!("{e}radius inf; expected a finite number")),
         (vec![], vec![("radius_mm", "x")], format!("{e}radius_mm \"x\"; expected a number")),
         (
             vec![],

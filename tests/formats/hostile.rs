@@ -130,7 +130,8 @@ fn what_a_file_unpacks_to_is_bounded() {
 
 #[test]
 fn tables_carry_no_formulas_and_bring_every_label_back() {
-    let labels = ["=HYPERLINK(\"http://example.org\")", "+cmd|' /C calc'!A0", "@SUM(A1)", "-1+1", "'=1", "''=1", "'n", "M1"];
+    let labels =
+        ["=HYPERLINK(\"http://example.org\")", "+cmd|' /C calc'!A0", "@SUM(A1)", "-1+1", "'=1", "''=1", "＝1+1", "'n", "M1"];
     let mut edges = String::from("node_a,node_b,length_mm,radius_mm,label\n");
     for (n, label) in labels.iter().enumerate() {
         writeln!(edges, "{n},{},1,1,\"'{}\"", n + 1, label.replace('"', "\"\"")).unwrap();
@@ -142,7 +143,7 @@ fn tables_carry_no_formulas_and_bring_every_label_back() {
     let mut table = csv::Reader::from_reader(&edges[..]);
     for field in table.records().flat_map(|row| row.unwrap().iter().map(str::to_owned).collect::<Vec<_>>()) {
         assert!(
-            !field.starts_with(['=', '+', '@', '\t', '\r']) && (!field.starts_with('-') || field.parse::<f64>().is_ok()),
+            !field.starts_with(['=', '+', '@', '\t', '\r', '＝']) && (!field.starts_with('-') || field.parse::<f64>().is_ok()),
             "{field}"
         );
     }

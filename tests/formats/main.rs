@@ -10,6 +10,7 @@ mod refused;
 mod shuffle;
 
 mod arrays;
+mod as_meant;
 mod by_hand;
 mod conditions;
 mod convert;

@@ -23,7 +23,7 @@ pub fn spaced(shape: [usize; 3], spacing: [f64; 3], is_vessel: impl Fn([usize; 3
     let at = |row: usize| [row % x, row / x % y, row / (x * y)];
     let classes = (0..x * y * z).map(|row| u8::from(is_vessel(at(row)))).collect();
     let [a, b, c] = spacing;
-    Mask { shape, classes, affine: [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]], walls: None }
+    Mask::new(shape, classes, [[a, 0.0, 0.0, 0.0], [0.0, b, 0.0, 0.0], [0.0, 0.0, c, 0.0]])
 }
 
 /// Random voxels, smoothed by a vote of neighbours so that there are lumps, tunnels and cavities of all sizes.
@@ -272,7 +272,7 @@ fn reordered(mask: &Mask, order: [usize; 3], flipped: [bool; 3]) -> Mask {
         }
         new
     });
-    Mask { shape, classes, affine, walls: None }
+    Mask::new(shape, classes, affine)
 }
 
 #[test]
@@ -432,7 +432,7 @@ fn ball(radius: f64, size: usize) -> Mask {
     let middle = (size as f64 - 1.0) / 2.0;
     let inside = |at: [usize; 3]| at.iter().map(|x| (*x as f64 - middle).powi(2)).sum::<f64>() <= radius * radius;
     let classes = (0..size.pow(3)).map(|n| u8::from(inside([n % size, n / size % size, n / (size * size)]))).collect();
-    Mask { shape: [size; 3], classes, affine: AFFINE, walls: None }
+    Mask::new([size; 3], classes, AFFINE)
 }
 
 /// The places and positions (mm) of what is inside, read back as the page does.

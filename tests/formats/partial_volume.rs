@@ -4,7 +4,7 @@
 use crate::draw::Draw;
 use crate::images::npy;
 use crate::masks::{median, places};
-use willis::internals::formats::read_npy_mask;
+use willis::internals::formats::read_numpy_mask;
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, Traced, trace};
 use willis::internals::support::geometry::{Point, dot, norm_squared, sub};
 
@@ -36,7 +36,7 @@ impl Map {
         };
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let file = npy("<f8", !last_fastest, &format!("({x}, {y}, {z})"), &bytes);
-        read_npy_mask(&file, Some([1.0; 3]), level, 1 << 30).expect("a mask")
+        read_numpy_mask(&file, Some([1.0; 3]), level, 1 << 30).expect("a mask")
     }
 }
 

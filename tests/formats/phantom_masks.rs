@@ -232,8 +232,7 @@ fn our_reader_and_nibabel_read_what_is_written() {
     let folder = folder();
     let (straight, _) = draw_mask(&anatomy(Kind::Cerebral), 1.1e-3, None).expect("a mask");
     let turned = [[0.0, -0.5, 0.125, 10.0], [0.75, 0.0, 0.25, -20.5], [0.0, 0.25, 1.5, 30.25]];
-    let oblique =
-        Mask { shape: [2, 3, 4], classes: (0..24).map(|n| u8::from(n % 5 == 0) * 7).collect(), affine: turned, walls: None };
+    let oblique = Mask::new([2, 3, 4], (0..24).map(|n| u8::from(n % 5 == 0) * 7).collect(), turned);
     let masks = [("a.nii.gz", &straight), ("a.nii", &straight), ("b.nii.gz", &oblique), ("b.nii", &oblique)];
     let mut paths = Vec::new();
     for (name, mask) in masks {
@@ -244,7 +243,7 @@ fn our_reader_and_nibabel_read_what_is_written() {
         fs::write(folder.path().join(name), bytes).expect("written");
         paths.push(folder.path().join(name));
     }
-    let long = Mask { shape: [40_000, 1, 1], classes: vec![1; 40_000], affine: turned, walls: None };
+    let long = Mask::new([40_000, 1, 1], vec![1; 40_000], turned);
     assert!(write_nifti(Vec::new(), &long, false).expect_err("too long").to_string().contains("40000 voxels along an axis"));
     let paths: Vec<&Path> = paths.iter().map(std::path::PathBuf::as_path).collect();
     let Some(said) = python(NIBABEL, &paths) else { return };

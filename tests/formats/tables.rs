@@ -540,7 +540,7 @@ fn notes(unit: LengthUnit, place: impl Fn(f64) -> f64, radius: impl Fn(usize) ->
         let position = scale.position([place(7.3 * t.sin()), place(7.3 * t.cos()), place(t * 1.1)]);
         lines.add_point(position, scale.length(radius(i)), i as u64, 0);
     }
-    unit_check(&Content::Centerlines(lines), &scale).join("\n")
+    unit_check(&Content::Centerlines(lines), &scale, false).join("\n")
 }
 
 #[test]

@@ -107,7 +107,7 @@ pub enum Error {
         accepted: String,
     },
     /// An argument or parameter is out of its range.
-    #[error("{name} {value}: {accepted}")]
+    #[error("{name}{}{value}: {accepted}", if value.is_empty() { "" } else { " " })]
     Parameter {
         /// The option or field.
         name: String,

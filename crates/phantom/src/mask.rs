@@ -138,7 +138,7 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     }
     let [x, y, z] = grid.origin;
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
-    let mask = Mask { shape: grid.shape, classes, affine, walls: None };
+    let mask = Mask::new(grid.shape, classes, affine);
     let truth = judge(network, tubes, &grid, &mask);
     Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }

@@ -7,7 +7,7 @@ use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::support::geometry::Point;
-use crate::{Cavities, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read};
+use crate::{Cavities, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read, read_run};
 use clap::Args;
 use serde_json::Value;
 
@@ -93,10 +93,18 @@ impl ReadingArgs {
 
     /// Reads an input, and says what it is; `command` is the line that repeats its run.
     pub fn read(&self, input: &Path, command: String, terminal: Terminal) -> Result<Input> {
-        let read = read(input, &self.options(input)?)?.with_command(command);
+        Ok(self.said(read(input, &self.options(input)?)?.with_command(command), terminal))
+    }
+
+    /// As [`Self::read`], but of the folder of a run the run itself.
+    pub fn read_run(&self, input: &Path, command: String, terminal: Terminal) -> Result<Input> {
+        Ok(self.said(read_run(input, &self.options(input)?)?.with_command(command), terminal))
+    }
+
+    fn said(&self, read: Input, terminal: Terminal) -> Input {
         // Without a unit one is assumed, unless the spacing says it.
         say_read(terminal, &read, self.units.is_none() && !self.is_spacing_auto());
-        Ok(read)
+        read
     }
 
     /// The options of the library for an input.

@@ -59,6 +59,9 @@ pub struct Choice {
     /// in derivatives; with desc, label, seg or atlas the mask need not say vessels
     #[arg(long, value_name = "KEY=VALUE", value_delimiter = ',', value_parser = parse_filter, help_heading = "Dataset")]
     filter: Vec<Filter>,
+    /// Taken as other BIDS apps take it: no validator runs
+    #[arg(long = "skip-bids-validator", alias = "skip_bids_validator", help_heading = "Dataset")]
+    _skip_bids_validator: bool,
 }
 
 impl Choice {

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::formats::companions::nodes_table_path;
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
+use crate::formats::solvers::{enters, solvable};
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
@@ -96,6 +97,9 @@ pub fn write_into(
         if made > 0 {
             written.notes.push(format!("{made} straight vessels got points of their own, which keep their radius"));
         }
+        &drawn
+    } else if matches!(target.format, Format::SvZeroD | Format::OpenBf) {
+        (drawn, written.notes) = solvable(network);
         &drawn
     } else {
         network
@@ -243,6 +247,10 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     if consists_of_lines(format, network) && without_course > 0 {
         lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
+    }
+    let inlets = (0..network.node_count()).filter(|node| enters(network, *node)).count();
+    if format == Format::OpenBf && inlets > 0 {
+        lost.push(format!("the pressure or flow of {inlets} inlets, which openBF takes as a course in time from inlet-N.dat"));
     }
     let is_silent = matches!(format, Format::Csv | Format::Points | Format::Voreen | Format::VesselVio);
     if let Some(frame) = network.frame.name().filter(|_| is_silent) {

@@ -7,7 +7,7 @@ use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, 
 use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
-use super::images::numpy::{read_npy_image, read_npy_mask};
+use super::images::numpy::{self, read_numpy_image, read_numpy_mask};
 use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
@@ -28,9 +28,9 @@ use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace};
 use willis_core::error::{Fault, Result};
-use willis_core::network::Network;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::millimetres;
+use willis_core::network::{Frame, Network};
 
 /// How many first bytes of a file are looked at to find its format.
 pub(crate) const HEAD: u64 = 1 << 16;
@@ -68,7 +68,7 @@ pub enum Format {
     Nifti,
     /// A mask in MetaImage, the format of ITK.
     MetaImage,
-    /// A mask as a NumPy array.
+    /// A mask as a NumPy array, in a file of its own or an archive.
     Npy,
     /// A model of the solver svZeroDSolver, only written.
     SvZeroD,
@@ -170,7 +170,7 @@ impl Format {
         match self {
             Self::Nifti => read_nifti(bytes, level, most),
             Self::MetaImage => return read_metaimage(path, bytes, level, most),
-            Self::Npy => read_npy_mask(bytes, options.scale.spacing, level, most),
+            Self::Npy => read_numpy_mask(bytes, options.scale.spacing, level, most),
             _ => Err(Fault::file(format!("{}, not a mask", self.name()), "expected NIfTI, MetaImage or NumPy voxels")),
         }
         .map_err(|fault| fault.in_file(path))
@@ -237,7 +237,7 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
     let image = match format_of(path, &bytes).map_err(here)? {
         Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
         Format::MetaImage => read_metaimage_image(path, &bytes, most),
-        Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
+        Format::Npy => read_numpy_image(&bytes, options.scale.spacing, most).map_err(here),
         other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
     };
     Ok((image?, checksum(&bytes)))
@@ -245,17 +245,20 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.
 fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
-    let ([x, y, z], spacing) = (mask.shape, mask.spacing());
+    let ([x, y, z], spacing) = (mask.as_in_file(mask.shape), mask.as_in_file(mask.spacing()));
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
+    let frame = match mask.frame {
+        Frame::Unknown => "in the frame of its axes, as nobody states which way they point",
+        Frame::Ras | Frame::Lps => "in the scanner's frame (RAS: right, anterior, superior)",
+    };
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
     let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
     let traced = trace(&mask, options.radius_from, options.cavities);
     let traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
-    let mut notes = vec![format!(
-        "a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, in the scanner's frame (RAS: right, anterior, superior)"
-    )];
+    let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
+    notes.append(&mut mask.notes);
     match walls {
         Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
         Some([outside, inside]) => {
@@ -345,7 +348,7 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         return Ok(Some(Format::Npy));
     }
     if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
-        return Ok(Some(Format::Npz));
+        return Ok(Some(if numpy::is_mask(bytes) { Format::Npy } else { Format::Npz }));
     }
     if starts(b"# vtk DataFile") {
         return Ok(Some(Format::Vtk));

@@ -1,6 +1,6 @@
 //! GraphML: reads a graph through its keys as one stream, writes one for NetworkX, igraph and Gephi.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, BufRead, Write};
 
 use crate::formats::attributes::edge::vessels;
@@ -120,6 +120,9 @@ impl Graph {
         }
         self.keys.name(&mut self.nodes, "node")?;
         self.keys.name(&mut self.edges, "edge")?;
+        if let Some(ids) = self.own_ids() {
+            self.ids = ids;
+        }
         let mut network = Network::new();
         network.frame = self.frame;
         for node in nodes(&self.ids, &self.nodes, &options.scale)? {
@@ -132,6 +135,14 @@ impl Graph {
             notes.push("the graph is directed: its edges are taken as undirected".to_owned());
         }
         Ok((network, notes))
+    }
+
+    /// The attribute `id` of the nodes, where igraph has put it in the place of their ids, which it numbers n0, n1, …
+    fn own_ids(&self) -> Option<Vec<String>> {
+        let numbered = self.ids.iter().enumerate().all(|(row, id)| id.strip_prefix('n') == Some(&row.to_string()));
+        let ids: Vec<String> = self.nodes.iter().map_while(|node| node.word("id").map(str::to_owned)).collect();
+        let mut seen = HashSet::new();
+        (numbered && ids.len() == self.ids.len() && ids.iter().all(|id| seen.insert(id))).then_some(ids)
     }
 
     /// The rows of the nodes at the ends of each edge.

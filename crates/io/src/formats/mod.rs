@@ -26,7 +26,7 @@ pub use format::{Format, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
-pub use images::numpy::read_npy_mask;
+pub use images::numpy::read_numpy_mask;
 pub use input::{Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file};
 pub use itk::tubes::{read_tre, write_tre};
 pub use landmarks::SURE;

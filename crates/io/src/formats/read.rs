@@ -152,7 +152,7 @@ pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Do
 
 /// What was read, checked, with the links of the file beside it.
 fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Result<Document> {
-    let Document { content, notes, .. } = &mut document;
+    let Document { format, content, notes, .. } = &mut document;
     check_extent(content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = content else {
@@ -163,7 +163,7 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
-    notes.extend(unit_check(content, &options.scale));
+    notes.extend(unit_check(content, &options.scale, format.is_mask()));
     Ok(document)
 }
 

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, BufRead, Write};
 
 use crate::formats::polylines::{between, node_points};
-use crate::formats::tables::reader::plural;
+use crate::formats::tables::reader::{is_missing, plural};
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};
@@ -20,15 +20,15 @@ type Parent = Option<(usize, u64)>;
 
 /// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
 ///
-/// The columns are separated by blanks or tabs; a zero or negative radius stands for a missing one and is kept as NaN, to be
-/// repaired along its vessel. The strand of a point is the number of its tree. The label of a link is the type of its child
+/// The columns are separated by blanks or tabs; a zero, negative or infinite radius stands for a missing one and is kept as NaN,
+/// to be repaired along its vessel. A parent of 0 where no point has the id 0 is none, as Vaa3D writes it. The strand of a point is the number of its tree. The label of a link is the type of its child
 /// point: the name that a line `# label TYPE NAME` gives it, else the number itself unless it is 0. Without such lines types are
 /// no labels where all are the same, or where only the first and last points of trees have one. A comment `SPACE=RAS` or `SPACE=LPS`
 /// states the frame.
 ///
 /// # Errors
 ///
-/// A line with fewer than seven columns, a value that is no number, a coordinate or radius that is not finite, an id that comes
+/// A line with fewer than seven columns, a value that is no number, a coordinate that is not finite, an id that comes
 /// twice, a parent that does not exist or that descends from its child; a file without points.
 pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut lines = Centerlines::default();
@@ -37,50 +37,52 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     let mut line_of = Vec::new();
     let mut wide = None;
     let (mut types, mut names) = (Vec::new(), TypeNames::default());
-    for (at, line) in input.split(b'\n').enumerate() {
-        let (at, line) = (at + 1, line.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?);
-        let line = String::from_utf8_lossy(&line);
-        let line = line.trim_start_matches('\u{feff}');
-        let text = line.split('#').next().unwrap_or_default();
-        let words: Vec<&str> = text.split_whitespace().collect();
-        if words.is_empty() {
-            names.read(line);
-            lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
-            continue;
-        }
-        let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
-            return Err(Fault::line(at, plural(words.len(), "column"), ROW));
-        };
-        if words.len() > COLUMNS.len() {
-            wide.get_or_insert((at, words.len()));
-        }
-        let id = index(id, at, 0)?
-            .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
-        let kind = code(number(kind, at, 1)?);
-        let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
-        for (axis, value) in position.iter().enumerate() {
-            if !value.is_finite() {
-                return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
+    let mut at = 0;
+    for chunk in input.split(b'\n') {
+        let chunk = chunk.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?;
+        let chunk = chunk.strip_suffix(b"\r").unwrap_or(&chunk);
+        // Old programs end lines by a carriage return alone.
+        for line in chunk.split(|byte| *byte == b'\r') {
+            at += 1;
+            let line = String::from_utf8_lossy(line);
+            let line = line.trim_start_matches('\u{feff}');
+            let text = line.split('#').next().unwrap_or_default();
+            let words: Vec<&str> = text.split_whitespace().collect();
+            if words.is_empty() {
+                names.read(line);
+                lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
+                continue;
             }
-        }
-        match row_of.entry(id) {
-            Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
-            Entry::Occupied(slot) => {
-                let first = line_of[*slot.get() as usize];
-                return Err(Fault::line(at, format!("id {id} is that of line {first} too"), "expected every id once"));
+            let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
+                return Err(Fault::line(at, plural(words.len(), "column"), ROW));
+            };
+            if words.len() > COLUMNS.len() {
+                wide.get_or_insert((at, words.len()));
             }
-        };
-        let number_of_radius = number(radius, at, 5)?;
-        if !number_of_radius.is_finite() {
-            return Err(Fault::line(at, format!("radius {radius}"), "expected a finite number (0 for a missing radius)"));
+            let id = index(id, at, 0)?
+                .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
+            let kind = code(number(kind, at, 1)?);
+            let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
+            for (axis, value) in position.iter().enumerate() {
+                if !value.is_finite() {
+                    return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
+                }
+            }
+            match row_of.entry(id) {
+                Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
+                Entry::Occupied(slot) => {
+                    let first = line_of[*slot.get() as usize];
+                    return Err(Fault::line(at, format!("id {id} is that of line {first} too"), "expected every id once"));
+                }
+            };
+            let radius = if is_missing(radius) { f64::NAN } else { scale.length(number(radius, at, 5)?) };
+            lines.ids.push(id);
+            types.push(kind);
+            lines.points.push(scale.position(position));
+            lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
+            parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
+            line_of.push(at);
         }
-        let radius = scale.length(number_of_radius);
-        lines.ids.push(id);
-        types.push(kind);
-        lines.points.push(scale.position(position));
-        lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
-        parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
-        line_of.push(at);
     }
     if lines.points.is_empty() {
         return Err(Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)"));
@@ -92,6 +94,10 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             continue;
         };
         let Some(parent) = row_of.get(id) else {
+            if *id == 0 {
+                up.push(None);
+                continue;
+            }
             return Err(Fault::line(*at, format!("parent {id} does not exist"), "expected the id of a point, or -1"));
         };
         lines.links.push([*parent, row as u32]);

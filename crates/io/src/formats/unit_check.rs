@@ -9,6 +9,8 @@ use willis_core::support::statistics::median;
 
 /// The range of median radii of brain vessels, mm: from capillaries to the internal carotid artery.
 const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;
+/// The diagonal of the box around the vessels of a head and a neck is shorter, mm.
+const MOST_EXTENT_MM: f64 = 300.0;
 /// Median radii, and extents, that arteries of a brain have where their centimetres are taken as millimetres.
 const RADIUS_OF_CM: std::ops::Range<f64> = 0.02..0.15;
 const EXTENT_OF_CM: std::ops::Range<f64> = 3.0..30.0;
@@ -41,11 +43,14 @@ pub(crate) fn check_extent(content: &Content) -> Result<(), Fault> {
     }
 }
 
-/// Warns the user, one line each, if the lengths look like another unit than the one given.
-pub fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
+/// Warns the user, one line each, if the lengths look like another unit than the one given. A mask states the size of its voxels.
+pub fn unit_check(content: &Content, scale: &Scale, is_mask: bool) -> Vec<String> {
     let (points, radii) = measures(content);
+    let extent = millimetres(box_diagonal(points.iter().copied()));
+    let found = median(&radii).map(millimetres);
+    let fits = found.is_none_or(|radius| MEDIAN_RADIUS_MM.contains(&radius));
     let mut notes = Vec::new();
-    if scale.unit != LengthUnit::Voxel && points.len() >= FEWEST {
+    if !is_mask && scale.unit != LengthUnit::Voxel && points.len() >= FEWEST {
         let file = |mm: f64, axis: usize| millimetres(mm) / scale.axes()[axis];
         let whole = |x: f64| (x - x.round()).abs() <= ROUNDING;
         let share = |n: usize, of: usize| n as f64 >= MOST * of as f64;
@@ -57,24 +62,26 @@ pub fn unit_check(content: &Content, scale: &Scale) -> Vec<String> {
             notes.push(format!("the coordinates are whole or half numbers: {VOXELS}"));
         } else if radii.len() >= FEWEST && distinct && share(squares, radii.len()) {
             notes.push(format!("the radii are square roots of whole numbers, as a distance transform gives: {VOXELS}"));
+        } else if extent > MOST_EXTENT_MM && fits {
+            notes.push(format!("the extent is {extent:.0} mm, more than a head has: {VOXELS}"));
         }
     }
-    notes.extend(centimetres(&points, &radii, scale));
-    let Some(found) = median(&radii).map(millimetres).filter(|r| !MEDIAN_RADIUS_MM.contains(r)) else { return notes };
+    notes.extend(centimetres(&points, &radii, scale).filter(|_| !is_mask));
+    let Some(found) = found.filter(|_| !fits) else { return notes };
     let per_unit = |unit: LengthUnit| Scale { unit, spacing: None }.axes()[0];
     let raw = found / scale.axes()[0];
     let others = [LengthUnit::Micrometre, LengthUnit::Millimetre, LengthUnit::Centimetre, LengthUnit::Metre];
     let fitting = others.into_iter().filter(|unit| *unit != scale.unit && MEDIAN_RADIUS_MM.contains(&(raw * per_unit(*unit))));
-    let advice = if scale.unit == LengthUnit::Voxel {
+    let advice = if is_mask {
+        "is the size of its voxels in mm?".to_owned()
+    } else if scale.unit == LengthUnit::Voxel {
         "see `spacing`".to_owned()
     } else {
         let names: Vec<&str> = fitting.map(LengthUnit::symbol).chain(["voxels"]).collect();
         format!("perhaps they are {}: see `units` and `spacing`", names.join(" or "))
     };
     notes.push(format!(
-        "the median radius is {:.3} mm and the extent {:.3} mm, with lengths in {}, which no brain vessels have; {advice}",
-        found,
-        millimetres(box_diagonal(points.iter().copied())),
+        "the median radius is {found:.3} mm and the extent {extent:.3} mm, with lengths in {}, which no brain vessels have; {advice}",
         scale.unit.symbol()
     ));
     notes

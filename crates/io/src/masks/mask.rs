@@ -1,6 +1,7 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
 use super::partial::Walls;
+use willis_core::network::Frame;
 use willis_core::support::geometry::{Point, cross, dot, norm_squared};
 
 /// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
@@ -17,9 +18,28 @@ pub struct Mask {
     pub affine: Affine,
     /// The voxels that lie inside vessels in part, where that is known.
     pub walls: Option<Walls>,
+    /// The scanner's frame, RAS, unless nobody states which way the axes point.
+    pub frame: Frame,
+    /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
+    pub reversed: bool,
+    /// Notes for the user about how it was read, one line each.
+    pub notes: Vec<String>,
 }
 
 impl Mask {
+    /// A mask in the scanner's frame.
+    pub fn new(shape: [usize; 3], classes: Vec<u8>, affine: Affine) -> Self {
+        Self { shape, classes, affine, walls: None, frame: Frame::Ras, reversed: false, notes: Vec::new() }
+    }
+
+    /// Numbers along the three axes, in the order in which the file counts them.
+    pub fn as_in_file<T>(&self, mut along: [T; 3]) -> [T; 3] {
+        if self.reversed {
+            along.reverse();
+        }
+        along
+    }
+
     /// The length of a voxel along each axis, mm.
     pub fn spacing(&self) -> [f64; 3] {
         [0, 1, 2].map(|axis| norm_squared(self.column(axis)).sqrt())
@@ -87,7 +107,7 @@ impl Mask {
             walls.voxels.sort_unstable_by_key(|(voxel, _)| *voxel);
             walls
         });
-        Self { shape, classes, affine, walls }
+        Self { shape, classes, affine, walls, reversed: false, ..self }
     }
 }
 

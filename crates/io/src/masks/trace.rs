@@ -12,7 +12,6 @@ use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
-use willis_core::network::Frame;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::metres;
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
@@ -197,7 +196,7 @@ impl Tracer<'_> {
         }
         let degrees = graph.degrees();
         let at_border = self.fill(graph, &degrees, &mut lines);
-        let mut out = Centerlines { frame: Frame::Ras, ..Centerlines::default() };
+        let mut out = Centerlines { frame: self.mask.frame, ..Centerlines::default() };
         let mut classes = self.mask.classes.iter().filter(|class| **class > 0);
         let first = classes.next();
         let several = classes.any(|class| Some(class) != first);

@@ -21,7 +21,7 @@ pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
 pub use frequencies::VariantFrequencies;
 pub use hypoplasia::{LEAST_DIAMETER, hypoplastic, segment_diameters};
-pub use labels::{LabelScheme, artery_of_label, split_where_labels_change};
+pub use labels::{LabelScheme, are_topcow_classes, artery_of_label, split_where_labels_change};
 pub use landmarks::in_axes_of;
 pub use landmarks::{Landmark, identify_landmarks};
 pub use posterior::{DecidingCandidate, Informant, Posterior};

@@ -128,7 +128,7 @@ pub(in crate::formats) fn vessels(
 /// The length that the edge states, m. Only a self-loop may have length 0, since it carries no flow.
 fn length(item: &Item, scale: &Scale, ends: [usize; 2]) -> Result<Option<f64>, Fault> {
     let Some((key, length)) = item.length(scale)? else { return Ok(None) };
-    if length.is_finite() && (length > 0.0 || (length == 0.0 && ends[0] == ends[1])) {
+    if length > 0.0 || (length == 0.0 && ends[0] == ends[1]) {
         return Ok(Some(length));
     }
     Err(item.fault(format!("{key} {}", item.text(key).unwrap_or_default()), "expected a positive number"))
@@ -147,15 +147,15 @@ fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
 
 /// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
 fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
-    match item.real(RESISTANCE)?.filter(|r| !r.is_nan()) {
-        Some(r) if !(r > 0.0 && r.is_finite()) => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
+    match item.real(RESISTANCE)? {
+        Some(r) if r <= 0.0 => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
         stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
     }
 }
 
 /// The wall that the edge states.
 fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
-    let positive = |key: &'static str| match item.finite(key)? {
+    let positive = |key: &'static str| match item.real(key)? {
         Some(x) if x <= 0.0 => Err(item.fault(format!("{key} {x}"), "expected a positive number")),
         x => Ok(x),
     };

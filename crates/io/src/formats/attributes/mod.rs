@@ -70,31 +70,26 @@ impl<'a> Item<'a> {
         self.fault(format!("no {name}_mm{like}"), accepted)
     }
 
-    /// A number, infinite or NaN ones included.
+    /// A finite number.
     fn real(&self, key: &str) -> Result<Option<f64>, Fault> {
         let Some(text) = self.text(key) else { return Ok(None) };
-        number(text).map(Some).map_err(|accepted| self.fault(format!("{key} \"{text}\""), accepted))
-    }
-
-    /// A finite number; NaN is a missing one, as graphs hold it where other nodes have the attribute.
-    fn finite(&self, key: &str) -> Result<Option<f64>, Fault> {
-        match self.real(key)? {
-            Some(x) if x.is_infinite() => Err(self.fault(format!("{key} {x}"), "expected a finite number")),
-            other => Ok(other.filter(|x| !x.is_nan())),
+        match number(text).map_err(|accepted| self.fault(format!("{key} \"{text}\""), accepted))? {
+            x if x.is_finite() => Ok(Some(x)),
+            x => Err(self.fault(format!("{key} {x}"), "expected a finite number")),
         }
     }
 
-    /// A number from 0 to 1; NaN is a missing one.
+    /// A number from 0 to 1.
     fn share(&self, key: &str) -> Result<Option<f64>, Fault> {
-        match self.finite(key)? {
+        match self.real(key)? {
             Some(x) if !(0.0..=1.0).contains(&x) => Err(self.fault(format!("{key} {x}"), "expected a number from 0 to 1")),
             share => Ok(share),
         }
     }
 
-    /// A number that is not negative; NaN is a missing one.
+    /// A number that is not negative.
     fn odds(&self, key: &str) -> Result<Option<f64>, Fault> {
-        match self.finite(key)? {
+        match self.real(key)? {
             Some(x) if x < 0.0 => Err(self.fault(format!("{key} {x}"), "expected odds, zero or more")),
             odds => Ok(odds),
         }
@@ -148,8 +143,8 @@ impl<'a> Item<'a> {
 pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
     [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];
 /// The other attributes of a node.
-pub(crate) const ATTRIBUTES: [&str; 10] =
-    ["pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
+pub(crate) const ATTRIBUTES: [&str; 11] =
+    ["id", "pos", "label", "role", "alone", "pressure_mmHg", VENOUS, FLOW, PROXIMAL, COMPLIANCE, "found"];
 /// The parts of a Windkessel beside the terminal resistance of a node.
 pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
 pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
@@ -192,7 +187,7 @@ pub(in crate::formats) fn nodes(ids: &[impl AsRef<str>], records: &Records, scal
 /// The first of [`POSITION_KEYS`] and pos (in the unit of the file) that is there at all.
 fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
     for keys in POSITION_KEYS {
-        match [item.finite(keys[0])?, item.finite(keys[1])?, item.finite(keys[2])?] {
+        match [item.real(keys[0])?, item.real(keys[1])?, item.real(keys[2])?] {
             [None, None, None] => {}
             [Some(x), Some(y), Some(z)] if keys == POSITION_COLUMNS => return Ok(Some([x, y, z].map(metres))),
             [Some(x), Some(y), Some(z)] => return Ok(Some(scale.position([x, y, z]))),
@@ -216,10 +211,10 @@ fn position(item: &Item, scale: &Scale) -> Result<Option<Point>, Fault> {
 /// In a file without roles every node can have a condition, otherwise the inlets and outlets. A resistance or flow
 /// replaces a pressure, which is then the result of an earlier run.
 fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<Condition>, Fault> {
-    let pressure = item.finite("pressure_mmHg")?;
-    let resistance = item.finite(RESISTANCE)?;
-    let venous = item.finite(VENOUS)?;
-    let flow = item.finite(FLOW)?;
+    let pressure = item.real("pressure_mmHg")?;
+    let resistance = item.real(RESISTANCE)?;
+    let venous = item.real(VENOUS)?;
+    let flow = item.real(FLOW)?;
     if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
         return Ok(None);
     }
@@ -246,11 +241,11 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
 
 /// The parts of a Windkessel that a node states.
 fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
-    let (proximal, compliance) = (item.finite(PROXIMAL)?, item.finite(COMPLIANCE)?);
+    let (proximal, compliance) = (item.real(PROXIMAL)?, item.real(COMPLIANCE)?);
     if let Some(r) = proximal.filter(|r| *r < 0.0) {
         return Err(item.fault(format!("{PROXIMAL} {r}"), "expected zero or a positive number"));
     }
-    if let (Some(r), Some(total)) = (proximal, item.finite(RESISTANCE)?) {
+    if let (Some(r), Some(total)) = (proximal, item.real(RESISTANCE)?) {
         // Where both are printed with a few digits they may be equal but for the last one.
         if r > total * (1.0 + 1e-9) {
             return Err(

@@ -2,6 +2,8 @@
 
 use std::collections::HashMap;
 
+use crate::formats::tables::reader::is_missing;
+
 /// The texts of all items under the names of their attributes.
 #[derive(Debug, Clone, Default)]
 pub(in crate::formats) struct Records {
@@ -78,8 +80,13 @@ impl Records {
 }
 
 impl<'a> Record<'a> {
-    /// The text of an attribute, trimmed; none where it is empty.
+    /// The text of an attribute, trimmed; none where it is missing.
     pub(in crate::formats) fn text(&self, name: &str) -> Option<&'a str> {
+        self.word(name).filter(|text| !is_missing(text))
+    }
+
+    /// The text of an attribute that is a name, which may be any word; none where it is empty.
+    pub(in crate::formats) fn word(&self, name: &str) -> Option<&'a str> {
         let named = |field: &&Field| self.all.names[field.name as usize].as_deref() == Some(name);
         let text = match self.fields.iter().rfind(named) {
             Some(field) => &self.all.text[field.start..field.start + field.length as usize],

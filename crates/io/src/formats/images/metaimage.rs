@@ -13,9 +13,10 @@ use crate::formats::binary::NumberType;
 use crate::formats::input::bytes_within;
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
+use willis_core::network::Frame;
 
-/// No header is longer.
-const MOST_HEADER: usize = 1 << 16;
+/// No header is longer; some list the tags of every slice.
+const MOST_HEADER: usize = 1 << 22;
 
 /// The fields of a header, each with its line, and where the voxels of the same file begin.
 struct Header {
@@ -26,7 +27,8 @@ struct Header {
 /// Whether a file begins with the header of an image.
 pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
     let head = &bytes[..bytes.len().min(MOST_HEADER)];
-    let lines = head.split(|byte| *byte == b'\n').take_while(|line| line.contains(&b'='));
+    let lines =
+        head.split(|byte| *byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).take_while(|line| line.contains(&b'='));
     let mut keys = lines.filter_map(|line| line.split(|byte| *byte == b'=').next()).map(<[u8]>::trim_ascii);
     keys.any(|key| key == b"ElementDataFile")
 }
@@ -35,7 +37,7 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let header = Header::read(bytes).ok()?;
     let (_, name) = header.text("ElementDataFile").ok()?;
-    (name != "LOCAL" && Path::new(name).components().count() == 1).then(|| path.with_file_name(name))
+    (!is_local(name) && Path::new(name).components().count() == 1).then(|| path.with_file_name(name))
 }
 
 /// Reads a mask; `path` tells where a second file is.
@@ -71,7 +73,7 @@ fn with_voxels<T>(
     let needed = voxels.bytes(most).map_err(here)?;
     let (line, name) = header.text("ElementDataFile").map_err(here)?;
     let beside;
-    let (file, data) = if name == "LOCAL" {
+    let (file, data) = if is_local(name) {
         (path.to_owned(), &bytes[header.end..])
     } else {
         let other = Path::new(name);
@@ -98,6 +100,11 @@ fn with_voxels<T>(
     take(voxels, Box::new(data.get(skipped..).unwrap_or_default())).map_err(there)
 }
 
+/// Whether the voxels are in the file of the header.
+fn is_local(name: &str) -> bool {
+    name.eq_ignore_ascii_case("local")
+}
+
 impl Header {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let (mut fields, mut at, mut line) = (HashMap::new(), 0, 0);
@@ -106,6 +113,9 @@ impl Header {
             let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
             let text = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
             (at, line) = (at + (end + 1).min(rest.len()), line + 1);
+            if text.is_empty() {
+                continue;
+            }
             let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
                 return Err(Fault::line(line, format!("\"{text}\""), "expected a line Key = value"));
             };
@@ -151,11 +161,12 @@ impl Header {
         let (kind, size) = match kind {
             "MET_UCHAR" => (NumberType::Unsigned, 1),
             "MET_USHORT" => (NumberType::Unsigned, 2),
-            "MET_UINT" => (NumberType::Unsigned, 4),
+            // What ITK writes for a long: four bytes, whatever the machine has.
+            "MET_UINT" | "MET_ULONG" => (NumberType::Unsigned, 4),
             "MET_ULONG_LONG" => (NumberType::Unsigned, 8),
             "MET_CHAR" => (NumberType::Signed, 1),
             "MET_SHORT" => (NumberType::Signed, 2),
-            "MET_INT" => (NumberType::Signed, 4),
+            "MET_INT" | "MET_LONG" => (NumberType::Signed, 4),
             "MET_LONG_LONG" => (NumberType::Signed, 8),
             "MET_FLOAT" => (NumberType::Real, 4),
             "MET_DOUBLE" => (NumberType::Real, 8),
@@ -190,6 +201,6 @@ impl Header {
             })
         });
         let big = self.is_true("BinaryDataByteOrderMSB") || self.is_true("ElementByteOrderMSB");
-        Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine })
+        Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame: Frame::Ras, reversed: false })
     }
 }

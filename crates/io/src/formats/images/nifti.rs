@@ -14,6 +14,7 @@ use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
 use crate::masks::{Affine, Image, Mask};
 use willis_core::error::Fault;
+use willis_core::network::Frame;
 use willis_core::support::geometry::norm;
 
 /// The length of the header of NIfTI-2, the longer one.
@@ -259,12 +260,14 @@ impl Header<'_> {
             _ => return Err(Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel")),
         };
         let slope = [self.real(layout.slope, 0), self.real(layout.slope, 1)];
-        let is_scaled = slope[0].is_finite() && slope[0] != 0.0 && slope[1].is_finite();
+        let scaled = slope[0].is_finite() && slope[0] != 0.0;
         let offset = if layout.real == 4 { self.real(layout.offset, 0) as i64 } else { self.whole(layout.offset, 8) };
         let affine = self.affine([x, y, z])?;
-        let slope = if is_scaled { slope } else { [1.0, 0.0] };
+        let slope = if scaled { [slope[0], if slope[1].is_finite() { slope[1] } else { 0.0 }] } else { [1.0, 0.0] };
+        let states_sides = [layout.sform_code, layout.qform_code].iter().any(|at| self.whole(*at, layout.code) > 0);
+        let frame = if states_sides { Frame::Ras } else { Frame::Unknown };
         let offset = u64::try_from(offset).unwrap_or(0);
-        Ok((Voxels { shape: [x, y, z], kind, size, big: self.big, slope, affine }, offset))
+        Ok((Voxels { shape: [x, y, z], kind, size, big: self.big, slope, affine, frame, reversed: false }, offset))
     }
 
     /// The scanner's frame in mm from voxels.

@@ -1,29 +1,43 @@
-//! Reads masks and images saved by NumPy: an array of three axes, x, y and z, whose spacing the caller states.
+//! Reads masks and images saved by NumPy: an array of three axes, x, y and z, in a file of its own or beside its frame in an archive.
 
 use crate::formats::input::UnpackLimit;
-use crate::formats::numpy::array::Array;
-use crate::masks::{Image, Mask};
+use crate::formats::numpy::array::{Archive, Array};
+use crate::masks::{Affine, Image, Mask};
 use willis_core::error::Fault;
+use willis_core::network::Frame;
 
 use super::voxels::Voxels;
 
-/// Reads a mask. The first axis of the array is x; voxel 0,0,0 is at the origin.
+/// What the array of an archive is called: by this program, in sets of segmentations, by NumPy for one without a name.
+const VOXELS: [&str; 8] = ["mask", "seg", "segmentation", "label", "labels", "image", "data", "arr_0"];
+
+/// Whether the arrays of an archive are those of a mask.
+pub(crate) fn is_mask(bytes: &[u8]) -> bool {
+    let room = UnpackLimit::of(bytes.len(), 0);
+    Archive::open(bytes, &room)
+        .is_ok_and(|archive| !archive.has("edges") && !archive.has("indptr") && VOXELS.iter().any(|name| archive.has(name)))
+}
+
+/// Reads a mask, of an `.npy` file or of an archive whose array is called `mask` or another usual name. The first axis of the array is x;
+/// axes of one before and after three say nothing.
 ///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+/// The arrays `affine` (4, 4), nibabel's, and `spacing` (3) of an archive state the frame; else voxel 0,0,0 is at the origin, the spacing
+/// is the one given, and nobody states which way the axes point. From `level` on a voxel is a vessel; without it the values are classes.
+/// At most `most` bytes are read.
 ///
 /// # Errors
 ///
 /// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_npy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+pub fn read_numpy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
     with_voxels(bytes, spacing, most, |voxels, stream| voxels.read(stream, level, most))
 }
 
-/// Reads an image, at most `most` bytes of it. The first axis of the array is x; voxel 0,0,0 is at the origin.
+/// Reads an image as [`read_numpy_mask`] reads a mask, at most `most` bytes of it.
 ///
 /// # Errors
 ///
 /// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_npy_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
+pub fn read_numpy_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
     with_voxels(bytes, spacing, most, |voxels, stream| voxels.read_values(stream, most))
 }
 
@@ -34,23 +48,66 @@ fn with_voxels<T>(
     most: u64,
     take: impl FnOnce(Voxels, &[u8]) -> Result<T, Fault>,
 ) -> Result<T, Fault> {
-    let array = Array::read("of voxels", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), most))?;
-    // A fourth axis of one volume says nothing.
-    let axes = array.shape.strip_suffix(&[1]).filter(|axes| axes.len() == 3).unwrap_or(&array.shape);
+    let room = UnpackLimit::of(bytes.len(), most);
+    let (array, stated) = if bytes.starts_with(b"PK") {
+        let mut archive = Archive::open(bytes, &room)?;
+        let array = archive.first(&VOXELS)?.ok_or_else(|| archive.lacks(VOXELS[0]))?;
+        (array, StatedFrame::read(&mut archive)?)
+    } else {
+        (Array::read("of voxels", bytes, bytes.len() as u64, &room)?, StatedFrame::default())
+    };
+    let mut axes = array.shape.as_slice();
+    while let (true, Some(fewer)) = (axes.len() > 3, axes.strip_suffix(&[1]).or_else(|| axes.strip_prefix(&[1]))) {
+        axes = fewer;
+    }
     let Ok([x, y, z]) = <[usize; 3]>::try_from(axes) else {
         return Err(array.fault(
             format!("{} dimensions", array.shape.len()),
             "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",
         ));
     };
-    let Some(spacing) = spacing else {
-        return Err(array.fault("no spacing: NumPy states none", "expected `spacing` SX,SY,SZ, in mm"));
+    let (rows, frame) = match (stated.affine, stated.spacing.or(spacing)) {
+        (Some(affine), _) => (affine, Frame::Ras),
+        (None, Some(spacing)) => {
+            let row = |axis: usize| std::array::from_fn(|column| if column == axis { spacing[axis] } else { 0.0 });
+            (std::array::from_fn(row), Frame::Unknown)
+        }
+        (None, None) => {
+            return Err(array.fault("no spacing: NumPy states none", "expected `spacing` SX,SY,SZ, in mm"));
+        }
     };
     let (kind, size, big) = array.numbers()?;
-    let diagonal = |axis: usize| std::array::from_fn(|column| if column == axis { spacing[axis] } else { 0.0 });
-    let rows: [[f64; 4]; 3] = std::array::from_fn(diagonal);
     // In C order the last axis runs fastest.
-    let (shape, affine) =
-        if array.is_fortran() { ([x, y, z], rows) } else { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) };
-    take(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine }, array.bytes())
+    let reversed = !array.is_fortran();
+    let (shape, affine) = if reversed { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) } else { ([x, y, z], rows) };
+    take(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame, reversed }, array.bytes())
+}
+
+/// What an archive states beside its voxels.
+#[derive(Default)]
+struct StatedFrame {
+    affine: Option<Affine>,
+    /// mm.
+    spacing: Option<[f64; 3]>,
+}
+
+impl StatedFrame {
+    fn read(archive: &mut Archive) -> Result<Self, Fault> {
+        let mut stated = Self::default();
+        if let Some(array) = archive.first(&["affine"])? {
+            let rows = array.rows::<4>()?;
+            let three = rows.first_chunk::<3>().filter(|_| rows.len() == 4 && rows[3] == [0.0, 0.0, 0.0, 1.0]);
+            stated.affine = Some(*three.ok_or_else(|| {
+                array.fault(format!("{rows:?}"), "expected 4 rows, the last one 0, 0, 0, 1, as nibabel's affine")
+            })?);
+        }
+        if let Some(array) = archive.first(&["spacing"])? {
+            let values = array.reals()?;
+            let positive =
+                <[f64; 3]>::try_from(values.as_slice()).ok().filter(|all| all.iter().all(|s| s.is_finite() && *s > 0.0));
+            stated.spacing =
+                Some(positive.ok_or_else(|| array.fault(format!("{values:?}"), "expected three positive numbers, in mm"))?);
+        }
+        Ok(stated)
+    }
 }

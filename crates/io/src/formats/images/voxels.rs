@@ -5,10 +5,15 @@ use std::io::{ErrorKind, Read};
 use crate::formats::binary::NumberType;
 use crate::masks::{Affine, Image, Mask, WallFinder};
 use willis_core::error::Fault;
+use willis_core::network::Frame;
 use willis_core::support::geometry::{Point, cross, dot, norm_squared};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
+/// Values of a mask that went through real numbers are off by this at least.
+const LEAST_TOLERANCE: f64 = 1e-3;
+/// A value that is off the nearest whole number by so much is no class.
+const FAR_FROM_WHOLE: f64 = 0.25;
 const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask has whole numbers from 0 to 255, 0 for background";
 /// Voxels that are read at once.
 const BLOCK: usize = 1 << 14;
@@ -26,8 +31,12 @@ pub(super) struct Voxels {
     pub big: bool,
     /// A value is this many times the stored number, plus the second.
     pub slope: [f64; 2],
-    /// Scanner's frame, mm.
+    /// The frame, mm.
     pub affine: Affine,
+    /// The scanner's frame where the file states which way its axes point.
+    pub frame: Frame,
+    /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
+    pub reversed: bool,
 }
 
 impl Voxels {
@@ -84,6 +93,7 @@ impl Voxels {
         let count = (self.bytes(most)? / self.size as u64) as usize;
         let mut classes: Vec<u8> = Vec::new();
         let mut block = vec![0; BLOCK * self.size];
+        let mut values = Classes::new(&self);
         let mut seen = [false; 256];
         // The bytes before and their class: most voxels are as the one before.
         let mut last: (Vec<u8>, u8) = (Vec::new(), 0);
@@ -99,7 +109,13 @@ impl Voxels {
                     continue;
                 }
                 let value = self.slope[0] * self.kind.value(stored, self.big) + self.slope[1];
-                let class = self.class(value, level, classes.len())?;
+                let class = match level {
+                    _ if value.is_nan() => {
+                        return Err(Fault::item(self.place(classes.len()), "not a number", "expected a finite value"));
+                    }
+                    Some(level) => u8::from(value >= level),
+                    None => values.class(value, classes.len()).map_err(|odd| self.no_class(odd))?,
+                };
                 seen[usize::from(class)] = true;
                 classes.push(class);
                 last.0.clear();
@@ -108,7 +124,7 @@ impl Voxels {
                 if let Some(walls) = &mut walls {
                     walls.add(value);
                     if are_classes {
-                        as_class(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
+                        values.whole(value).map_or_else(|| are_classes = false, |class| known[usize::from(class)] = true);
                     }
                 }
             }
@@ -128,23 +144,19 @@ impl Voxels {
         // What would do as a mask has no partial volume.
         are_classes &= count(&known) <= MOST_CLASSES;
         let walls = walls.filter(|_| !are_classes).zip(level).and_then(|(walls, level)| walls.finish(level, &classes));
-        Ok(Mask { shape: self.shape, classes, affine: self.affine, walls })
+        let notes = values.finish().map_err(|odd| self.no_class(odd))?.into_iter().collect();
+        Ok(Mask { walls, frame: self.frame, reversed: self.reversed, notes, ..Mask::new(self.shape, classes, self.affine) })
     }
 
-    fn class(&self, value: f64, level: Option<f64>, row: usize) -> Result<u8, Fault> {
-        let place = || {
-            let [x, y, _] = self.shape;
-            format!("voxel {},{},{}", row % x, row / x % y, row / (x * y))
-        };
-        if value.is_nan() {
-            return Err(Fault::item(place(), "not a number", "expected a finite value"));
-        }
-        match level {
-            Some(level) => Ok(u8::from(value >= level)),
-            None => {
-                as_class(value).ok_or_else(|| Fault::item(place(), format!("{value}: looks like an image, not a mask"), ACCEPTED))
-            }
-        }
+    /// The place of a voxel, as the file counts its axes.
+    fn place(&self, row: usize) -> String {
+        let [x, y, _] = self.shape;
+        let [a, b, c] = [row % x, row / x % y, row / (x * y)];
+        if self.reversed { format!("voxel {c},{b},{a}") } else { format!("voxel {a},{b},{c}") }
+    }
+
+    fn no_class(&self, odd: Odd) -> Fault {
+        Fault::item(self.place(odd.row), format!("{}: looks like an image, not a mask", odd.value), ACCEPTED)
     }
 
     /// Refuses a frame that is flat, or not finite.
@@ -164,9 +176,73 @@ impl Voxels {
     }
 }
 
-/// The class that a value is, in a mask.
-fn as_class(value: f64) -> Option<u8> {
-    ((0.0..=255.0).contains(&value) && value.fract() == 0.0).then_some(value as u8)
+/// Tells the classes of a mask from the values of an image.
+///
+/// Programs that work in real numbers write 1.00000006 for 1, or scale classes to whole steps of the largest over 255. A value that is
+/// off by more is rounded where the values are few and no two of them are one class.
+struct Classes {
+    /// A value that is off a whole number by no more is that number.
+    tolerance: f64,
+    /// Which classes values without an oddity have.
+    whole: [bool; 256],
+    odd: Vec<Odd>,
+}
+
+/// A value that is no whole number, and the first voxel that has it.
+#[derive(Debug, Clone, Copy)]
+struct Odd {
+    value: f64,
+    row: usize,
+}
+
+impl Odd {
+    fn class(self) -> u8 {
+        self.value.round() as u8
+    }
+}
+
+impl Classes {
+    fn new(voxels: &Voxels) -> Self {
+        let is_scaled = voxels.kind != NumberType::Real && voxels.slope[0] != 1.0;
+        let step = if is_scaled { voxels.slope[0].abs() / 2.0 } else { 0.0 };
+        Self { tolerance: step.clamp(LEAST_TOLERANCE, FAR_FROM_WHOLE), whole: [false; 256], odd: Vec::new() }
+    }
+
+    /// The class of a value that is near a whole number.
+    fn whole(&self, value: f64) -> Option<u8> {
+        let class = value.round();
+        ((0.0..=255.0).contains(&class) && (value - class).abs() <= self.tolerance).then_some(class as u8)
+    }
+
+    /// The class of a value; the first one that cannot be a class, where that is certain.
+    fn class(&mut self, value: f64, row: usize) -> Result<u8, Odd> {
+        if let Some(class) = self.whole(value) {
+            self.whole[usize::from(class)] = true;
+            return Ok(class);
+        }
+        let odd = Odd { value, row };
+        if !(0.0..=255.0).contains(&value.round()) || (value - value.round()).abs() >= FAR_FROM_WHOLE {
+            return Err(odd);
+        }
+        if !self.odd.iter().any(|known| known.value == value) {
+            if self.odd.len() == MOST_CLASSES {
+                return Err(self.odd[0]);
+            }
+            self.odd.push(odd);
+        }
+        Ok(odd.class())
+    }
+
+    /// What a person should know about the values; an odd one that shares its class with another.
+    fn finish(mut self) -> Result<Option<String>, Odd> {
+        for odd in &self.odd {
+            if std::mem::replace(&mut self.whole[usize::from(odd.class())], true) {
+                return Err(*odd);
+            }
+        }
+        let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class());
+        Ok(self.odd.iter().max_by_key(|odd| odd.class()).map(said))
+    }
 }
 
 /// Fills as much of `out` as there are bytes.

@@ -19,6 +19,9 @@ const MOST_INFLATION: u64 = 1100;
 const MOST_HEADER: usize = 4096;
 /// The values that skeleton graphs have.
 const ACCEPTED: &str = "expected float32, float64, integers, or text for labels";
+/// The archives that are read.
+const ACCEPTED_NAMES: &str =
+    "expected a skeleton graph: coords (N, 3), edges (M, 2) and radii (N) or (M); or a mask: mask, and affine or spacing";
 /// Brackets within one another at the most.
 const MOST_BRACKETS: usize = 6;
 
@@ -173,6 +176,44 @@ impl Array {
     /// A fault of this array.
     pub(crate) fn fault(&self, found: impl Into<String>, accepted: impl Into<String>) -> Fault {
         Fault::item(format!("array {}", self.name), found, accepted)
+    }
+}
+
+/// An open `.npz`.
+pub(crate) struct Archive<'a> {
+    zip: ZipArchive<Cursor<&'a [u8]>>,
+    room: &'a UnpackLimit,
+    pub(crate) names: Vec<String>,
+}
+
+impl<'a> Archive<'a> {
+    pub(crate) fn open(bytes: &'a [u8], room: &'a UnpackLimit) -> Result<Self, Fault> {
+        let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
+        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
+        let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();
+        Ok(Self { zip, room, names })
+    }
+
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|known| known == name)
+    }
+
+    pub(crate) fn lacks(&self, name: &str) -> Fault {
+        let names = if self.names.is_empty() { "nothing".to_owned() } else { self.names.join(", ") };
+        Fault::file(format!("no array {name} among {names}"), ACCEPTED_NAMES)
+    }
+
+    /// The array under the first of the names that is there.
+    pub(crate) fn first(&mut self, names: &[&str]) -> Result<Option<Array>, Fault> {
+        let Some((row, name)) =
+            names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
+        else {
+            return Ok(None);
+        };
+        let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
+        let member = self.zip.by_index(row).map_err(broken)?;
+        let stored = member.compressed_size();
+        Array::read(name, member, stored, self.room).map(Some)
     }
 }
 

@@ -1,13 +1,13 @@
 //! A skeleton graph as NumPy arrays in one `.npz`: `coords`, `edges`, `radii`, and `labels` and `lengths` where there are any.
 
-use std::io::{self, Cursor, Seek, Write};
+use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2};
 use ndarray_npy::{WritableElement, WriteNpyExt};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use zip::{CompressionMethod, ZipWriter};
 
-use super::array::Array;
+use super::array::{Archive, Array};
 use crate::formats::companions::add_straight;
 use crate::formats::input::UnpackLimit;
 use crate::formats::polylines::positions;
@@ -150,44 +150,6 @@ fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
         links.push(ends.map(|end| end as u32));
     }
     Ok(links)
-}
-
-/// An open `.npz`.
-struct Archive<'a> {
-    zip: ZipArchive<Cursor<&'a [u8]>>,
-    room: &'a UnpackLimit,
-    names: Vec<String>,
-}
-
-impl<'a> Archive<'a> {
-    fn open(bytes: &'a [u8], room: &'a UnpackLimit) -> Result<Self, Fault> {
-        let broken = |e| Fault::file(format!("the archive is broken: {e}"), "expected a whole .npz file");
-        let zip = ZipArchive::new(Cursor::new(bytes)).map_err(broken)?;
-        let names = zip.file_names().map(|name| name.strip_suffix(".npy").unwrap_or(name).to_owned()).collect();
-        Ok(Self { zip, room, names })
-    }
-
-    fn has(&self, name: &str) -> bool {
-        self.names.iter().any(|known| known == name)
-    }
-
-    fn lacks(&self, name: &str) -> Fault {
-        let names = if self.names.is_empty() { "nothing".to_owned() } else { self.names.join(", ") };
-        Fault::file(format!("no array {name} among {names}"), ACCEPTED)
-    }
-
-    /// The array under the first of the names that is there.
-    fn first(&mut self, names: &[&str]) -> Result<Option<Array>, Fault> {
-        let Some((row, name)) =
-            names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
-        else {
-            return Ok(None);
-        };
-        let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
-        let member = self.zip.by_index(row).map_err(broken)?;
-        let stored = member.compressed_size();
-        Array::read(name, member, stored, self.room).map(Some)
-    }
 }
 
 /// Writes `coords` (N, 3) and `edges` (M, 2), the nodes first in their order, and the other arrays as

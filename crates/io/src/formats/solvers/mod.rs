@@ -8,12 +8,51 @@ use std::collections::hash_map::Entry;
 use std::f64::consts::PI;
 use std::io;
 
+use crate::formats::tables::reader::plural;
 pub use openbf::write_openbf;
 pub use svzerod::write_svzerod;
 
 use willis_core::flow::WallLaw;
 use willis_core::flow::state::BLOOD_DENSITY;
-use willis_core::network::{Condition, Network, Vessel};
+use willis_core::network::{Condition, Network, Node, Role, Vessel, fragments};
+
+/// Whether blood enters at a node.
+pub(in crate::formats) fn enters(network: &Network, node: usize) -> bool {
+    match network.node(node).condition {
+        Some(Condition::Flow(flow)) => flow > 0.0,
+        Some(Condition::Pressure(pressure)) => pressure > 0.0 && network.node(node).role != Some(Role::Outlet),
+        Some(Condition::Resistance { .. }) | None => false,
+    }
+}
+
+/// The network as a solver in time can take it: a vessel from a node to itself is divided in two, and parts that no blood enters are left
+/// out; with a note for each. A network without any inlet stays as it is, to be refused.
+pub(in crate::formats) fn solvable(network: &Network) -> (Network, Vec<String>) {
+    let mut notes = Vec::new();
+    let parts = fragments(network, |_, _| true);
+    let mut is_fed = vec![false; parts.count];
+    (0..network.node_count()).filter(|node| enters(network, *node)).for_each(|node| is_fed[parts.of_node[node]] = true);
+    let any = is_fed.contains(&true);
+    let (fed, rows) = network.subgraph(|row| !any || is_fed[parts.of_node[network.ends(row)[0]]]);
+    let left_out = network.vessel_count() - rows.len();
+    if left_out > 0 {
+        notes.push(format!("{} in parts that no blood enters, left out", plural(left_out, "vessel")));
+    }
+    let (mut made, _) = fed.subgraph(|row| fed.ends(row)[0] != fed.ends(row)[1]);
+    let loops: Vec<usize> = (0..fed.vessel_count()).filter(|row| fed.ends(*row)[0] == fed.ends(*row)[1]).collect();
+    for row in &loops {
+        let (node, vessel) = (fed.ends(*row)[0], fed.vessel(*row));
+        let middle = made.add_node(Node { id: format!("{}-loop-{row}", fed.node(node).id), ..Node::default() });
+        let resistance = vessel.resistance.map(|whole| whole / 2.0);
+        let half = Vessel { length: vessel.length / 2.0, resistance, path: Vec::new(), ..vessel.clone() };
+        made.add_vessel([node, middle], half.clone());
+        made.add_vessel([middle, node], half);
+    }
+    if !loops.is_empty() {
+        notes.push(format!("{} from a node to itself, divided in two", plural(loops.len(), "vessel")));
+    }
+    (made, notes)
+}
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
 struct Directed<'a> {
@@ -46,13 +85,7 @@ impl<'a> Directed<'a> {
                 at[node].push(row);
             }
         }
-        let enters = |node: usize| match network.node(node).condition {
-            Some(Condition::Flow(flow)) => flow > 0.0,
-            Some(Condition::Pressure(pressure)) => {
-                pressure > 0.0 && network.node(node).role != Some(willis_core::network::Role::Outlet)
-            }
-            _ => false,
-        };
+        let enters = |node: usize| enters(network, node);
         let stated: Vec<usize> = (0..network.node_count()).filter(|node| network.node(*node).condition.is_some()).collect();
         if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));

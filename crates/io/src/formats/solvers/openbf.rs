@@ -11,6 +11,8 @@ use willis_core::network::{Condition, Network, Wall, Windkessel};
 const THICKNESS: f64 = 0.1;
 /// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
 const LEAST: f64 = 1e-3;
+/// openBF has equations for a conjunction, a bifurcation and an anastomosis.
+const MOST_JOINED: usize = 3;
 
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
@@ -21,7 +23,7 @@ const LEAST: f64 = 1e-3;
 ///
 /// # Errors
 ///
-/// As [`write_svzerod`](super::write_svzerod); a vessel to which no inlet leads, an outlet of fixed pressure or
+/// As [`write_svzerod`](super::write_svzerod); a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
 /// flow that is not zero (`InvalidInput`).
 pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
@@ -29,6 +31,10 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
     let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
     if let Some(row) = ends.unfed {
         return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
+    }
+    if let Some(node) = (0..network.node_count()).find(|node| ends.at[*node].len() > MOST_JOINED) {
+        let (id, count) = (&network.node(node).id, ends.at[node].len());
+        return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
     }
     let is_inlet = |node: usize| ends.at[node].len() == 1 && begins(node);
     let mut number = vec![0; network.node_count()];

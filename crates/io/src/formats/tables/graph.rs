@@ -9,6 +9,7 @@ use crate::formats::attributes::{self, COMPLIANCE, PROXIMAL, nodes};
 use crate::formats::input::checksum;
 use crate::formats::read::ReadOptions;
 use crate::formats::tables::conditions::VENOUS;
+use crate::formats::tables::points::HEADER as POINTS_HEADER;
 use crate::formats::tables::reader::{TableReader, columns, delimiter};
 use crate::formats::tables::write::{Column, Values, real, write_csv};
 use willis_core::error::Fault;
@@ -46,7 +47,7 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
     let mut row_of = HashMap::with_capacity(records.len());
     let mut ids = Vec::with_capacity(records.len());
     for (row, record) in records.iter().enumerate() {
-        let Some(name) = record.text(key) else {
+        let Some(name) = record.word(key) else {
             return Err(Fault::line(record.line, format!("no {key}"), "expected the name of a node"));
         };
         ids.push(record.text("id").unwrap_or(name));
@@ -71,8 +72,11 @@ pub fn read_csv_edges(
 ) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
+        let has = |names: [&str; 2]| header.iter().any(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)));
         let accepted = if header.iter().any(|column| column == "node") {
             "these are nodes; give the table of edges, with columns node_a,node_b or source,target"
+        } else if has(["x", "x_mm"]) && has(["y", "y_mm"]) && has(["z", "z_mm"]) {
+            POINTS_HEADER
         } else {
             "expected a table of edges with columns node_a,node_b or source,target"
         };
@@ -87,7 +91,7 @@ pub fn read_csv_edges(
     for (row, record) in records.iter().enumerate() {
         let mut both = [0; 2];
         for (side, (end, column)) in both.iter_mut().zip(ends).enumerate() {
-            let Some(name) = record.text(column) else {
+            let Some(name) = record.word(column) else {
                 return Err(Fault::line(record.line, format!("edge {row}: no {column}"), "expected the name of a node"));
             };
             *end = match row_of.get(name) {

@@ -13,7 +13,8 @@ use willis_core::network::Network;
 use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::units::millimetres;
 
-const HEADER: &str = "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
+pub(crate) const HEADER: &str =
+    "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
 const FRAGMENT: &[&str] = &["fragment"];
 const X: &[&str] = &["x", "x_mm"];
 const Y: &[&str] = &["y", "y_mm"];

@@ -7,6 +7,14 @@ use willis_core::error::Fault;
 use willis_core::network::units::Scale;
 use willis_core::support::geometry::Point;
 
+/// Whether a text states that there is no value: it is empty, NaN, or what R and pandas write.
+///
+/// One rule for the attributes of all formats of text, and for cells: where this is so, nothing is stated.
+pub(crate) fn is_missing(text: &str) -> bool {
+    let word = text.strip_prefix(['-', '+']).unwrap_or(text);
+    text.is_empty() || word.eq_ignore_ascii_case("nan") || ["NA", "N/A", "<NA>"].contains(&text)
+}
+
 /// A reader of a table whose header has been read.
 pub struct TableReader<'a> {
     reader: csv::Reader<&'a [u8]>,
@@ -132,9 +140,10 @@ impl Row<'_> {
         &self.header[column]
     }
 
-    /// The text of a column; empty where the row has none.
+    /// The text of a column; empty where the row has none, or a missing value.
     pub fn text(&self, column: usize) -> &str {
-        unescape_formula(self.fields.get(column).unwrap_or_default())
+        let text = unescape_formula(self.fields.get(column).unwrap_or_default());
+        if is_missing(text) { "" } else { text }
     }
 
     /// Texts that are not empty, with their columns.
@@ -142,17 +151,19 @@ impl Row<'_> {
         self.fields.iter().map(unescape_formula).enumerate().filter(|(_, text)| !text.is_empty())
     }
 
-    /// The number in a column; NaN for an empty one.
+    /// The number in a column; NaN for a missing one.
     ///
     /// # Errors
     ///
-    /// What is no number.
+    /// What is no finite number.
     pub fn real(&self, column: usize) -> Result<f64, Fault> {
         let text = self.text(column);
         if text.is_empty() {
             return Ok(f64::NAN);
         }
-        number(text).map_err(|accepted| Fault::line(self.line, format!("{} \"{text}\"", self.header[column]), accepted))
+        let wrong = |accepted| Fault::line(self.line, format!("{} \"{text}\"", self.header[column]), accepted);
+        let found = number(text).map_err(wrong)?;
+        if found.is_finite() { Ok(found) } else { Err(wrong("expected a finite number")) }
     }
 
     /// The finite numbers in three columns.

@@ -135,7 +135,7 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
 
 /// Whether a spreadsheet would take a text for a formula, leading apostrophes aside.
 fn is_formula(text: &str) -> bool {
-    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
+    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－', '＠'])
 }
 
 /// The text for a table cell. Text that a spreadsheet would take for a formula gets a leading apostrophe, which
