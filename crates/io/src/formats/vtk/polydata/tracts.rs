@@ -57,7 +57,9 @@ pub(super) fn common_start(all: &Lines, starts: Vec<u32>) -> Vec<u32> {
     let radii = without_gaps(all);
     let at = |point: u32| all.at[point as usize];
     let is_one = |first: u32| {
-        starts.iter().all(|point| distance(at(first), at(*point)) <= COMMON_END * radii[first as usize].max(radii[*point as usize]))
+        starts
+            .iter()
+            .all(|point| distance(at(first), at(*point)) <= COMMON_END * radii[first as usize].max(radii[*point as usize]))
     };
     if starts.first().is_some_and(|first| is_one(*first)) { starts } else { Vec::new() }
 }
@@ -109,7 +111,8 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     }
     if !open.is_empty() {
         let widest = longest(&mut open.values().copied());
-        note += &format!("; {} of up to {widest} mm left open, wider than the step between points and {GAP} radii", gaps(open.len()));
+        note +=
+            &format!("; {} of up to {widest} mm left open, wider than the step between points and {GAP} radii", gaps(open.len()));
     }
     all.each.retain(|line| !line.points.is_empty());
     all.each.extend(each);
