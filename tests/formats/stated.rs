@@ -195,7 +195,7 @@ fn what_lines_share_by_their_groups_is_counted_once() {
     for round in 0..2 {
         let (found, notes) = network("a.vtp", &vtp(&pieces, true));
         assert_eq!((found.vessel_count(), fragments(&found, |_, _| true).count), (9, 1), "{notes:?}");
-        // At each of four bifurcations up to a radius more, from the axis to the branch that is hung on there.
+        // At each of four bifurcations some radius more, from the axis to the branch that is hung on there.
         let more = millimetres(&found) / by_groups - 1.0;
         assert!((-0.01..0.035).contains(&more), "{} by groups {by_groups}", millimetres(&found));
         assert!(

@@ -4,9 +4,9 @@
 //! same branch, or the same bifurcation: from the sphere before it, where the lines begin to separate, to where each has left the
 //! tube around the others. So a group is there once for every line through it, and its pieces are up to a radius apart.
 //!
-//! The first piece of a group is taken as it is and stands for all. What follows it in another line is hung on at the nearest of
-//! its points. So the length is that of every group once, and at each bifurcation some radius more from the axis to the
-//! branch that is hung on there.
+//! The first piece of a group is taken as it is and stands for all. What follows it in another line is hung on where that begins to
+//! leave it. So the length is that of every group once, and at each bifurcation some radius more from the axis to the branch that
+//! is hung on there.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -26,6 +26,8 @@ const TOUCH: f64 = 1e-6;
 const GAP: f64 = 0.4;
 /// A piece that is more than this many radii away from another one is no copy of it, whatever its group.
 const COPY: f64 = 2.0;
+/// A branch is hung on no further away than this many times the distance to the nearest point.
+const HARDLY_FURTHER: f64 = 1.2;
 /// Points of the other piece that are looked at for the next point of a copy.
 const AHEAD: usize = 8;
 /// Different vessels that a group may stand for, where its number means something else.
@@ -222,7 +224,7 @@ impl<'a> Groups<'a> {
             if let (Some(pair), Some((from, end, is_own))) = (pair.filter(|_| is_link), before) {
                 self.open.remove(&pair);
                 if !is_own {
-                    let start = self.hang(from, first);
+                    let start = self.hang(from, first, false);
                     self.each.push(Line { points: vec![start], names: Vec::new(), strand: line.strand });
                 }
                 if is_new {
@@ -232,7 +234,7 @@ impl<'a> Groups<'a> {
                         *point = start;
                     }
                 } else {
-                    let to = self.hang(vessel, end);
+                    let to = self.hang(vessel, end, true);
                     self.go_on(Line { points: vec![to], names: Vec::new(), strand: line.strand });
                 }
             } else if is_new {
@@ -292,17 +294,19 @@ impl<'a> Groups<'a> {
         beside.collect()
     }
 
-    /// The point of a vessel where another one is hung on whose point next to it is given.
-    fn hang(&mut self, on: Vessel, next: u32) -> u32 {
-        let at = |point: u32| self.at[point as usize];
-        let nearest = |points: &[u32], place: Point| {
-            points.iter().copied().min_by(|a, b| distance(at(*a), place).total_cmp(&distance(at(*b), place)))
-        };
-        let point = self.points.get(&on).and_then(|points| nearest(points, at(next))).unwrap_or(next);
+    /// The point of a vessel where another one is hung on whose point next to it is given: of those hardly further away than the
+    /// nearest one the first, or where the other one comes before it, the last. There the two begin to separate.
+    fn hang(&mut self, on: Vessel, next: u32, comes_before: bool) -> u32 {
+        let far = |a: u32, b: u32| distance(self.at[a as usize], self.at[b as usize]);
+        let points = self.points.get(&on).map_or(&[][..], Vec::as_slice);
+        let nearest = points.iter().map(|point| far(*point, next)).fold(f64::INFINITY, f64::min);
+        let mut near = points.iter().copied().filter(|point| far(*point, next) <= HARDLY_FURTHER * nearest);
+        let point = if comes_before { near.next_back() } else { near.next() }.unwrap_or(next);
         let junctions = self.junctions.entry(on).or_default();
-        let near = nearest(junctions, at(point));
-        if let Some(near) = near.filter(|near| distance(at(*near), at(point)) <= ONE_JUNCTION * self.radii[point as usize]) {
-            return near;
+        let reach = ONE_JUNCTION * self.radii[point as usize];
+        let other = junctions.iter().copied().min_by(|a, b| far(*a, point).total_cmp(&far(*b, point)));
+        if let Some(other) = other.filter(|other| far(*other, point) <= reach) {
+            return other;
         }
         junctions.push(point);
         point
