@@ -208,6 +208,31 @@ fn what_lines_share_by_their_groups_is_counted_once() {
 }
 
 #[test]
+fn lines_that_meet_and_three_that_part_have_one_junction() {
+    // The fork backwards: two lines come from two places and go on as one. Their directions state no one source.
+    let mut pieces = fork(0.0);
+    for piece in &mut pieces {
+        piece.points.reverse();
+        piece.tract = 2 - piece.tract;
+    }
+    let (found, notes) = network("a.vtp", &vtp(&pieces, true));
+    assert_eq!((found.vessel_count(), found.node_count(), fragments(&found, |_, _| true).count), (3, 4, 1), "{notes:?}");
+    assert!((millimetres(&found) - of_fork()).abs() < 1e-6, "{}", millimetres(&found));
+    assert!((0..4).all(|node| !found.node(node).is_source));
+    // Three branches that leave the bifurcation half a radius from its end, in three directions.
+    let mut pieces = fork(0.0);
+    pieces.extend(pieces[..3].to_vec().into_iter().map(|piece| Piece { centerline: 2, ..piece }));
+    for (row, [y, z]) in [(2, [0.75, 0.0]), (5, [-0.75, 0.0]), (8, [0.0, 0.75])] {
+        pieces[row].points = straight([22.0, y, z], [40.0, 12.0 * y, 12.0 * z], 1.2);
+    }
+    pieces[8].group = 4;
+    let (found, notes) = network("a.vtp", &vtp(&pieces, true));
+    assert_eq!((found.vessel_count(), found.node_count(), fragments(&found, |_, _| true).count), (4, 5, 1), "{notes:?}");
+    let branch = (18.0_f64.powi(2) + 8.25_f64.powi(2)).sqrt() + 0.75;
+    assert!((millimetres(&found) - 22.0 - 3.0 * branch).abs() < 0.01, "{}", millimetres(&found));
+}
+
+#[test]
 fn numbers_of_groups_that_mean_something_else_lose_no_vessel() {
     let mut pieces = fork(0.0);
     pieces.iter_mut().for_each(|piece| piece.group = 0);
