@@ -31,6 +31,7 @@ mod polylines;
 mod polylines_round_trip;
 mod round_trip;
 mod solvers;
+mod stated;
 mod tables;
 mod tubes;
 mod vmtk_lines;

@@ -34,6 +34,7 @@ fn network() -> Network {
             condition: [Some(Condition::Pressure(pascals(93.1))), None, None, Some(Condition::Pressure(0.0))][n],
             found: n == 3,
             at_border: false,
+            is_source: false,
             root_score: None,
             windkessel: Windkessel::default(),
         });

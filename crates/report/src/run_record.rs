@@ -122,6 +122,9 @@ pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     let each = boundary.conditions.iter().map(|(node, condition)| {
         let mut value =
             json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found.contains(node) });
+        if boundary.found_inlets.binary_search(node).is_ok() && network.node(*node).is_source {
+            value["source"] = json!(true);
+        }
         match condition {
             Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
             Condition::Resistance { resistance, venous } => {

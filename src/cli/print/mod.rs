@@ -301,6 +301,7 @@ fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
         let how = match found.len() {
             0 => String::new(),
             n if n == rows.len() => match role {
+                Role::Inlet if found.iter().all(|n| network.node(*n).is_source) => ", the source that the file states".to_owned(),
                 Role::Inlet => ", found at free ends".to_owned(),
                 _ => ", found: the other free ends".to_owned(),
             },

@@ -32,6 +32,8 @@ pub struct FreeEnds {
     at_border: Vec<bool>,
     /// By node whether a landmark names it as an outlet: it is no inlet.
     named_outlet: Vec<bool>,
+    /// By node whether the input states it as its source.
+    is_source: Vec<bool>,
     /// By node, the sum of the probabilities of the candidates there.
     joined: Vec<f64>,
     /// By node.
@@ -75,6 +77,7 @@ impl FreeEnds {
             part: fragments(network, |_, v| counts(v)).of_node,
             at_border: network.nodes().map(|node| node.at_border).collect(),
             named_outlet: network.nodes().map(|node| node.role == Some(Role::Outlet) && node.condition.is_none()).collect(),
+            is_source: network.nodes().map(|node| node.is_source).collect(),
             joined,
             position,
             is_upright: network.frame != Frame::Unknown,
@@ -92,11 +95,17 @@ impl FreeEnds {
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
-    /// where there is none, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side (`LEAST_OUT`). With `spare`
-    /// every part, and the whole, keeps an end that can be an outlet.
+    /// where there is none, those that the input states as its source ([`Node::is_source`](crate::network::Node::is_source)); where there is
+    /// none either, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side (`LEAST_OUT`). With `spare` every
+    /// part, and the whole, keeps an end that can be an outlet.
     pub fn inlets(&self, known: &[usize], spare: bool) -> Vec<usize> {
-        let known: Vec<usize> =
-            self.nodes.iter().copied().filter(|node| known.contains(node) && self.joined[*node] < PROBABLE).collect();
+        let only = |is_member: &dyn Fn(usize) -> bool| -> Vec<usize> {
+            self.nodes.iter().copied().filter(|node| is_member(*node) && self.joined[*node] < PROBABLE).collect()
+        };
+        let mut known = only(&|node| known.contains(&node));
+        if known.is_empty() {
+            known = only(&|node| self.is_source[node] && !self.named_outlet[node]);
+        }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
         let mut free = std::collections::BTreeMap::new();

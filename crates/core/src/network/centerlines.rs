@@ -26,6 +26,10 @@ pub struct Centerlines {
     pub merged: Vec<(u64, u32)>,
     /// The numbers of the points where a vessel leaves the image.
     pub at_border: BTreeSet<u64>,
+    /// The numbers of the points that the file states as its source: all its lines start there.
+    pub sources: BTreeSet<u64>,
+    /// The number of the point that is the root of the only tree of the file.
+    pub root: Option<u64>,
 }
 
 impl Centerlines {

@@ -8,6 +8,7 @@ mod node;
 pub mod path_places;
 pub mod paths;
 pub mod quantity;
+mod tapering_root;
 pub mod units;
 mod vessel;
 mod vessels_from_centerlines;

@@ -99,6 +99,9 @@ pub struct Node {
     /// Whether a vessel leaves the image here, so that it is no end of a gap.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub at_border: bool,
+    /// Whether the input states, by the direction of its lines, that blood comes from here.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_source: bool,
     /// The score of leaving the fragment of this node a root, where there is evidence: the posterior probability that it is attached to
     /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
     #[serde(rename = "alone")]

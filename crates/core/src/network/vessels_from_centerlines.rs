@@ -3,6 +3,7 @@
 use super::Network;
 use super::centerlines::{Centerlines, is_radius};
 use super::node::Node;
+use super::tapering_root::falls_from;
 use super::vessel::{Origin, PathPoint, Vessel};
 use crate::error::Fault;
 use crate::support::geometry::distance;
@@ -110,12 +111,15 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
             position: Some(lines.points[point]),
             radius: Some(lines.radii[point]).filter(|r| is_radius(*r)),
             at_border: lines.at_border.contains(&lines.ids[point]),
+            is_source: lines.sources.contains(&lines.ids[point]),
             ..Node::default()
         });
     }
     for (id, point) in &lines.merged {
         if let Some(row) = row_of.get(*point as usize).filter(|row| **row != usize::MAX) {
-            out.network.node_mut(*row).also.push(id.to_string());
+            let node = out.network.node_mut(*row);
+            node.also.push(id.to_string());
+            node.is_source |= lines.sources.contains(id);
         }
     }
     let mut interpolated = vec![false; lines.points.len()];
@@ -125,6 +129,10 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
         for point in walk.points.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
             interpolated[*point] = true;
         }
+    }
+    let is_root = |point: &usize| is_node[*point] && lines.root == Some(lines.ids[*point]);
+    if let Some(root) = (0..lines.points.len()).find(is_root).map(|point| row_of[point]) {
+        out.network.node_mut(root).is_source |= falls_from(&out.network, root);
     }
     out.repaired_radii = interpolated.iter().filter(|point| **point).count();
     Ok(out)

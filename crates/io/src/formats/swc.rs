@@ -107,6 +107,8 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         let found = format!("point {} is its own ancestor", lines.ids[row]);
         Fault::line(line_of[row], found, "expected a tree; links that close loops go into the file of `loops`")
     })?;
+    let mut roots = lines.ids.iter().zip(&up).filter(|(_, parent)| parent.is_none()).map(|(id, _)| *id);
+    lines.root = roots.next().filter(|_| roots.next().is_none());
     name_links(&mut lines, &types, &names);
     let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
     Ok((lines, notes.into_iter().collect()))

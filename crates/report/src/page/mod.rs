@@ -105,7 +105,8 @@ fn warnings(record: &Value) -> Vec<String> {
     let conditions = record["boundary_conditions"].as_array().map_or(&[][..], Vec::as_slice);
     let of = |role: &str| conditions.iter().filter(|c| c["role"] == role).count();
     let found = |role: &str| conditions.iter().filter(|c| c["role"] == role && c["found"] == true).count();
-    let inlets = found("inlet");
+    // The direction of the lines in the file states a source.
+    let inlets = found("inlet") - conditions.iter().filter(|c| c["source"] == true).count();
     match inlets {
         0 => {}
         1 => all.push(

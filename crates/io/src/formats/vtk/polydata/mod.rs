@@ -2,6 +2,7 @@
 
 mod overlap;
 pub(crate) mod radius;
+mod tracts;
 
 use std::collections::HashMap;
 
@@ -10,7 +11,7 @@ use petgraph::unionfind::UnionFind;
 use crate::formats::read::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
-use willis_core::support::geometry::{Point, box_diagonal, distance};
+use willis_core::support::geometry::Point;
 
 /// The most points, cells or indices of a file: one that announces more is broken.
 pub(crate) const LIMIT: usize = 1 << 26;
@@ -54,7 +55,12 @@ pub(crate) struct PolyData {
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
-    radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || [CENTERLINE, TRACT, GROUP].contains(&name)
+    radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || tracts::IDS.contains(&name)
+}
+
+/// Whether the radii are called as `vmtkcenterlines` calls them, which traces every line from a source to a target.
+fn is_of_vmtk(piece: &PolyData) -> bool {
+    piece.point_data.iter().any(|array| array.name == "MaximumInscribedSphereRadius")
 }
 
 /// A line of the file, or the rest of it after merging.
@@ -78,6 +84,8 @@ struct Lines {
     each: Vec<Line>,
     /// Points that were merged away, each with the one that replaces it.
     merged: Vec<[u32; 2]>,
+    /// The points at which all lines of the file start.
+    sources: Vec<u32>,
 }
 
 /// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also notes for the user.
@@ -105,10 +113,19 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
             let strand = (piece.before[1] + line) as u32;
             all.each.push(Line { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
         }
-        cut.extend(tracts_of_lines(piece, from));
+        cut.extend(tracts::tracts_of_lines(piece, from));
     }
-    notes.extend(join_tracts(&mut all, cut));
-    notes.extend(overlap::merge(&mut all));
+    if !cut.is_empty() {
+        all.sources = tracts::source(&all, &cut);
+    }
+    let starts: Vec<u32> = all.each.iter().filter_map(|line| line.points.first().copied()).collect();
+    let is_cut = !cut.is_empty();
+    notes.extend(tracts::join(&mut all, cut));
+    let run_together = overlap::merge(&mut all);
+    if run_together.is_some() && !is_cut && pieces.iter().all(is_of_vmtk) {
+        all.sources = tracts::common_start(&all, starts);
+    }
+    notes.extend(run_together);
     Ok((build(&all, &ids), notes))
 }
 
@@ -159,6 +176,7 @@ fn build(all: &Lines, ids: &[u64]) -> Centerlines {
     out.strand = trees.into_labeling();
     let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
     out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
+    out.sources = all.sources.iter().map(|point| ids[*point as usize]).collect();
     out
 }
 
@@ -224,79 +242,4 @@ fn texts(array: &Array, circle: bool) -> Option<Vec<String>> {
         Values::Numbers(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Some(numbers.iter().map(name).collect()),
         _ => None,
     }
-}
-
-const CENTERLINE: &str = "CenterlineIds";
-const TRACT: &str = "TractIds";
-const GROUP: &str = "GroupIds";
-/// Consecutive pieces share a position; within this fraction of the bounding box.
-const TOUCH: f64 = 1e-6;
-
-/// A piece of a line that `vmtkbranchextractor` cut.
-struct Tract {
-    centerline: i64,
-    order: i64,
-    group: i64,
-    line: usize,
-}
-
-/// The tracts of a piece of the file whose lines start at `from`; none without VMTK's arrays.
-fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
-    let numbers = |name: &str| {
-        piece.line_data.iter().find_map(|Array { name: found, values }| match values {
-            Values::Numbers(values) if found == name => Some(values),
-            _ => None,
-        })
-    };
-    let (Some(lines), Some(tracts), Some(groups)) = (numbers(CENTERLINE), numbers(TRACT), numbers(GROUP)) else {
-        return Vec::new();
-    };
-    let rows = lines.iter().zip(tracts).zip(groups).enumerate();
-    rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, order: *t as i64, group: *g as i64, line: from + row }).collect()
-}
-
-/// Joins the pieces again when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); a note says how many.
-fn join_tracts(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
-    tracts.sort_by_key(|t| (t.group, t.centerline));
-    if !tracts.windows(2).any(|t| t[0].group == t[1].group && t[0].centerline != t[1].centerline) {
-        return None;
-    }
-    tracts.sort_by_key(|t| (t.centerline, t.order, t.line));
-    let reach = TOUCH * box_diagonal(all.each.iter().flat_map(|l| &l.points).map(|p| all.at[*p as usize]));
-    let near = |a: Option<&u32>, b: Option<&u32>| {
-        a.zip(b).is_some_and(|(a, b)| distance(all.at[*a as usize], all.at[*b as usize]) <= reach)
-    };
-    let mut joined: Vec<Line> = Vec::new();
-    let pieces = tracts.len();
-    let mut first_of_line = true;
-    for (n, tract) in tracts.iter().enumerate() {
-        let mut next = std::mem::replace(&mut all.each[tract.line], Line { points: Vec::new(), names: Vec::new(), strand: 0 });
-        let fresh = n == 0 || tracts[n - 1].centerline != tract.centerline;
-        if let Some(line) = joined.last_mut().filter(|_| !fresh) {
-            let meets = |p: Option<&u32>, next: &Line| near(p, next.points.first()) || near(p, next.points.last());
-            if first_of_line && !meets(line.points.last(), &next) && meets(line.points.first(), &next) {
-                reverse(line);
-            }
-            if !near(line.points.last(), next.points.first()) && near(line.points.last(), next.points.last()) {
-                reverse(&mut next);
-            }
-            if near(line.points.last(), next.points.first()) {
-                line.points.extend(&next.points[1..]);
-                line.names.extend(next.names);
-                first_of_line = false;
-                continue;
-            }
-        }
-        first_of_line = true;
-        joined.push(next);
-    }
-    let note = format!("{pieces} pieces are {} lines by their {CENTERLINE} and {TRACT}", joined.len());
-    all.each.retain(|line| !line.points.is_empty());
-    all.each.extend(joined);
-    Some(note)
-}
-
-fn reverse(line: &mut Line) {
-    line.points.reverse();
-    line.names.reverse();
 }

@@ -64,7 +64,7 @@ pub(crate) fn merge(all: &mut Lines) -> Option<String> {
         };
         if front.is_some() || back.is_some() {
             merged += 1;
-            length += arc(all, &line.points) - rest.as_ref().map_or(0.0, |rest| arc(all, &rest.points));
+            length += arc(&all.at, &line.points) - rest.as_ref().map_or(0.0, |rest| arc(&all.at, &rest.points));
         }
         if let Some(rest) = rest {
             tree.add(&rest.points);
@@ -74,7 +74,7 @@ pub(crate) fn merge(all: &mut Lines) -> Option<String> {
     if merged == 0 {
         return None;
     }
-    all.merged = all_merged;
+    all.merged.extend(all_merged);
     let all_lines = all.each.len();
     all.each = kept.into_iter().flatten().collect();
     let length = millimetres(length);
@@ -138,19 +138,20 @@ fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Op
     let mut points: Vec<u32> = front.iter().map(|f| f.from).collect();
     points.extend(&line.points[first..last]);
     points.extend(back.iter().map(|b| b.from));
-    if front.is_some() && back.is_some() && arc(all, &points) <= WOBBLE * radii[line.points[first] as usize] {
+    if front.is_some() && back.is_some() && arc(&all.at, &points) <= WOBBLE * radii[line.points[first] as usize] {
         return None;
     }
     let names = line.names[first - usize::from(front.is_some())..last - usize::from(back.is_none())].to_vec();
     Some(Line { points, names, strand: line.strand })
 }
 
-fn arc(all: &Lines, points: &[u32]) -> f64 {
-    points.windows(2).map(|p| distance(all.at[p[0] as usize], all.at[p[1] as usize])).sum()
+/// The length of a line.
+pub(super) fn arc(at: &[Point], points: &[u32]) -> f64 {
+    points.windows(2).map(|p| distance(at[p[0] as usize], at[p[1] as usize])).sum()
 }
 
 /// The radii; a missing one is that of the point before, or else the first valid one of the line.
-fn without_gaps(all: &Lines) -> Vec<f64> {
+pub(super) fn without_gaps(all: &Lines) -> Vec<f64> {
     let mut radii = all.radii.clone();
     for line in &all.each {
         let valid = line.points.iter().map(|p| radii[*p as usize]).find(|r| is_radius(*r));
@@ -186,7 +187,7 @@ const SAME: f64 = 1e-6;
 /// The fewest points that show that a line was traced twice: one link of a voxel grid coincides with another by chance.
 const LEAST_POINTS: usize = 3;
 /// A line that leaves within this many radii of a junction, or within the step to its next point, leaves at the junction.
-const ONE_JUNCTION: f64 = 1.0;
+pub(super) const ONE_JUNCTION: f64 = 1.0;
 /// A line is compared with the tree at least once per this many radii,
 const BETWEEN: f64 = 0.5;
 /// but at most this many times between two of its points.
