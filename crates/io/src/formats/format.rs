@@ -7,6 +7,8 @@ use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, 
 use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
+use super::images::Segmentation;
+use super::images::nrrd::{is_nrrd, read_nrrd, read_nrrd_image};
 use super::images::numpy::{read_npy_image, read_npy_mask};
 use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
@@ -68,6 +70,8 @@ pub enum Format {
     Nifti,
     /// A mask in MetaImage, the format of ITK.
     MetaImage,
+    /// A mask in NRRD, plain or a segmentation of 3D Slicer.
+    Nrrd,
     /// A mask as a NumPy array.
     Npy,
     /// A model of the solver svZeroDSolver, only written.
@@ -77,7 +81,7 @@ pub enum Format {
 }
 
 /// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 18] = [
+const NAMES: [(Format, &str, &str, &str); 19] = [
     (Format::Swc, "SWC", "swc", "swc"),
     (Format::Vtp, "VTP", "vtp", "vtp"),
     (Format::Vtk, "VTK legacy", "vtk", "vtk"),
@@ -93,6 +97,7 @@ const NAMES: [(Format, &str, &str, &str); 18] = [
     (Format::VTrails, "VTrails MAT", "", ""),
     (Format::Nifti, "NIfTI mask", "", ""),
     (Format::MetaImage, "MetaImage mask", "", ""),
+    (Format::Nrrd, "NRRD mask", "", ""),
     (Format::Npy, "NumPy mask", "", ""),
     (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
     (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
@@ -106,7 +111,7 @@ impl Format {
 
     /// Whether it holds a segmentation mask, of which centerlines are made.
     pub fn is_mask(self) -> bool {
-        matches!(self, Self::Nifti | Self::MetaImage | Self::Npy)
+        matches!(self, Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy)
     }
 
     /// The words for the formats that can be written.
@@ -152,7 +157,7 @@ impl Format {
             Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
-            Self::Nifti | Self::MetaImage | Self::Npy => {
+            Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy => {
                 let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
                 lumen = Some(voxels);
                 lines((traced, notes))
@@ -165,14 +170,16 @@ impl Format {
     }
 
     /// Reads the mask in a file of this format.
-    fn read_voxels(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Mask> {
+    fn read_voxels(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Segmentation> {
         let (level, most) = (options.level, options.max_input);
         match self {
             Self::Nifti => read_nifti(bytes, level, most),
-            Self::MetaImage => return read_metaimage(path, bytes, level, most),
+            Self::MetaImage => return read_metaimage(path, bytes, level, most).map(Segmentation::from),
+            Self::Nrrd => return read_nrrd(path, bytes, level, most),
             Self::Npy => read_npy_mask(bytes, options.scale.spacing, level, most),
-            _ => Err(Fault::file(format!("{}, not a mask", self.name()), "expected NIfTI, MetaImage or NumPy voxels")),
+            _ => Err(Fault::file(format!("{}, not a mask", self.name()), VOXELS)),
         }
+        .map(Segmentation::from)
         .map_err(|fault| fault.in_file(path))
     }
 
@@ -202,7 +209,7 @@ impl Format {
             Self::Npz => write_skeleton_npz(out, network)?,
             Self::SvZeroD => write_svzerod(out, network)?,
             Self::OpenBf => write_openbf(out, network)?,
-            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Npy => {
+            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy => {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
             }
         }
@@ -218,7 +225,7 @@ impl Format {
 pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
-    let mut mask = format.read_voxels(path, &bytes, options)?;
+    let mut mask = format.read_voxels(path, &bytes, options)?.mask;
     if options.cavities == Cavities::Fill {
         mask.fill_cavities();
     }
@@ -237,25 +244,34 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
     let image = match format_of(path, &bytes).map_err(here)? {
         Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
         Format::MetaImage => read_metaimage_image(path, &bytes, most),
+        Format::Nrrd => read_nrrd_image(path, &bytes, most),
         Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
-        other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
+        other => Err(here(Fault::file(format!("{}, not an image", other.name()), VOXELS))),
     };
     Ok((image?, checksum(&bytes)))
 }
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.
-fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
+fn centerlines_of(found: Segmentation, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
+    let Segmentation { mask, names, notes: told } = found;
     let ([x, y, z], spacing) = (mask.shape, mask.spacing());
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
     let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
     let traced = trace(&mask, options.radius_from, options.cavities);
-    let traced =
+    let mut traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     let mut notes = vec![format!(
         "a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, in the scanner's frame (RAS: right, anterior, superior)"
     )];
+    notes.extend(told);
+    let labels = &mut traced.lines.labels;
+    for link in 0..traced.lines.links.len() {
+        if let Some(name) = labels.of(link).parse().ok().and_then(|class| names.get(&class)) {
+            labels.set(link, name);
+        }
+    }
     match walls {
         Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
         Some([outside, inside]) => {
@@ -286,7 +302,9 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
 }
 
 const ACCEPTED: &str =
-    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NPY";
+    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, NPY";
+/// The formats of voxels.
+const VOXELS: &str = "expected NIfTI, MetaImage, NRRD or NumPy voxels";
 
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
@@ -352,6 +370,9 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     }
     if is_metaimage(bytes) {
         return Ok(Some(Format::MetaImage));
+    }
+    if is_nrrd(bytes) {
+        return Ok(Some(Format::Nrrd));
     }
     let text = bytes.trim_ascii_start();
     if text.starts_with(b"{") {

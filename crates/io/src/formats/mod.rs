@@ -26,6 +26,8 @@ pub use format::{Format, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
+pub use images::Segmentation;
+pub use images::nrrd::{read_nrrd, read_nrrd_image};
 pub use images::numpy::read_npy_mask;
 pub use input::{Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file};
 pub use itk::tubes::{read_tre, write_tre};

@@ -170,7 +170,7 @@ fn as_class(value: f64) -> Option<u8> {
 }
 
 /// Fills as much of `out` as there are bytes.
-fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
+pub(super) fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < out.len() {
         match bytes.read(&mut out[filled..]) {
