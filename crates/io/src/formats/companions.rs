@@ -55,12 +55,12 @@ pub enum StatedSpacing {
     Nowhere,
 }
 
-/// Where the voxel spacing of an input is stated: a mask in NIfTI, MetaImage or NRRD states its own, and Image_info.txt that of an iCafe tracing
+/// Where the voxel spacing of an input is stated: a mask in NIfTI, MetaImage, NRRD or TIFF states its own, and Image_info.txt that of an iCafe tracing
 /// beside it.
 pub fn stated_spacing(path: &Path) -> StatedSpacing {
     let head = head(path);
     match format_of(path, without_mark(&head)) {
-        Ok(Format::Nifti | Format::MetaImage | Format::Nrrd) => StatedSpacing::Within,
+        Ok(Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff) => StatedSpacing::Within,
         Ok(Format::Swc | Format::ICafe) => image_spacing(path).map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
         _ => StatedSpacing::Nowhere,
     }

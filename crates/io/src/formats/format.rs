@@ -10,15 +10,19 @@ use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
 use super::images::Segmentation;
 use super::images::nrrd::{is_nrrd, read_nrrd, read_nrrd_image};
 use super::images::numpy::{read_npy_image, read_npy_mask};
+use super::images::tiff::{is_tiff, read_tiff, read_tiff_image};
 use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, Document, ReadOptions};
+use super::refused::refused;
+use super::solvers::svzerod::is_svzerod;
 use super::solvers::{write_openbf, write_svzerod};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
 use super::tables::reader::{delimiter, plural};
+use super::vendors::amira::{is_amira, read_amira, write_amira};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
 use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
@@ -62,6 +66,8 @@ pub enum Format {
     Markups,
     /// ITK tubes.
     Tre,
+    /// The SpatialGraph of Amira and Avizo.
+    Amira,
     /// A skeleton graph as NumPy arrays.
     Npz,
     /// VTrails' geodesic trees, a MATLAB 7.3 file.
@@ -72,6 +78,8 @@ pub enum Format {
     MetaImage,
     /// A mask in NRRD, plain or a segmentation of 3D Slicer.
     Nrrd,
+    /// A mask as a stack of TIFF pages.
+    Tiff,
     /// A mask as a NumPy array.
     Npy,
     /// A model of the solver svZeroDSolver, only written.
@@ -81,7 +89,7 @@ pub enum Format {
 }
 
 /// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 19] = [
+const NAMES: [(Format, &str, &str, &str); 21] = [
     (Format::Swc, "SWC", "swc", "swc"),
     (Format::Vtp, "VTP", "vtp", "vtp"),
     (Format::Vtk, "VTK legacy", "vtk", "vtk"),
@@ -93,11 +101,13 @@ const NAMES: [(Format, &str, &str, &str); 19] = [
     (Format::Markups, "Slicer markups", "markups", "json"),
     (Format::Tre, "TRE", "tre", "tre"),
     (Format::Npz, "NPZ", "npz", "npz"),
+    (Format::Amira, "Amira SpatialGraph", "amira", "am"),
     (Format::ICafe, "iCafe", "", ""),
     (Format::VTrails, "VTrails MAT", "", ""),
     (Format::Nifti, "NIfTI mask", "", ""),
     (Format::MetaImage, "MetaImage mask", "", ""),
     (Format::Nrrd, "NRRD mask", "", ""),
+    (Format::Tiff, "TIFF mask", "", ""),
     (Format::Npy, "NumPy mask", "", ""),
     (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
     (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
@@ -111,7 +121,7 @@ impl Format {
 
     /// Whether it holds a segmentation mask, of which centerlines are made.
     pub fn is_mask(self) -> bool {
-        matches!(self, Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy)
+        matches!(self, Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy)
     }
 
     /// The words for the formats that can be written.
@@ -154,10 +164,11 @@ impl Format {
             Self::Vtp => lines(read_vtp(bytes, options).map_err(here)?),
             Self::Vtk => lines(read_vtk(bytes, options).map_err(here)?),
             Self::Tre => lines(read_tre(bytes, options).map_err(here)?),
+            Self::Amira => lines(read_amira(bytes, options).map_err(here)?),
             Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
-            Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy => {
+            Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
                 let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
                 lumen = Some(voxels);
                 lines((traced, notes))
@@ -176,6 +187,7 @@ impl Format {
             Self::Nifti => read_nifti(bytes, level, most),
             Self::MetaImage => return read_metaimage(path, bytes, level, most).map(Segmentation::from),
             Self::Nrrd => return read_nrrd(path, bytes, level, most),
+            Self::Tiff => read_tiff(bytes, options.scale.spacing, level, most),
             Self::Npy => read_npy_mask(bytes, options.scale.spacing, level, most),
             _ => Err(Fault::file(format!("{}, not a mask", self.name()), VOXELS)),
         }
@@ -206,10 +218,11 @@ impl Format {
             Self::VesselVio => write_vesselvio(nodes, out, network)?,
             Self::Markups => write_markups(out, network)?,
             Self::Tre => write_tre(out, network)?,
+            Self::Amira => write_amira(out, network)?,
             Self::Npz => write_skeleton_npz(out, network)?,
             Self::SvZeroD => write_svzerod(out, network)?,
             Self::OpenBf => write_openbf(out, network)?,
-            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Npy => {
+            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
             }
         }
@@ -245,6 +258,7 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
         Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
         Format::MetaImage => read_metaimage_image(path, &bytes, most),
         Format::Nrrd => read_nrrd_image(path, &bytes, most),
+        Format::Tiff => read_tiff_image(&bytes, options.scale.spacing, most).map_err(here),
         Format::Npy => read_npy_image(&bytes, options.scale.spacing, most).map_err(here),
         other => Err(here(Fault::file(format!("{}, not an image", other.name()), VOXELS))),
     };
@@ -302,14 +316,17 @@ fn centerlines_of(found: Segmentation, options: &ReadOptions) -> Result<(Centerl
 }
 
 const ACCEPTED: &str =
-    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, NPY";
+    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
 /// The formats of voxels.
-const VOXELS: &str = "expected NIfTI, MetaImage, NRRD or NumPy voxels";
+const VOXELS: &str = "expected NIfTI, MetaImage, NRRD, TIFF or NumPy voxels";
 
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if bytes.trim_ascii().is_empty() {
         return Err(Fault::file("the file is empty", ACCEPTED));
+    }
+    if let Some(fault) = refused(path, bytes) {
+        return Err(fault);
     }
     if let Some(format) = by_signature(bytes)? {
         return Ok(format);
@@ -374,7 +391,16 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if is_nrrd(bytes) {
         return Ok(Some(Format::Nrrd));
     }
+    if is_tiff(bytes) {
+        return Ok(Some(Format::Tiff));
+    }
+    if is_amira(bytes) {
+        return Ok(Some(Format::Amira));
+    }
     let text = bytes.trim_ascii_start();
+    if is_svzerod(text) {
+        return Ok(Some(Format::SvZeroD));
+    }
     if text.starts_with(b"{") {
         return Ok(Some(Format::Markups));
     }

@@ -9,6 +9,7 @@ pub(crate) mod nifti;
 pub(crate) mod nrrd;
 pub(crate) mod numpy;
 mod pieces;
+pub(crate) mod tiff;
 mod voxels;
 
 /// A mask with what its file says of its classes.
