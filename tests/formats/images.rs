@@ -12,15 +12,15 @@ use willis::{LengthUnit, Scale};
 /// A bar of 9 voxels along the first axis, at 2 along the second and 3 along the third.
 const SHAPE: [usize; 3] = [12, 5, 6];
 
-fn bar() -> Vec<u8> {
+pub fn bar() -> Vec<u8> {
     (0..12 * 5 * 6).map(|n| u8::from((2..11).contains(&(n % 12)) && n / 12 % 5 == 2 && n / 60 == 3)).collect()
 }
 
-fn read(name: &str, bytes: &[u8]) -> Result<Document, String> {
+pub fn read(name: &str, bytes: &[u8]) -> Result<Document, String> {
     read_first(&[(name, bytes)], &ReadOptions::default())
 }
 
-fn lines(document: Document) -> Centerlines {
+pub fn lines(document: Document) -> Centerlines {
     match document.content {
         Content::Centerlines(lines) => lines,
         other => panic!("{other:?}"),
@@ -28,7 +28,7 @@ fn lines(document: Document) -> Centerlines {
 }
 
 /// The ends of the one line, mm, in the order of their x, y and z, rounded.
-fn ends(document: Document) -> [[f64; 3]; 2] {
+pub fn ends(document: Document) -> [[f64; 3]; 2] {
     let lines = lines(document);
     let mut degrees = vec![0; lines.points.len()];
     lines.links.iter().flatten().for_each(|end| degrees[*end as usize] += 1);
@@ -39,7 +39,7 @@ fn ends(document: Document) -> [[f64; 3]; 2] {
 }
 
 /// The centres of the first and the last voxel of the bar, mm, for a frame.
-fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
+pub fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
     let at = |x: f64| affine.map(|[a, b, c, d]| ((a * x + b * 2.0 + c * 3.0 + d) * 1e3).round() / 1e3);
     let mut tips = [at(2.0), at(10.0)];
     tips.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
@@ -132,7 +132,7 @@ impl Header {
     }
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     gzip_at(Compression::default(), bytes)
 }
 
@@ -142,7 +142,7 @@ fn gzip_at(compression: Compression, bytes: &[u8]) -> Vec<u8> {
     out.finish().expect("packed")
 }
 
-const SHEARLESS: [[f64; 4]; 3] = [[0.0, -0.5, 0.0, 10.0], [0.5, 0.0, 0.0, -20.0], [0.0, 0.0, 0.75, 30.0]];
+pub const SHEARLESS: [[f64; 4]; 3] = [[0.0, -0.5, 0.0, 10.0], [0.5, 0.0, 0.0, -20.0], [0.0, 0.0, 0.75, 30.0]];
 
 #[test]
 fn a_frame_is_that_of_sform_then_of_qform_then_the_middle_of_the_image() {
@@ -210,7 +210,7 @@ fn classes_become_labels_where_there_are_several() {
 }
 
 /// The frame of ITK has x to the left and y backward.
-const ITK: [[f64; 4]; 3] = [[0.0, 0.5, 0.0, -10.0], [-0.5, 0.0, 0.0, 20.0], [0.0, 0.0, 0.75, 30.0]];
+pub const ITK: [[f64; 4]; 3] = [[0.0, 0.5, 0.0, -10.0], [-0.5, 0.0, 0.0, 20.0], [0.0, 0.0, 0.75, 30.0]];
 
 fn metaimage(more: &str, file: &str) -> String {
     format!(

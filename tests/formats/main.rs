@@ -9,6 +9,7 @@ mod refused;
 #[path = "../support/shuffle.rs"]
 mod shuffle;
 
+mod amira;
 mod arrays;
 mod by_hand;
 mod conditions;
@@ -22,6 +23,7 @@ mod icafe;
 mod images;
 mod mask_noise;
 mod masks;
+mod nrrd;
 mod partial_volume;
 mod peer_files;
 mod peers;
@@ -31,6 +33,8 @@ mod polylines_round_trip;
 mod round_trip;
 mod solvers;
 mod tables;
+mod tiff;
 mod tubes;
+mod unread_formats;
 mod vmtk_lines;
 mod vtk;

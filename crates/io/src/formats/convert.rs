@@ -197,7 +197,9 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
         Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
         Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
         Format::SvZeroD | Format::OpenBf => vec![Paths, Ids, LoneNodes, Radii],
-        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff | Format::Npy => Vec::new(),
+        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff | Format::Npy => {
+            Vec::new()
+        }
     }
 }
 

@@ -5,9 +5,9 @@ use std::path::Path;
 
 use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::graphml::{read_graphml, write_graphml};
+use super::images::Segmentation;
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
-use super::images::Segmentation;
 use super::images::nrrd::{is_nrrd, read_nrrd, read_nrrd_image};
 use super::images::numpy::{read_npy_image, read_npy_mask};
 use super::images::tiff::{is_tiff, read_tiff, read_tiff_image};
@@ -315,8 +315,7 @@ fn centerlines_of(found: Segmentation, options: &ReadOptions) -> Result<(Centerl
     Ok((traced.lines, traced.lumen, notes))
 }
 
-const ACCEPTED: &str =
-    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
+const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
 /// The formats of voxels.
 const VOXELS: &str = "expected NIfTI, MetaImage, NRRD, TIFF or NumPy voxels";
 

@@ -19,7 +19,10 @@ pub(super) fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
         // The class of segmentations stands in the first group.
         let kind = if has(b"1.2.840.10008.5.1.4.1.1.66.4") { "a segmentation in DICOM (DICOM SEG)" } else { "a file of DICOM" };
         (kind, "expected a mask in NIfTI or NRRD: export it with 3D Slicer, or with segimage2itkimage of dcmqi")
-    } else if head.starts_with(b"CDF\x01") || head.starts_with(b"CDF\x02") || (head.starts_with(b"\x89HDF") && (is_called("mnc") || has(b"minc-2.0"))) {
+    } else if head.starts_with(b"CDF\x01")
+        || head.starts_with(b"CDF\x02")
+        || (head.starts_with(b"\x89HDF") && (is_called("mnc") || has(b"minc-2.0")))
+    {
         ("a volume in MINC", "expected NIfTI: convert it with mnc2nii")
     } else if head.starts_with("⛾ gt".as_bytes()) {
         ("a graph of graph-tool (.gt)", "expected GraphML: save it with graph.save(\"name.graphml\")")

@@ -332,7 +332,8 @@ impl Header {
 
     /// The axis of four that is not one of space.
     fn list_axis(&self, sizes: &[usize]) -> Result<Option<usize>, Fault> {
-        let only = |is: Vec<bool>| (is.len() == 4 && is.iter().filter(|is| **is).count() == 1).then(|| is.iter().position(|is| *is));
+        let only =
+            |is: Vec<bool>| (is.len() == 4 && is.iter().filter(|is| **is).count() == 1).then(|| is.iter().position(|is| *is));
         if let Some(directions) = self.directions(4)?
             && let Some(axis) = only(directions.iter().map(Option::is_none).collect())
         {
@@ -439,7 +440,8 @@ impl Header {
             };
             let layer = layer.filter(|layer| *layer < layers);
             let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
-            let layer = layer.ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(layers, "layer"))))?;
+            let layer =
+                layer.ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(layers, "layer"))))?;
             let value = match text("LabelValue") {
                 None => 1.0,
                 Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,

@@ -58,7 +58,10 @@ pub fn read_tiff_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Re
 
 /// A fault of the file from one of the library.
 fn broken(error: &tiff::TiffError) -> Fault {
-    Fault::file(format!("unreadable: {error}"), "expected a whole TIFF file of grey values, as they are or packed by Deflate, LZW or PackBits")
+    Fault::file(
+        format!("unreadable: {error}"),
+        "expected a whole TIFF file of grey values, as they are or packed by Deflate, LZW or PackBits",
+    )
 }
 
 /// How the voxels are stored, and the pages from the first on.
@@ -119,7 +122,9 @@ fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
     let color = pages.colortype().map_err(|error| broken(&error))?;
     let bits = match color {
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,
-        other => return Err(Fault::file(format!("pixels of type {other:?}"), "expected one grey value each, of 8, 16, 32 or 64 bits")),
+        other => {
+            return Err(Fault::file(format!("pixels of type {other:?}"), "expected one grey value each, of 8, 16, 32 or 64 bits"));
+        }
     };
     let kind = match pages.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(|error| broken(&error))? {
         None | Some(1 | 4) => NumberType::Unsigned,
@@ -194,7 +199,6 @@ impl Stated {
         let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
         let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
             Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
-            Ok(Some(Value::RationalBig(pixels, of))) if pixels > 0 => Some(of as f64 / pixels as f64),
             _ => None,
         };
         let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));

@@ -114,9 +114,9 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     if counts.is_empty() {
         return Err(Fault::file("no edges", "expected a SpatialGraph with edges"));
     }
-    let sizes = header.radii(&data, options, &counts)?.map_or(vec![f64::NAN; course.len()], |all| {
-        all.into_iter().map(|radius| scale.length(radius)).collect()
-    });
+    let sizes = header
+        .radii(&data, options, &counts)?
+        .map_or(vec![f64::NAN; course.len()], |all| all.into_iter().map(|radius| scale.length(radius)).collect());
     let names = header.labels(&data, options.max_input)?;
     let mut radii = vec![f64::NAN; vertices];
     let mut at_vertex = vec![(0.0, 0.0); vertices];
@@ -127,7 +127,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         let mut line = Vec::with_capacity(count + 2);
         let vertex = |end: usize| {
             let row = ends[2 * edge + end];
-            let wrong = || Fault::item(format!("edge {edge}"), format!("vertex {row}"), format!("expected one of {vertices}, from 0"));
+            let wrong =
+                || Fault::item(format!("edge {edge}"), format!("vertex {row}"), format!("expected one of {vertices}, from 0"));
             if row >= 0.0 && row < vertices as f64 && row.fract() == 0.0 { Ok(row as usize) } else { Err(wrong()) }
         };
         let (a, b) = (vertex(0)?, vertex(1)?);
@@ -241,7 +242,9 @@ impl Header {
     /// How many numbers an array has.
     fn numbers(&self, array: &Declared) -> Result<usize, Fault> {
         let count = self.counts.get(&array.of).and_then(|count| count.checked_mul(array.row)).filter(|n| *n < 1 << 40);
-        count.ok_or_else(|| Fault::line(array.line, format!("{} of {}", array.name, array.of), "expected a line `define` with its number"))
+        count.ok_or_else(|| {
+            Fault::line(array.line, format!("{} of {}", array.name, array.of), "expected a line `define` with its number")
+        })
     }
 
     /// The bytes of every section.
@@ -261,7 +264,8 @@ impl Header {
                 Storage::Text => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
                 Storage::Binary { .. } => {
                     let array = self.arrays.iter().find(|array| array.section == section);
-                    let array = array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
+                    let array =
+                        array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
                     match &array.packed {
                         Some((_, length)) => *length,
                         None => self.numbers(array)?.saturating_mul(array.size),
@@ -328,7 +332,10 @@ impl Header {
             return match named {
                 Some(name) => Err(Fault::file(format!("no {name} among {all}"), "expected the array that `radius_array` names")),
                 None if options.is_radius_optional() => Ok(None),
-                None => Err(Fault::file(format!("no thickness among {all}"), "expected it, or give `radius_array` or `default_radius`")),
+                None => Err(Fault::file(
+                    format!("no thickness among {all}"),
+                    "expected it, or give `radius_array` or `default_radius`",
+                )),
             };
         };
         let mut values = self.values(array, data, options.max_input)?;
@@ -353,7 +360,8 @@ impl Header {
             ids.filter_map(|(groups, _, id)| Some((id.parse().ok()?, groups.last()?.as_str()))).collect()
         };
         let named = of_edges().map(|array| (array, group(array))).find(|(_, group)| !group.is_empty());
-        let called = || of_edges().find(|array| array.name.to_ascii_lowercase().contains("label")).map(|array| (array, BTreeMap::new()));
+        let called =
+            || of_edges().find(|array| array.name.to_ascii_lowercase().contains("label")).map(|array| (array, BTreeMap::new()));
         let Some((array, group)) = named.or_else(called) else { return Ok(None) };
         let label = |value: f64| match group.get(&(value as i64)) {
             Some(name) => (*name).to_owned(),
@@ -510,7 +518,10 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
         writeln!(out, "        Id 0\n    }}")?;
     }
     writeln!(out, "    ContentType \"HxSpatialGraph\"\n}}\n")?;
-    writeln!(out, "VERTEX {{ float[3] VertexCoordinates }} @1\nEDGE {{ int[2] EdgeConnectivity }} @2\nEDGE {{ int NumEdgePoints }} @3")?;
+    writeln!(
+        out,
+        "VERTEX {{ float[3] VertexCoordinates }} @1\nEDGE {{ int[2] EdgeConnectivity }} @2\nEDGE {{ int NumEdgePoints }} @3"
+    )?;
     writeln!(out, "POINT {{ float[3] EdgePointCoordinates }} @4\nPOINT {{ float thickness }} @5")?;
     if !numbers.is_empty() {
         writeln!(out, "EDGE {{ int {LABELS} }} @6")?;
@@ -548,7 +559,8 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
 
 /// The name of a group of parameters, in quotes unless it is a plain word.
 fn quoted(name: &str) -> String {
-    if name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) && name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+    if name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) && name.starts_with(|c: char| c.is_ascii_alphabetic())
+    {
         return name.to_owned();
     }
     let name: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
