@@ -41,7 +41,7 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
 }
 
 /// Masks go on to become centerlines.
-fn mask(read: Result<Mask, Fault>) {
+fn mask<E>(read: Result<Mask, E>) {
     if let Ok(mask) = read {
         let _ = trace(&mask.in_scanner_order(), RadiusFrom::Area, Cavities::Fill);
     }
@@ -99,6 +99,9 @@ fuzz_target!(|bytes: &[u8]| {
         }
         "nifti" => mask(io::read_nifti(bytes, None, 1 << 24)),
         "metaimage" => drop(io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
+        "nrrd" => mask(io::read_nrrd(std::path::Path::new("a.nrrd"), bytes, None, 1 << 24).map(|found| found.mask)),
+        "tiff" => mask(io::read_tiff(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "amira" => lines(io::read_amira(bytes, &optional)),
         "npy-mask" => mask(io::read_npy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
         "icafe" => drop(io::read_traced_vessels(bytes, &mm)),
         "links" => drop(io::read_links(bytes)),

@@ -77,7 +77,8 @@ impl ConvertArgs {
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
-            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NPY; convert rewrites centerlines").in_file(path));
+            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NRRD, TIFF, NPY; convert rewrites centerlines")
+                .in_file(path));
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
         let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());

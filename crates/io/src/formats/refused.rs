@@ -1,5 +1,6 @@
 //! Names the formats that are known but not read, with what to export instead.
 
+use std::ffi::OsStr;
 use std::path::Path;
 
 use super::input::unpacked_name;
@@ -13,7 +14,7 @@ const HEAD: usize = 1 << 16;
 pub(super) fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
     let head = &bytes[..bytes.len().min(HEAD)];
     let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
-    let ending = unpacked_name(path).extension().map(|ending| ending.to_ascii_lowercase());
+    let ending = unpacked_name(path).extension().map(OsStr::to_ascii_lowercase);
     let is_called = |word: &str| ending.as_ref().is_some_and(|ending| *ending == *word);
     let (found, accepted) = if head.get(128..132) == Some(b"DICM") {
         // The class of segmentations stands in the first group.

@@ -33,6 +33,18 @@ struct Header {
     end: usize,
 }
 
+/// The axes of a file.
+struct Axes {
+    /// Which of them are those of space.
+    of_space: [usize; 3],
+    /// Their lengths.
+    shape: [usize; 3],
+    /// The length of the fourth, which holds layers; 1 without it.
+    layers: usize,
+    /// How many there are.
+    count: usize,
+}
+
 /// How the numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
@@ -288,8 +300,9 @@ impl Header {
             let accepted = "expected uchar, short, float or another type of number";
             Fault::line(line, format!("type \"{word}\""), accepted)
         })?;
-        let (shape, layers, axes) = self.shape()?;
-        let affine = self.affine(axes)?;
+        let axes = self.axes()?;
+        let affine = self.affine(&axes)?;
+        let Axes { shape, layers, .. } = axes;
         if encoding == Encoding::Text {
             return Ok((Voxels { shape, kind: NumberType::Real, size: 8, big: false, slope: [1.0, 0.0], affine }, layers));
         }
@@ -303,8 +316,8 @@ impl Header {
         Ok((Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine }, layers))
     }
 
-    /// The lengths along the three axes of space, how many layers there are, and which of the file's axes these three are, of how many.
-    fn shape(&self) -> Result<([usize; 3], usize, ([usize; 3], usize)), Fault> {
+    /// The axes, three of which are those of space.
+    fn axes(&self) -> Result<Axes, Fault> {
         let (line, text) = self.needed("sizes")?;
         let sizes: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
         let dimension = self.whole("dimension")?.ok_or_else(|| Fault::file("no field dimension", "expected it in the header"))?;
@@ -312,7 +325,7 @@ impl Header {
         let sizes =
             sizes.ok_or_else(|| Fault::line(line, format!("sizes \"{text}\""), format!("expected {dimension} whole numbers")))?;
         let not_three = || Fault::line(line, format!("sizes \"{text}\""), "expected three dimensions; take one volume");
-        let (layers, axes) = match sizes.len() {
+        let (layers, of_space) = match sizes.len() {
             3 => (1, [0, 1, 2]),
             4 => {
                 let list = self.list_axis(&sizes)?.ok_or_else(not_three)?;
@@ -327,7 +340,7 @@ impl Header {
             let accepted = format!("expected from 1 to {MOST_SEGMENTS} layers");
             return Err(Fault::line(line, format!("sizes \"{text}\""), accepted));
         }
-        Ok((axes.map(|axis| sizes[axis]), layers, (axes, sizes.len())))
+        Ok(Axes { of_space, shape: of_space.map(|axis| sizes[axis]), layers, count: sizes.len() })
     }
 
     /// The axis of four that is not one of space.
@@ -362,18 +375,19 @@ impl Header {
     }
 
     /// The scanner's frame in mm from voxels.
-    fn affine(&self, (axes, all): ([usize; 3], usize)) -> Result<Affine, Fault> {
+    fn affine(&self, axes: &Axes) -> Result<Affine, Fault> {
+        let (of_space, count) = (axes.of_space, axes.count);
         let turn = self.turn()?;
         let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
-        if let Some(directions) = self.directions(all)? {
-            for (step, axis) in steps.iter_mut().zip(axes) {
+        if let Some(directions) = self.directions(count)? {
+            for (step, axis) in steps.iter_mut().zip(of_space) {
                 let none = || Fault::file(format!("axis {axis} has no space direction"), "expected three axes of space");
                 *step = directions[axis].ok_or_else(none)?;
             }
         } else {
-            let spacings = self.numbers("spacings", all)?;
-            let least = self.numbers("axis mins", all)?;
-            for (n, axis) in axes.into_iter().enumerate() {
+            let spacings = self.numbers("spacings", count)?;
+            let least = self.numbers("axis mins", count)?;
+            for (n, axis) in of_space.into_iter().enumerate() {
                 steps[n][n] = spacings.as_ref().map_or(1.0, |spacings| spacings[axis]);
                 origin[n] = least.as_ref().map_or(0.0, |least| least[axis]);
             }

@@ -123,7 +123,10 @@ fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
     let bits = match color {
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,
         other => {
-            return Err(Fault::file(format!("pixels of type {other:?}"), "expected one grey value each, of 8, 16, 32 or 64 bits"));
+            return Err(Fault::file(
+                format!("pixels of type {other:?}"),
+                "expected one grey value each, of 8, 16, 32 or 64 bits",
+            ));
         }
     };
     let kind = match pages.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(|error| broken(&error))? {

@@ -340,7 +340,7 @@ impl Header {
         };
         let mut values = self.values(array, data, options.max_input)?;
         if array.name.to_ascii_lowercase().contains("area") {
-            values.iter_mut().for_each(|area| *area = radius_of(*area));
+            values = values.into_iter().map(radius_of).collect();
         }
         if array.of == "EDGE" {
             values = counts.iter().zip(values).flat_map(|(count, radius)| std::iter::repeat_n(radius, *count as usize)).collect();
