@@ -139,6 +139,10 @@ fn units_and_radii_are_those_of_the_options_where_the_file_says_otherwise() {
     assert!((longest(network_of(with("x", "x", &cm).unwrap())) - 10.0 * 1.25_f64.sqrt()).abs() < 1e-8);
     let said = with("µm", "lightyear", &ReadOptions::default()).unwrap_err();
     assert!(said.contains("Coordinates \"lightyear\"; expected mm, um, cm or m, or give `units`"), "{said}");
+    let moved =
+        with("    Units {", "    TransformationMatrix 1 0 0 0 0 1 0 0 0 0 1 0 5 0 0 1,\n    Units {", &ReadOptions::default())
+            .unwrap();
+    assert!(moved.notes.iter().any(|note| note.contains("TransformationMatrix is not applied")), "{:?}", moved.notes);
     // A radius by another name.
     let said = with("float thickness", "float Size", &ReadOptions::default()).unwrap_err();
     assert!(said.contains("no thickness among") && said.contains("`radius_array`"), "{said}");

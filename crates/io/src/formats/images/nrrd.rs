@@ -241,7 +241,7 @@ impl Header {
             let text = String::from_utf8_lossy(&rest[..end.min(MOST_HEADER)]).trim().to_owned();
             (at, line) = (at + (end + 1).min(rest.len()), line + 1);
             // A header whose voxels are in another file may end with the file.
-            if text.is_empty() || at >= bytes.len() && rest.is_empty() {
+            if text.is_empty() {
                 return Ok(Self { fields, keys, end: at });
             }
             if line == 1 || text.starts_with('#') {

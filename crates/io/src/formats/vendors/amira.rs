@@ -231,12 +231,20 @@ impl Header {
         Ok(Scale { unit, ..*given })
     }
 
-    /// What a user should know of the unit.
+    /// What a user should know of the unit and the place.
     fn notes(&self) -> Vec<String> {
-        match self.parameter(&["Units"], "Coordinates") {
-            Some(_) => Vec::new(),
-            None => vec!["the file states no unit: took `units`".to_owned()],
+        let mut notes = Vec::new();
+        if self.parameter(&["Units"], "Coordinates").is_none() {
+            notes.push("the file states no unit: took `units`".to_owned());
         }
+        let is_identity = |matrix: &str| {
+            let numbers = matrix.split_whitespace().enumerate();
+            numbers.into_iter().all(|(n, word)| word.parse() == Ok(if n % 5 == 0 { 1.0 } else { 0.0 }))
+        };
+        if self.parameter(&[], "TransformationMatrix").is_some_and(|matrix| !is_identity(matrix)) {
+            notes.push("the file's TransformationMatrix is not applied: in Amira, apply the transform before saving".to_owned());
+        }
+        notes
     }
 
     /// How many numbers an array has.
