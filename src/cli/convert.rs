@@ -19,7 +19,7 @@ use super::shell::print_json;
 /// Convert centerlines or a graph into another format, saying what is lost
 ///
 /// The ending of OUT says the format: .swc, .vtp, .vtk (legacy), .graphml, .csv (a table of vessels, with one of nodes beside
-/// it), .json (3D Slicer markups), .tre (ITK tubes), .npz (skeleton graph for NumPy). --to says it where the ending does not.
+/// it), .json (3D Slicer markups), .tre (ITK tubes), .am (Amira), .npz (skeleton graph for NumPy). --to says it where the ending does not.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
     #[command(flatten)]

@@ -119,7 +119,7 @@ fn what_is_no_usable_stack_is_refused_in_one_line() {
         ("wide.tif", with(&[(256, 1 << 30), (257, 1 << 30)]), "expected at most"),
         ("claim.tif", with(&[(256, 1 << 14), (257, 1 << 13), (278, 1 << 13)]), "pages of 134217728 bytes in a file of"),
         ("circle.tif", circle, "expected a whole TIFF file"),
-        ("void.tif", tiff(OME, &[&[0; 60]; 6], &[]), "an empty mask"),
+        ("void.tif", tiff(OME, &[[0; 60].as_slice(); 6], &[]), "an empty mask"),
         ("cut.tif", whole[..whole.len() - 40].to_vec(), "expected"),
         ("head.tif", whole[..8].to_vec(), "expected a whole TIFF file"),
     ];

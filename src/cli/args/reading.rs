@@ -34,7 +34,7 @@ pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
-    /// Voxel spacing in mm, of a NumPy mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
+    /// Voxel spacing in mm, of a NumPy or TIFF mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
     /// iCafe's Image_info.txt beside INPUT or the mask itself
     #[arg(long, value_name = "S|SX,SY,SZ|auto", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
         hide_short_help = true)]
