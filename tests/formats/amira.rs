@@ -200,7 +200,11 @@ fn what_is_no_usable_graph_is_refused_in_one_line() {
         ("kind.am", swap("float thickness", "complex thickness"), "expected float, int or another type of number"),
         ("wide.am", swap("int[2]", "int[3]"), "EdgeConnectivity has 3 numbers each; expected 2 numbers each"),
         ("twice.am", swap("\n@5\n", "\n@4\n"), "section @4 twice"),
-        ("cut.am", binary[..binary.len() - 20].to_vec(), "section @6: "),
+        (
+            "cut.am",
+            binary[..binary.len() - 20].to_vec(),
+            "section @5: 25 of 28 bytes; expected all of them; is the file cut off?",
+        ),
         ("bomb.am", bomb("99999999999"), "EdgePointCoordinates (@4): more than"),
         ("short.am", bomb("9"), "EdgePointCoordinates (@4): 21 of 27 numbers"),
         ("pack.am", String::from_utf8_lossy(&zip).replace("HxZip", "HxNew").into_bytes(), "packed as HxNew"),
