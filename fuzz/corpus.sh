@@ -24,7 +24,7 @@ put swc "$work/small.swc"
 put graphml "$work/graph.graphml"
 put infer "$work/small.swc"
 put infer "$work/graph.graphml"
-for ending in vtp vtk tre npz json; do
+for ending in vtp vtk tre npz json am; do
     "$willis" convert "$work/small.swc" "$work/small.$ending" -q
 done
 put vtp "$work/small.vtp"
@@ -32,6 +32,7 @@ put vtk "$work/small.vtk"
 put tre "$work/small.tre"
 put npz "$work/small.npz"
 put markups "$work/small.json"
+put amira "$work/small.am"
 "$willis" convert "$work/graph.graphml" "$work/edges.csv" -q
 both csv "$work/nodes.csv" "$work/edges.csv"
 put prior-csv "$work/edges.csv"
@@ -77,6 +78,14 @@ printf '\001\001\001\001\000\000\000\000\000\000\000\000\000\000\000\000' >> "$w
 put nifti "$work/mask.nii"
 printf 'ObjectType = Image\nNDims = 3\nDimSize = 4 1 1\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n\001\001\001\001' > "$work/mask.mha"
 put metaimage "$work/mask.mha"
+printf 'NRRD0004\ntype: uchar\ndimension: 4\nspace: RAS\nsizes: 2 4 1 1\nspace directions: none (1,0,0) (0,1,0) (0,0,1)\nencoding: raw\nSegment0_Layer:=1\nSegment0_LabelValue:=2\nSegment0_Name:=ICA\n\n\000\002\000\002\000\002\000\002' > "$work/mask.nrrd"
+put nrrd "$work/mask.nrrd"
+# A page of 4 x 1 pixels, which stand before its fields.
+printf 'II\052\000\014\000\000\000\001\001\001\001\010\000' > "$work/mask.tif"
+field() { printf "\\$1\\00$2\\003\\000\\001\\000\\000\\000\\$3\\000\\000\\000" >> "$work/mask.tif"; }
+field 000 1 004; field 001 1 001; field 002 1 010; field 003 1 001; field 006 1 001; field 021 1 010; field 026 1 001; field 027 1 004
+printf '\000\000\000\000' >> "$work/mask.tif"
+put tiff "$work/mask.tif"
 printf '\223NUMPY\001\000\166\000%-117s\n' "{'descr': '|u1', 'fortran_order': False, 'shape': (4, 1, 1), }" > "$work/mask.npy"
 printf '\001\001\001\001' >> "$work/mask.npy"
 put npy-mask "$work/mask.npy"
@@ -89,12 +98,14 @@ words classify x.graphml -o out --landmarks auto --labels topcow --variant-prior
 words reading --units um --spacing 0.5,0.5,1 --radius effective --default-radius 0.5 --level 0.5 --radius-from inscribed --box 0,0,0,1,2,3 --frame RAS --max-input 2GiB
 words phantom arterial -o x.graphml --edges 100 --break --seed 3
 named() { mkdir -p corpus/front_door; { printf '%s\n%s\n' "$1" "$2"; cat "$3"; } > "corpus/front_door/$1"; }
-for ending in swc vtp vtk tre npz json; do named "a.$ending" "" "$work/small.$ending"; done
+for ending in swc vtp vtk tre npz json am; do named "a.$ending" "" "$work/small.$ending"; done
 named a.graphml --observed "$work/graph.graphml"
 named edges.csv "" "$work/edges.csv"
 named points.csv "--units um" "$work/points.csv"
 named mask.nii "--radius-from distance" "$work/mask.nii"
 named mask.mha "--level 0.5" "$work/mask.mha"
+named mask.nrrd "" "$work/mask.nrrd"
+named mask.tif "--spacing 0.5" "$work/mask.tif"
 named mask.npy "--spacing 0.5" "$work/mask.npy"
 gzip -9nc "$work/small.swc" > "$work/small.swc.gz"
 named a.swc.gz "" "$work/small.swc.gz"

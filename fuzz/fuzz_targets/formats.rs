@@ -9,8 +9,9 @@ use willis::internals::candidates::joins::model::JoinModel;
 use willis::internals::candidates::model::Weights;
 use willis::internals::circle_of_willis::{Circle, LabelScheme, VariantFrequencies, identify_landmarks};
 use willis::internals::contacts::model::ContactModel;
+use willis::internals::formats as io;
 use willis::internals::formats::tables::conditions;
-use willis::internals::formats::{self, Content, ReadOptions};
+use willis::internals::formats::{Content, ReadOptions};
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
 use willis::internals::naming::NamingModel;
 use willis::internals::network::centerlines::Centerlines;
@@ -41,7 +42,7 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
 }
 
 /// Masks go on to become centerlines.
-fn mask(read: Result<Mask, Fault>) {
+fn mask<E>(read: Result<Mask, E>) {
     if let Ok(mask) = read {
         let _ = trace(&mask.in_scanner_order(), RadiusFrom::Area, Cavities::Fill);
     }
@@ -99,6 +100,9 @@ fuzz_target!(|bytes: &[u8]| {
         }
         "nifti" => mask(io::read_nifti(bytes, None, 1 << 24)),
         "metaimage" => drop(io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
+        "nrrd" => mask(io::read_nrrd(std::path::Path::new("a.nrrd"), bytes, None, 1 << 24)),
+        "tiff" => mask(io::read_tiff(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "amira" => lines(io::read_amira(bytes, &optional)),
         "npy-mask" => mask(io::read_numpy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
         "icafe" => drop(io::read_traced_vessels(bytes, &mm)),
         "links" => drop(io::read_links(bytes)),

@@ -19,7 +19,7 @@ use super::shell::print_json;
 /// Convert centerlines or a graph into another format, saying what is lost
 ///
 /// The ending of OUT says the format: .swc, .vtp, .vtk (legacy), .graphml, .csv (a table of vessels, with one of nodes beside
-/// it), .json (3D Slicer markups), .tre (ITK tubes), .npz (skeleton graph for NumPy). --to says it where the ending does not.
+/// it), .json (3D Slicer markups), .tre (ITK tubes), .am (Amira), .npz (skeleton graph for NumPy). --to says it where the ending does not.
 #[derive(Debug, Args)]
 pub struct ConvertArgs {
     #[command(flatten)]
@@ -77,7 +77,8 @@ impl ConvertArgs {
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
-            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NPY; convert rewrites centerlines").in_file(path));
+            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NRRD, TIFF, NPY; convert rewrites centerlines")
+                .in_file(path));
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
         let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());

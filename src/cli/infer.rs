@@ -42,7 +42,7 @@ use super::{Command, with_flags};
 
 --help lists every option.")]
 pub struct InferArgs {
-    /// A mask (NIfTI, MetaImage, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of points) or a candidate graph
+    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of points) or a candidate graph
     /// (GraphML, CSV of edges); several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column input, a row a subject) are a
     /// cohort: a folder each, and a table of all
     #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]

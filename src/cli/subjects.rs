@@ -18,7 +18,7 @@ use super::{Cli, Command, command_of};
 pub const LONGEST: usize = 80;
 
 /// Endings of files that hold centerlines or graphs, those that hold nothing else first.
-const ENDINGS: [&str; 9] = ["vtp", "swc", "graphml", "tre", "vtk", "mat", "npz", "csv", "json"];
+const ENDINGS: [&str; 10] = ["vtp", "swc", "graphml", "tre", "am", "vtk", "mat", "npz", "csv", "json"];
 
 /// One input of a cohort.
 #[derive(Debug, Clone)]

@@ -202,8 +202,8 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
     } else if options.scale.unit != LengthUnit::default() {
         let unit = options.scale.unit.symbol();
         return Err(Error::parameter("units", unit, "goes with coordinates; those of a mask are in mm"));
-    } else if options.scale.spacing.is_some() && format != Format::Npy {
-        return Err(Error::parameter("spacing", "", "goes with a NumPy mask; this file states its own"));
+    } else if options.scale.spacing.is_some() && !matches!(format, Format::Npy | Format::Tiff) {
+        return Err(Error::parameter("spacing", "", "goes with a NumPy or TIFF mask; this file states its own"));
     }
     if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
         let why = "goes with centerlines; the vessels of this input state their radii";

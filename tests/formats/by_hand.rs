@@ -123,7 +123,7 @@ fn the_format_is_decided_by_content_then_ending() {
     assert_eq!(dispatch("a.txt", "# c\n1 0 0 0 0 1 -1\n"), Ok(Format::Swc));
     assert_eq!(dispatch("a.CSV", "source,target,length_mm,radius_mm\n1,2,3,4\n"), Ok(Format::Csv));
     assert_eq!(dispatch("a.txt", "source,target,length_mm,radius_mm\n1,2,3,4\n"), Ok(Format::Csv));
-    let accepted = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NPY";
+    let accepted = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
     for (text, found) in [
         ("", "the file is empty"),
         (" \n", "the file is empty"),

@@ -12,15 +12,15 @@ use willis::{LengthUnit, Scale};
 /// A bar of 9 voxels along the first axis, at 2 along the second and 3 along the third.
 const SHAPE: [usize; 3] = [12, 5, 6];
 
-fn bar() -> Vec<u8> {
+pub fn bar() -> Vec<u8> {
     (0..12 * 5 * 6).map(|n| u8::from((2..11).contains(&(n % 12)) && n / 12 % 5 == 2 && n / 60 == 3)).collect()
 }
 
-fn read(name: &str, bytes: &[u8]) -> Result<Document, String> {
+pub fn read(name: &str, bytes: &[u8]) -> Result<Document, String> {
     read_first(&[(name, bytes)], &ReadOptions::default())
 }
 
-fn lines(document: Document) -> Centerlines {
+pub fn lines(document: Document) -> Centerlines {
     match document.content {
         Content::Centerlines(lines) => lines,
         other => panic!("{other:?}"),
@@ -28,7 +28,7 @@ fn lines(document: Document) -> Centerlines {
 }
 
 /// The ends of the one line, mm, in the order of their x, y and z, rounded.
-fn ends(document: Document) -> [[f64; 3]; 2] {
+pub fn ends(document: Document) -> [[f64; 3]; 2] {
     let lines = lines(document);
     let mut degrees = vec![0; lines.points.len()];
     lines.links.iter().flatten().for_each(|end| degrees[*end as usize] += 1);
@@ -39,7 +39,7 @@ fn ends(document: Document) -> [[f64; 3]; 2] {
 }
 
 /// The centres of the first and the last voxel of the bar, mm, for a frame.
-fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
+pub fn tips(affine: [[f64; 4]; 3]) -> [[f64; 3]; 2] {
     let at = |x: f64| affine.map(|[a, b, c, d]| ((a * x + b * 2.0 + c * 3.0 + d) * 1e3).round() / 1e3);
     let mut tips = [at(2.0), at(10.0)];
     tips.sort_by(|a, b| a.partial_cmp(b).expect("finite"));
@@ -132,7 +132,7 @@ impl Header {
     }
 }
 
-fn gzip(bytes: &[u8]) -> Vec<u8> {
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     gzip_at(Compression::default(), bytes)
 }
 
@@ -142,7 +142,7 @@ fn gzip_at(compression: Compression, bytes: &[u8]) -> Vec<u8> {
     out.finish().expect("packed")
 }
 
-const SHEARLESS: [[f64; 4]; 3] = [[0.0, -0.5, 0.0, 10.0], [0.5, 0.0, 0.0, -20.0], [0.0, 0.0, 0.75, 30.0]];
+pub const SHEARLESS: [[f64; 4]; 3] = [[0.0, -0.5, 0.0, 10.0], [0.5, 0.0, 0.0, -20.0], [0.0, 0.0, 0.75, 30.0]];
 
 #[test]
 fn a_frame_is_that_of_sform_then_of_qform_then_the_middle_of_the_image() {
@@ -210,7 +210,7 @@ fn classes_become_labels_where_there_are_several() {
 }
 
 /// The frame of ITK has x to the left and y backward.
-const ITK: [[f64; 4]; 3] = [[0.0, 0.5, 0.0, -10.0], [-0.5, 0.0, 0.0, 20.0], [0.0, 0.0, 0.75, 30.0]];
+pub const ITK: [[f64; 4]; 3] = [[0.0, 0.5, 0.0, -10.0], [-0.5, 0.0, 0.0, 20.0], [0.0, 0.0, 0.75, 30.0]];
 
 fn metaimage(more: &str, file: &str) -> String {
     format!(
@@ -300,7 +300,7 @@ fn what_is_no_mask_is_refused_in_one_line() {
         ("overflow.nii", with(Header { two: true, dim: vec![i64::MAX; 3], ..plain }), "expected at most"),
         ("grey.npy", npy("|u1", true, "(16, 16, 1)", &(0..=255).collect::<Vec<u8>>()), "no spacing"),
         ("text.npy", npy("<U1", true, "(1, 1, 1)", &[65, 0, 0, 0]), "no spacing"),
-        ("four.npy", npy("|u1", true, "(1, 1, 1, 2)", &[1, 1]), "4 dimensions; expected a mask of three"),
+        ("four.npy", npy("|u1", true, "(2, 1, 1, 2)", &[1; 4]), "4 dimensions; expected a mask of three"),
         ("a.mha", metaimage("", "LOCAL").replace("NDims = 3", "NDims = 2").into_bytes(), "a.mha:2: NDims \"2\""),
         ("b.mha", metaimage("", "LOCAL").replace("0.5 0.5", "0.5 0").into_bytes(), "ElementSpacing 0"),
         ("c.mha", metaimage("", "../a.raw").into_bytes(), "expected LOCAL, or the name of one file in the same folder"),

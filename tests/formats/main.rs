@@ -9,6 +9,7 @@ mod refused;
 #[path = "../support/shuffle.rs"]
 mod shuffle;
 
+mod amira;
 mod arrays;
 mod as_meant;
 mod by_hand;
@@ -23,6 +24,7 @@ mod icafe;
 mod images;
 mod mask_noise;
 mod masks;
+mod nrrd;
 mod partial_volume;
 mod peer_files;
 mod peers;
@@ -33,6 +35,8 @@ mod round_trip;
 mod solvers;
 mod stated;
 mod tables;
+mod tiff;
 mod tubes;
+mod unread_formats;
 mod vmtk_lines;
 mod vtk;

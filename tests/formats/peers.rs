@@ -10,7 +10,7 @@ use willis::internals::network::units::millimetres;
 use willis::internals::network::{Network, RadiusRule, contract};
 
 /// Every word for a format that is written, with the name of a file of it.
-pub const FILES: [(&str, &str); 11] = [
+pub const FILES: [(&str, &str); 12] = [
     ("swc", "a.swc"),
     ("vtp", "a.vtp"),
     ("vtk", "a.vtk"),
@@ -22,6 +22,7 @@ pub const FILES: [(&str, &str); 11] = [
     ("markups", "a.mrk.json"),
     ("tre", "a.tre"),
     ("npz", "a.npz"),
+    ("amira", "a.am"),
 ];
 
 /// Runs a script with a python that has the peers' packages; `None` where there is none.
@@ -37,7 +38,16 @@ pub fn python(script: &str, arguments: &[&Path]) -> Option<String> {
 
 /// A file or folder of the shared data; `None`, said, where it is absent.
 pub fn shared(name: &str) -> Option<PathBuf> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data").join(name);
+    beside_package("../shared/data", name)
+}
+
+/// A file of the small cases that once failed; `None`, said, where it is absent.
+pub fn case(name: &str) -> Option<PathBuf> {
+    beside_package("../shared/cases-in", name)
+}
+
+fn beside_package(folder: &str, name: &str) -> Option<PathBuf> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder).join(name);
     if !path.exists() {
         eprintln!("skipped: no {name} beside the package");
     }

@@ -23,10 +23,10 @@ pub struct CandidateArgs {
     /// The mask that the centerlines were made of; where a mask is the input, it is that one
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
-    /// The image that shows the vessels (NIfTI, MetaImage): gaps of a mask or of an automatic skeleton are looked at in it
+    /// The image that shows the vessels (NIfTI, MetaImage, NRRD, TIFF): gaps of a mask or of an automatic skeleton are looked at in it
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     image: Option<PathBuf>,
-    /// The probabilities of vessels from a segmenter (NIfTI, MetaImage), looked at in place of an image; it may be the input itself
+    /// The probabilities of vessels from a segmenter (NIfTI, MetaImage, NRRD, TIFF), looked at in place of an image; it may be the input itself
     #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "vessels"], value_hint = clap::ValueHint::FilePath)]
     probability: Option<PathBuf>,
     /// How vessels look in the image [default: auto]

@@ -19,7 +19,7 @@ use crate::cli::print::{Terminal, say_read};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// A mask (NIfTI, MetaImage, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, NPZ, MAT, CSV of
+    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of
     /// points) or a candidate graph (GraphML, CSV of edges)
     #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     pub input: PathBuf,
@@ -34,7 +34,7 @@ pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
-    /// Voxel spacing in mm, of a NumPy mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
+    /// Voxel spacing in mm, of a NumPy or TIFF mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
     /// iCafe's Image_info.txt beside INPUT or the mask itself
     #[arg(long, value_name = "S|SX,SY,SZ|auto", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
         hide_short_help = true)]
@@ -138,8 +138,7 @@ impl ReadingArgs {
             }
             (StatedSpacing::Beside(_), Some(_)) => Err(Error::parameter("spacing", "auto", "goes with `units` voxel")),
             (StatedSpacing::Nowhere, _) => {
-                let accepted =
-                    "expected Image_info.txt of iCafe beside it or a mask in NIfTI or MetaImage, else give the spacing in mm";
+                let accepted = "expected Image_info.txt of iCafe beside it or a mask in NIfTI, MetaImage, NRRD or TIFF, else give the spacing in mm";
                 Err(Fault::file("nothing states the spacing", accepted).in_file(input))
             }
         }

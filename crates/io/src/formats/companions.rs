@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::formats::format::{Format, HEAD, format_of};
-use crate::formats::images::metaimage::file_of_voxels;
+use crate::formats::images::{metaimage, nrrd};
 use crate::formats::input::{content_within, unpacked_head, unpacked_name};
 use crate::formats::read::{ReadOptions, without_mark};
 use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
@@ -36,7 +36,8 @@ pub fn companion_files(path: &Path) -> Vec<PathBuf> {
         }
         Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
         Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
-        Ok(Format::MetaImage) => file_of_voxels(path, bytes).into_iter().collect(),
+        Ok(Format::MetaImage) => metaimage::file_of_voxels(path, bytes).into_iter().collect(),
+        Ok(Format::Nrrd) => nrrd::file_of_voxels(path, bytes).into_iter().collect(),
         _ => Vec::new(),
     };
     found.sort();
@@ -54,12 +55,12 @@ pub enum StatedSpacing {
     Nowhere,
 }
 
-/// Where the voxel spacing of an input is stated: a mask in NIfTI or MetaImage states its own, and Image_info.txt that of an iCafe tracing
+/// Where the voxel spacing of an input is stated: a mask in NIfTI, MetaImage, NRRD or TIFF states its own, and Image_info.txt that of an iCafe tracing
 /// beside it.
 pub fn stated_spacing(path: &Path) -> StatedSpacing {
     let head = head(path);
     match format_of(path, without_mark(&head)) {
-        Ok(Format::Nifti | Format::MetaImage) => StatedSpacing::Within,
+        Ok(Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff) => StatedSpacing::Within,
         Ok(Format::Swc | Format::ICafe) => image_spacing(path).map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
         _ => StatedSpacing::Nowhere,
     }

@@ -14,7 +14,7 @@ use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel}
 use willis_core::support::geometry::{distance, lerp};
 
 /// The endings that mean a format.
-pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .npz or .yaml";
+pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .am, .npz or .yaml";
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -196,12 +196,14 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
         Format::GraphMl | Format::Csv => vec![],
         Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
         Format::Npz | Format::VesselVio if is_straight(network) => vec![Ids, Statements, Conditions, Radii],
-        Format::Swc | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
+        Format::Swc | Format::Amira | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
         Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
         Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
         Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
         Format::SvZeroD | Format::OpenBf => vec![Paths, Ids, LoneNodes, Radii],
-        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Npy => Vec::new(),
+        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff | Format::Npy => {
+            Vec::new()
+        }
     }
 }
 
@@ -252,7 +254,7 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     if format == Format::OpenBf && inlets > 0 {
         lost.push(format!("the pressure or flow of {inlets} inlets, which openBF takes as a course in time from inlet-N.dat"));
     }
-    let is_silent = matches!(format, Format::Csv | Format::Points | Format::Voreen | Format::VesselVio);
+    let is_silent = matches!(format, Format::Csv | Format::Points | Format::Amira | Format::Voreen | Format::VesselVio);
     if let Some(frame) = network.frame.name().filter(|_| is_silent) {
         lost.push(format!("that positions are in {frame}"));
     }

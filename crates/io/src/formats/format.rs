@@ -7,16 +7,21 @@ use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, 
 use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
+use super::images::nrrd::{is_nrrd, read_nrrd, read_nrrd_image};
 use super::images::numpy::{self, read_numpy_image, read_numpy_mask};
+use super::images::tiff::{is_tiff, read_tiff, read_tiff_image};
 use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::read::{Content, Document, ReadOptions};
+use super::refused::refused;
+use super::solvers::svzerod::is_svzerod;
 use super::solvers::{write_openbf, write_svzerod};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::points::{read_points, write_points};
 use super::tables::reader::{delimiter, plural};
+use super::vendors::amira::{is_amira, read_amira, write_amira};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
 use super::vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
@@ -60,6 +65,8 @@ pub enum Format {
     Markups,
     /// ITK tubes.
     Tre,
+    /// The SpatialGraph of Amira and Avizo.
+    Amira,
     /// A skeleton graph as NumPy arrays.
     Npz,
     /// VTrails' geodesic trees, a MATLAB 7.3 file.
@@ -68,6 +75,10 @@ pub enum Format {
     Nifti,
     /// A mask in MetaImage, the format of ITK.
     MetaImage,
+    /// A mask in NRRD, plain or a segmentation of 3D Slicer.
+    Nrrd,
+    /// A mask as a stack of TIFF pages.
+    Tiff,
     /// A mask as a NumPy array, in a file of its own or an archive.
     Npy,
     /// A model of the solver svZeroDSolver, only written.
@@ -77,7 +88,7 @@ pub enum Format {
 }
 
 /// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 18] = [
+const NAMES: [(Format, &str, &str, &str); 21] = [
     (Format::Swc, "SWC", "swc", "swc"),
     (Format::Vtp, "VTP", "vtp", "vtp"),
     (Format::Vtk, "VTK legacy", "vtk", "vtk"),
@@ -89,10 +100,13 @@ const NAMES: [(Format, &str, &str, &str); 18] = [
     (Format::Markups, "Slicer markups", "markups", "json"),
     (Format::Tre, "TRE", "tre", "tre"),
     (Format::Npz, "NPZ", "npz", "npz"),
+    (Format::Amira, "Amira SpatialGraph", "amira", "am"),
     (Format::ICafe, "iCafe", "", ""),
     (Format::VTrails, "VTrails MAT", "", ""),
     (Format::Nifti, "NIfTI mask", "", ""),
     (Format::MetaImage, "MetaImage mask", "", ""),
+    (Format::Nrrd, "NRRD mask", "", ""),
+    (Format::Tiff, "TIFF mask", "", ""),
     (Format::Npy, "NumPy mask", "", ""),
     (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
     (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
@@ -106,7 +120,7 @@ impl Format {
 
     /// Whether it holds a segmentation mask, of which centerlines are made.
     pub fn is_mask(self) -> bool {
-        matches!(self, Self::Nifti | Self::MetaImage | Self::Npy)
+        matches!(self, Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy)
     }
 
     /// The words for the formats that can be written.
@@ -149,10 +163,11 @@ impl Format {
             Self::Vtp => lines(read_vtp(bytes, options).map_err(here)?),
             Self::Vtk => lines(read_vtk(bytes, options).map_err(here)?),
             Self::Tre => lines(read_tre(bytes, options).map_err(here)?),
+            Self::Amira => lines(read_amira(bytes, options).map_err(here)?),
             Self::Markups => lines(read_markups(bytes, options).map_err(here)?),
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
-            Self::Nifti | Self::MetaImage | Self::Npy => {
+            Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
                 let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
                 lumen = Some(voxels);
                 lines((traced, notes))
@@ -170,8 +185,10 @@ impl Format {
         match self {
             Self::Nifti => read_nifti(bytes, level, most),
             Self::MetaImage => return read_metaimage(path, bytes, level, most),
+            Self::Nrrd => return read_nrrd(path, bytes, level, most),
+            Self::Tiff => read_tiff(bytes, options.scale.spacing, level, most),
             Self::Npy => read_numpy_mask(bytes, options.scale.spacing, level, most),
-            _ => Err(Fault::file(format!("{}, not a mask", self.name()), "expected NIfTI, MetaImage or NumPy voxels")),
+            _ => Err(Fault::file(format!("{}, not a mask", self.name()), VOXELS)),
         }
         .map_err(|fault| fault.in_file(path))
     }
@@ -199,10 +216,11 @@ impl Format {
             Self::VesselVio => write_vesselvio(nodes, out, network)?,
             Self::Markups => write_markups(out, network)?,
             Self::Tre => write_tre(out, network)?,
+            Self::Amira => write_amira(out, network)?,
             Self::Npz => write_skeleton_npz(out, network)?,
             Self::SvZeroD => write_svzerod(out, network)?,
             Self::OpenBf => write_openbf(out, network)?,
-            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Npy => {
+            Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
             }
         }
@@ -237,8 +255,10 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
     let image = match format_of(path, &bytes).map_err(here)? {
         Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
         Format::MetaImage => read_metaimage_image(path, &bytes, most),
+        Format::Nrrd => read_nrrd_image(path, &bytes, most),
+        Format::Tiff => read_tiff_image(&bytes, options.scale.spacing, most).map_err(here),
         Format::Npy => read_numpy_image(&bytes, options.scale.spacing, most).map_err(here),
-        other => Err(here(Fault::file(format!("{}, not an image", other.name()), "expected NIfTI, MetaImage or NumPy voxels"))),
+        other => Err(here(Fault::file(format!("{}, not an image", other.name()), VOXELS))),
     };
     Ok((image?, checksum(&bytes)))
 }
@@ -255,10 +275,16 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     let mut mask = mask.in_scanner_order();
     let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
     let traced = trace(&mask, options.radius_from, options.cavities);
-    let traced =
+    let mut traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
+    let labels = &mut traced.lines.labels;
+    for link in 0..traced.lines.links.len() {
+        if let Some(name) = labels.of(link).parse().ok().and_then(|class| mask.names.get(&class)) {
+            labels.set(link, name);
+        }
+    }
     match walls {
         Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
         Some([outside, inside]) => {
@@ -288,13 +314,17 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     Ok((traced.lines, traced.lumen, notes))
 }
 
-const ACCEPTED: &str =
-    "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, VTrails MAT, or a mask: NIfTI, MetaImage, NPY";
+const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
+/// The formats of voxels.
+const VOXELS: &str = "expected NIfTI, MetaImage, NRRD, TIFF or NumPy voxels";
 
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if bytes.trim_ascii().is_empty() {
         return Err(Fault::file("the file is empty", ACCEPTED));
+    }
+    if let Some(fault) = refused(path, bytes) {
+        return Err(fault);
     }
     if let Some(format) = by_signature(bytes)? {
         return Ok(format);
@@ -356,7 +386,19 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if is_metaimage(bytes) {
         return Ok(Some(Format::MetaImage));
     }
+    if is_nrrd(bytes) {
+        return Ok(Some(Format::Nrrd));
+    }
+    if is_tiff(bytes) {
+        return Ok(Some(Format::Tiff));
+    }
+    if is_amira(bytes) {
+        return Ok(Some(Format::Amira));
+    }
     let text = bytes.trim_ascii_start();
+    if is_svzerod(text) {
+        return Ok(Some(Format::SvZeroD));
+    }
     if text.starts_with(b"{") {
         return Ok(Some(Format::Markups));
     }

@@ -3,7 +3,7 @@
 use std::cell::Cell;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Sink, Write};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
@@ -185,6 +185,15 @@ pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
         path.with_extension("")
     } else {
         path.to_owned()
+    }
+}
+
+/// The file called `name` in the folder of `path`; nothing for a name that leads out of it.
+pub(crate) fn beside(path: &Path, name: &str) -> Option<PathBuf> {
+    let mut parts = Path::new(name.strip_prefix("./").unwrap_or(name)).components();
+    match (parts.next(), parts.next()) {
+        (Some(Component::Normal(name)), None) => Some(path.with_file_name(name)),
+        _ => None,
     }
 }
 

@@ -1,5 +1,7 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
+use std::collections::BTreeMap;
+
 use super::partial::Walls;
 use willis_core::network::Frame;
 use willis_core::support::geometry::{Point, cross, dot, norm_squared};
@@ -22,6 +24,8 @@ pub struct Mask {
     pub frame: Frame,
     /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
     pub reversed: bool,
+    /// What its file calls classes; others are known by their number.
+    pub names: BTreeMap<u8, String>,
     /// Notes for the user about how it was read, one line each.
     pub notes: Vec<String>,
 }
@@ -29,7 +33,16 @@ pub struct Mask {
 impl Mask {
     /// A mask in the scanner's frame.
     pub fn new(shape: [usize; 3], classes: Vec<u8>, affine: Affine) -> Self {
-        Self { shape, classes, affine, walls: None, frame: Frame::Ras, reversed: false, notes: Vec::new() }
+        Self {
+            shape,
+            classes,
+            affine,
+            walls: None,
+            frame: Frame::Ras,
+            reversed: false,
+            names: BTreeMap::new(),
+            notes: Vec::new(),
+        }
     }
 
     /// Numbers along the three axes, in the order in which the file counts them.

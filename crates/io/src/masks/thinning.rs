@@ -44,6 +44,11 @@ impl Neighbourhoods {
         }
     }
 
+    /// Whether these neighbours are two that touch.
+    fn is_pair(&self, neighbours: u32) -> bool {
+        neighbours.count_ones() == 2 && self.touching[neighbours.trailing_zeros() as usize] & neighbours != 0
+    }
+
     /// Whether a voxel with these neighbours is simple.
     fn is_simple(&self, neighbours: u32) -> bool {
         let background = !neighbours & self.eighteen;
@@ -124,9 +129,11 @@ pub fn thin(vessels: &Foreground) -> Vec<u32> {
                 // The marks of what went in this pass beside it: 0 for most.
                 let before = near.iter().map(|next| state[*next]).filter(|mark| mark & THERE == 0).max().unwrap_or(0);
                 let is_end = bits.is_power_of_two();
+                // The end of a line, or the last voxel across the end of a band of them.
+                let is_tip = is_end || tables.is_pair(bits);
                 let is_last = || near.iter().any(|next| state[*next] & THERE != 0 && bits_at(&state, *next).is_power_of_two());
-                if tables.is_simple(bits) && !(is_end && (before == MOST_ENDS || is_last())) {
-                    let mark = before + u8::from(is_end);
+                if tables.is_simple(bits) && !(is_tip && before == MOST_ENDS || is_end && is_last()) {
+                    let mark = before + u8::from(is_tip);
                     state[*place] = mark;
                     marked.extend((mark > 0).then_some(*place));
                     for next in near {

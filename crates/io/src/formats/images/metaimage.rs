@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
-use crate::formats::input::bytes_within;
+use crate::formats::input::{beside, bytes_within};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
@@ -37,7 +37,7 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let header = Header::read(bytes).ok()?;
     let (_, name) = header.text("ElementDataFile").ok()?;
-    (!is_local(name) && Path::new(name).components().count() == 1).then(|| path.with_file_name(name))
+    if is_local(name) { None } else { beside(path, name) }
 }
 
 /// Reads a mask; `path` tells where a second file is.
@@ -72,18 +72,17 @@ fn with_voxels<T>(
     let voxels = header.voxels().map_err(here)?;
     let needed = voxels.bytes(most).map_err(here)?;
     let (line, name) = header.text("ElementDataFile").map_err(here)?;
-    let beside;
+    let other;
     let (file, data) = if is_local(name) {
         (path.to_owned(), &bytes[header.end..])
     } else {
-        let other = Path::new(name);
-        if name.starts_with("LIST") || name.contains('%') || other.components().count() != 1 {
+        let is_list = name.starts_with("LIST") || name.contains('%');
+        let file = beside(path, name).filter(|_| !is_list).ok_or_else(|| {
             let accepted = "expected LOCAL, or the name of one file in the same folder";
-            return Err(here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted)));
-        }
-        let file = path.with_file_name(other);
-        beside = bytes_within(&file, most)?;
-        (file, beside.as_slice())
+            here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted))
+        })?;
+        other = bytes_within(&file, most)?;
+        (file, other.as_slice())
     };
     let there = |fault: Fault| fault.in_file(&file);
     if header.is_true("CompressedData") {

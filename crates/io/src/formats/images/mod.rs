@@ -2,5 +2,8 @@
 
 pub(crate) mod metaimage;
 pub(crate) mod nifti;
+pub(crate) mod nrrd;
 pub(crate) mod numpy;
+mod pieces;
+pub(crate) mod tiff;
 mod voxels;

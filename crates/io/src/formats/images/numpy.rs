@@ -14,8 +14,10 @@ const VOXELS: [&str; 8] = ["mask", "seg", "segmentation", "label", "labels", "im
 /// Whether the arrays of an archive are those of a mask.
 pub(crate) fn is_mask(bytes: &[u8]) -> bool {
     let room = UnpackLimit::of(bytes.len(), 0);
-    Archive::open(bytes, &room)
-        .is_ok_and(|archive| !archive.has("edges") && !archive.has("indptr") && VOXELS.iter().any(|name| archive.has(name)))
+    Archive::open(bytes, &room).is_ok_and(|archive| {
+        let is_graph = ["edges", "indptr", "row"].iter().any(|name| archive.has(name));
+        !is_graph && VOXELS.iter().any(|name| archive.has(name))
+    })
 }
 
 /// Reads a mask, of an `.npy` file or of an archive whose array is called `mask` or another usual name. The first axis of the array is x;

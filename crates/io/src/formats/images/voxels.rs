@@ -246,7 +246,7 @@ impl Classes {
 }
 
 /// Fills as much of `out` as there are bytes.
-fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
+pub(super) fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
     let mut filled = 0;
     while filled < out.len() {
         match bytes.read(&mut out[filled..]) {

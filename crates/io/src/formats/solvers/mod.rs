@@ -1,7 +1,7 @@
 //! Writes a network with its conditions for solvers in time: svZeroDSolver (lumped) and openBF (one-dimensional).
 
 mod openbf;
-mod svzerod;
+pub(in crate::formats) mod svzerod;
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

@@ -16,6 +16,13 @@ const VOLUME: f64 = 1e6;
 const RESISTANCE: f64 = 1e-5;
 const COMPLIANCE: f64 = 1e5;
 
+/// Whether a text begins as a model of svZeroDSolver, which states no positions, so that no network can be made of it.
+pub(crate) fn is_svzerod(text: &[u8]) -> bool {
+    let head = &text[..text.len().min(1 << 12)];
+    let has = |key: &[u8]| head.windows(key.len()).any(|part| part == key);
+    text.starts_with(b"{") && has(b"\"boundary_conditions\"") && !has(b"\"markups\"")
+}
+
 /// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh); conditions are constant
 /// in time, over a period of 1 s.
 ///

@@ -177,7 +177,7 @@ impl Row<'_> {
 
     /// The finite number in a column.
     pub(crate) fn finite(&self, column: usize) -> Result<f64, Fault> {
-        let found = || format!("{} \"{}\"", self.header[column], self.text(column));
+        let found = || format!("{} \"{}\"", self.header[column], self.fields.get(column).unwrap_or_default());
         let number = Some(self.real(column)?).filter(|x| x.is_finite());
         number.ok_or_else(|| Fault::line(self.line, found(), "expected a finite number"))
     }

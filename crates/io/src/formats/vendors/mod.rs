@@ -1,5 +1,6 @@
-//! Files of other programs: iCafe, 3D Slicer, VesselVio, Voreen, VTrails.
+//! Files of other programs: Amira, iCafe, 3D Slicer, VesselVio, Voreen, VTrails.
 
+pub(crate) mod amira;
 pub(crate) mod icafe;
 pub(crate) mod slicer_markups;
 pub(crate) mod vesselvio;

@@ -1,0 +1,514 @@
+//! Reads masks and images in NRRD: `.nrrd` in one file, `.nhdr` with the voxels beside it, and the segmentations of 3D Slicer, `.seg.nrrd`.
+//!
+//! The file's `space` is turned to the scanner's frame; where it states none of a patient, nobody says which way the axes point. Source: teem.sourceforge.net/nrrd/format.html; for segments the documentation of 3D Slicer's module Segmentations.
+
+use std::cell::Cell;
+use std::collections::{BTreeMap, HashMap};
+use std::io::{self, Read, copy, sink};
+use std::path::{Path, PathBuf};
+
+use flate2::read::MultiGzDecoder;
+
+use super::pieces::Pieces;
+use super::voxels::{Voxels, fill};
+use crate::formats::binary::NumberType;
+use crate::formats::input::{beside, bytes_within};
+use crate::formats::tables::reader::plural;
+use crate::masks::{Affine, Image, Mask};
+use willis_core::error::{Fault, Result};
+use willis_core::network::Frame;
+
+/// No header is longer; that of a hundred segments has a tenth of it.
+const MOST_HEADER: usize = 1 << 20;
+/// Classes are numbered by one byte.
+const MOST_SEGMENTS: usize = 255;
+/// Voxels of a piece, for streams that are made piece by piece.
+const PIECE: usize = 1 << 12;
+
+/// The fields of a header, each with its line, the keys of programs with their values, and where the voxels of the same file begin.
+struct Header {
+    fields: HashMap<String, (usize, String)>,
+    keys: BTreeMap<String, String>,
+    end: usize,
+}
+
+/// The axes of a file.
+struct Axes {
+    /// Which of them are those of space.
+    of_space: [usize; 3],
+    /// Their lengths.
+    shape: [usize; 3],
+    /// The length of the fourth, which holds layers; 1 without it.
+    layers: usize,
+    /// How many there are.
+    count: usize,
+}
+
+/// How the numbers are stored.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Raw,
+    Gzip,
+    Text,
+}
+
+/// A segment of 3D Slicer: the voxels of a layer that have its value.
+struct Segment {
+    layer: usize,
+    value: f64,
+    name: String,
+}
+
+/// Whether a file begins as NRRD does.
+pub(crate) fn is_nrrd(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"NRRD000")
+}
+
+/// The file beside `path` that holds its voxels, if they are not in the same file.
+pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
+    let header = Header::read(bytes).ok()?;
+    let (_, name) = header.field("data file")?;
+    beside(path, name)
+}
+
+/// Reads a mask; `path` tells where a second file is. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where
+/// several layers overlap, the last segment has the voxel, as when Slicer exports a label map.
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, no mask of three dimensions, or one without a usable frame.
+pub fn read_nrrd(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
+    with_voxels(path, bytes, most, |header, voxels, layers, stream| {
+        let segments = header.segments(layers)?;
+        if segments.is_empty() || (layers == 1 && level.is_some()) {
+            header.one_layer(layers)?;
+            return voxels.read(stream, level, most);
+        }
+        let (unnamed, shared) = (Cell::new(0), Cell::new(0));
+        let classes = Classes { segments: &segments, layers, voxels: &voxels, unnamed: &unnamed, shared: &shared };
+        let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
+        let mut mask = as_bytes.read(classes.of(stream), level, most)?;
+        if unnamed.get() > 0 {
+            mask.notes.push(format!("{} with a value of no segment: left out", plural(unnamed.get(), "voxel")));
+        }
+        if shared.get() > 0 {
+            mask.notes.push(format!("{} in several segments: taken to the last of them", plural(shared.get(), "voxel")));
+        }
+        let names = (1..).zip(segments).filter(|(_, segment)| !segment.name.is_empty());
+        mask.names = names.map(|(class, segment)| (class, segment.name)).collect();
+        Ok(mask)
+    })
+}
+
+/// Reads an image, at most `most` bytes of it; `path` tells where a second file is.
+///
+/// # Errors
+///
+/// A file that is cut, no image of three dimensions, or one without a usable frame.
+pub fn read_nrrd_image(path: &Path, bytes: &[u8], most: u64) -> Result<Image> {
+    with_voxels(path, bytes, most, |header, voxels, layers, stream| {
+        header.one_layer(layers)?;
+        voxels.read_values(stream, most)
+    })
+}
+
+/// Reads the header, and hands over how the voxels are stored, in how many layers, with their bytes.
+fn with_voxels<T>(
+    path: &Path,
+    bytes: &[u8],
+    most: u64,
+    take: impl FnOnce(&Header, Voxels, usize, Box<dyn Read + '_>) -> Result<T, Fault>,
+) -> Result<T> {
+    let here = |fault: Fault| fault.in_file(path);
+    let header = Header::read(bytes).map_err(here)?;
+    let encoding = header.encoding().map_err(here)?;
+    let (voxels, layers) = header.voxels(encoding).map_err(here)?;
+    let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
+    let other;
+    let (file, mut data) = match header.field("data file") {
+        None => (path.to_owned(), bytes.get(header.end..).unwrap_or_default()),
+        Some((line, name)) => {
+            let is_list = name.starts_with("LIST") || name.starts_with("SKIPLIST") || name.contains('%');
+            let file = beside(path, name).filter(|_| !is_list).ok_or_else(|| {
+                here(Fault::line(line, format!("data file \"{name}\""), "expected the name of one file in the same folder"))
+            })?;
+            other = bytes_within(&file, most)?;
+            (file, other.as_slice())
+        }
+    };
+    let there = |fault: Fault| fault.in_file(&file);
+    for _ in 0..header.whole("line skip").map_err(here)?.unwrap_or(0).max(0) {
+        let Some(end) = data.iter().position(|byte| *byte == b'\n') else {
+            return Err(there(Fault::file("fewer lines than are to be skipped", "expected a whole file")));
+        };
+        data = &data[end + 1..];
+    }
+    let skipped = header.whole("byte skip").map_err(here)?.unwrap_or(0);
+    if encoding == Encoding::Gzip {
+        let mut stream = MultiGzDecoder::new(data);
+        let skip = copy(&mut stream.by_ref().take(u64::try_from(skipped).unwrap_or(0)), &mut sink());
+        skip.map_err(|error| there(Fault::file(format!("unreadable: {error}"), "expected a whole file")))?;
+        return take(&header, voxels, layers, Box::new(stream)).map_err(there);
+    }
+    // Byte skip -1: the voxels are the last bytes of the file.
+    let skipped = match usize::try_from(skipped) {
+        Ok(skipped) => skipped,
+        Err(_) if encoding == Encoding::Raw => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
+        Err(_) => 0,
+    };
+    let data = data.get(skipped..).unwrap_or_default();
+    let stream: Box<dyn Read> = if encoding == Encoding::Text { Box::new(written_numbers(data)) } else { Box::new(data) };
+    take(&header, voxels, layers, stream).map_err(there)
+}
+
+/// Numbers that are written as text, as reals of 8 bytes.
+fn written_numbers(text: &[u8]) -> impl Read {
+    let mut words = text.split(|byte| byte.is_ascii_whitespace() || *byte == b',').filter(|word| !word.is_empty());
+    Pieces::new(move |piece| {
+        for word in words.by_ref().take(PIECE) {
+            let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
+            let number = number.ok_or_else(|| {
+                let word = String::from_utf8_lossy(&word[..word.len().min(20)]).into_owned();
+                io::Error::new(io::ErrorKind::InvalidData, format!("\"{}\" is no number", word.escape_debug()))
+            })?;
+            piece.extend_from_slice(&number.to_le_bytes());
+        }
+        Ok(())
+    })
+}
+
+/// How the values of all layers of a voxel become its class.
+struct Classes<'a> {
+    segments: &'a [Segment],
+    layers: usize,
+    /// How a value of a layer is stored.
+    voxels: &'a Voxels,
+    /// Voxels with a value of no segment, and with several segments.
+    unnamed: &'a Cell<usize>,
+    shared: &'a Cell<usize>,
+}
+
+impl<'a> Classes<'a> {
+    /// The class of each voxel as a byte, from the stored values of all its layers, which follow one another.
+    fn of(self, mut stored: impl Read + 'a) -> impl Read + 'a {
+        let bytes = self.voxels.size * self.layers;
+        let mut block = vec![0; PIECE * bytes];
+        // Most voxels are as the one before.
+        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
+        Pieces::new(move |piece| {
+            let found = fill(&mut stored, &mut block)?;
+            for voxel in block[..found].chunks_exact(bytes) {
+                if last.0 != voxel {
+                    let (class, is_unnamed, is_shared) = self.class(voxel);
+                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
+                }
+                self.unnamed.set(self.unnamed.get() + usize::from(last.2));
+                self.shared.set(self.shared.get() + usize::from(last.3));
+                piece.push(last.1);
+            }
+            Ok(())
+        })
+    }
+
+    /// The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
+    fn class(&self, voxel: &[u8]) -> (u8, bool, bool) {
+        let values: Vec<f64> =
+            voxel.chunks_exact(self.voxels.size).map(|stored| self.voxels.kind.value(stored, self.voxels.big)).collect();
+        let mut of = (1_u8..).zip(self.segments).filter(|(_, segment)| values[segment.layer] == segment.value);
+        let (first, last) = (of.next(), of.last());
+        let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
+        (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
+    }
+}
+
+/// The name of a field without spaces and capitals, which the format's own programs pass over.
+fn plain(name: &str) -> String {
+    name.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_lowercase()).collect()
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let (mut fields, mut keys, mut at, mut line) = (HashMap::new(), BTreeMap::new(), 0, 0);
+        loop {
+            if at >= MOST_HEADER {
+                return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
+            }
+            let rest = &bytes[at..];
+            let end = rest.iter().take(MOST_HEADER).position(|byte| *byte == b'\n').unwrap_or(rest.len());
+            let text = String::from_utf8_lossy(&rest[..end.min(MOST_HEADER)]).trim().to_owned();
+            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
+            // A header whose voxels are in another file may end with the file.
+            if text.is_empty() {
+                return Ok(Self { fields, keys, end: at });
+            }
+            if line == 1 || text.starts_with('#') {
+                continue;
+            }
+            // A key may have colons, a field none before its own.
+            let (field, key) = (text.find(": "), text.find(":="));
+            if let Some(key) = key.filter(|key| field.is_none_or(|field| *key < field)) {
+                keys.insert(text[..key].trim().to_owned(), text[key + 2..].trim().to_owned());
+            } else if let Some((name, value)) = text.split_once(':') {
+                fields.insert(plain(name), (line, value.trim().to_owned()));
+            } else {
+                return Err(Fault::line(line, format!("\"{text}\""), "expected a line `field: value`"));
+            }
+        }
+    }
+
+    /// The line of a field and its value.
+    fn field(&self, name: &str) -> Option<(usize, &str)> {
+        self.fields.get(&plain(name)).map(|(line, value)| (*line, value.as_str()))
+    }
+
+    fn needed(&self, name: &str) -> Result<(usize, &str), Fault> {
+        self.field(name).ok_or_else(|| Fault::file(format!("no field {name}"), "expected it in the header"))
+    }
+
+    fn whole(&self, name: &str) -> Result<Option<i64>, Fault> {
+        let Some((line, value)) = self.field(name) else { return Ok(None) };
+        let number = value.parse().map_err(|_| Fault::line(line, format!("{name} \"{value}\""), "expected a whole number"))?;
+        Ok(Some(number))
+    }
+
+    /// The numbers of a field, one for each axis; NaN where an axis has none.
+    fn numbers(&self, name: &str, axes: usize) -> Result<Option<Vec<f64>>, Fault> {
+        let Some((line, value)) = self.field(name) else { return Ok(None) };
+        let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
+        let numbers = numbers.filter(|numbers| numbers.len() == axes);
+        let accepted = || format!("expected {axes} numbers");
+        numbers.map(Some).ok_or_else(|| Fault::line(line, format!("{name} \"{value}\""), accepted()))
+    }
+
+    fn encoding(&self) -> Result<Encoding, Fault> {
+        let (line, word) = self.needed("encoding")?;
+        match word.to_ascii_lowercase().as_str() {
+            "raw" => Ok(Encoding::Raw),
+            "gzip" | "gz" => Ok(Encoding::Gzip),
+            "text" | "txt" | "ascii" => Ok(Encoding::Text),
+            _ => Err(Fault::line(line, format!("encoding \"{word}\""), "expected raw, gzip or ascii")),
+        }
+    }
+
+    /// How the voxels are stored, and in how many layers.
+    fn voxels(&self, encoding: Encoding) -> Result<(Voxels, usize), Fault> {
+        let (line, word) = self.needed("type")?;
+        let (kind, size) = number_type(word).ok_or_else(|| {
+            let accepted = "expected uchar, short, float or another type of number";
+            Fault::line(line, format!("type \"{word}\""), accepted)
+        })?;
+        let axes = self.axes()?;
+        let affine = self.affine(&axes)?;
+        let Axes { shape, layers, .. } = axes;
+        let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };
+        let as_stored = Voxels { shape, kind, size, big: false, slope: [1.0, 0.0], affine, frame, reversed: false };
+        if encoding == Encoding::Text {
+            return Ok((Voxels { kind: NumberType::Real, size: 8, ..as_stored }, layers));
+        }
+        let big = match self.field("endian").map(|(line, word)| (line, word.to_ascii_lowercase())) {
+            Some((_, word)) if word == "little" => false,
+            Some((_, word)) if word == "big" => true,
+            None if size == 1 => false,
+            None => return Err(Fault::file("no field endian", "expected little or big")),
+            Some((line, word)) => return Err(Fault::line(line, format!("endian \"{word}\""), "expected little or big")),
+        };
+        Ok((Voxels { big, ..as_stored }, layers))
+    }
+
+    /// The axes, three of which are those of space.
+    fn axes(&self) -> Result<Axes, Fault> {
+        let (line, text) = self.needed("sizes")?;
+        let sizes: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
+        let dimension = self.whole("dimension")?.ok_or_else(|| Fault::file("no field dimension", "expected it in the header"))?;
+        let sizes = sizes.filter(|sizes| sizes.len() as i64 == dimension);
+        let sizes =
+            sizes.ok_or_else(|| Fault::line(line, format!("sizes \"{text}\""), format!("expected {dimension} whole numbers")))?;
+        let not_three = || Fault::line(line, format!("sizes \"{text}\""), "expected three dimensions; take one volume");
+        let (layers, of_space) = match sizes.len() {
+            3 => (1, [0, 1, 2]),
+            4 => {
+                let list = self.list_axis(&sizes)?.ok_or_else(not_three)?;
+                if list > 0 && sizes[list] != 1 {
+                    return Err(not_three());
+                }
+                (sizes[list], [0, 1, 2].map(|axis| axis + usize::from(axis >= list)))
+            }
+            _ => return Err(not_three()),
+        };
+        if layers == 0 || layers > MOST_SEGMENTS {
+            let accepted = format!("expected from 1 to {MOST_SEGMENTS} layers");
+            return Err(Fault::line(line, format!("sizes \"{text}\""), accepted));
+        }
+        Ok(Axes { of_space, shape: of_space.map(|axis| sizes[axis]), layers, count: sizes.len() })
+    }
+
+    /// The axis of four that is not one of space.
+    fn list_axis(&self, sizes: &[usize]) -> Result<Option<usize>, Fault> {
+        let only =
+            |is: Vec<bool>| (is.len() == 4 && is.iter().filter(|is| **is).count() == 1).then(|| is.iter().position(|is| *is));
+        if let Some(directions) = self.directions(4)?
+            && let Some(axis) = only(directions.iter().map(Option::is_none).collect())
+        {
+            return Ok(axis);
+        }
+        let is_space = |kind: &str| ["domain", "space"].contains(&kind.to_ascii_lowercase().as_str());
+        if let Some((_, kinds)) = self.field("kinds")
+            && let Some(axis) = only(kinds.split_whitespace().map(|kind| !is_space(kind)).collect())
+        {
+            return Ok(axis);
+        }
+        if let Some(spacings) = self.numbers("spacings", 4)?
+            && let Some(axis) = only(spacings.iter().map(|spacing| spacing.is_nan()).collect())
+        {
+            return Ok(axis);
+        }
+        Ok([3, 0].into_iter().find(|axis| sizes[*axis] == 1))
+    }
+
+    /// The step along each axis; `None` for one that is not of space.
+    fn directions(&self, axes: usize) -> Result<Option<Vec<Option<[f64; 3]>>>, Fault> {
+        let Some((line, text)) = self.field("space directions") else { return Ok(None) };
+        let steps = vectors(text).filter(|steps| steps.len() == axes);
+        let accepted = || format!("expected {axes} vectors of three numbers, or none for an axis");
+        steps.map(Some).ok_or_else(|| Fault::line(line, format!("space directions \"{text}\""), accepted()))
+    }
+
+    /// The scanner's frame in mm from voxels.
+    fn affine(&self, axes: &Axes) -> Result<Affine, Fault> {
+        let (of_space, count) = (axes.of_space, axes.count);
+        let turn = self.turn()?.unwrap_or([1.0; 3]);
+        let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
+        if let Some(directions) = self.directions(count)? {
+            for (step, axis) in steps.iter_mut().zip(of_space) {
+                let none = || Fault::file(format!("axis {axis} has no space direction"), "expected three axes of space");
+                *step = directions[axis].ok_or_else(none)?;
+            }
+        } else {
+            let spacings = self.numbers("spacings", count)?;
+            let least = self.numbers("axis mins", count)?;
+            for (n, axis) in of_space.into_iter().enumerate() {
+                steps[n][n] = spacings.as_ref().map_or(1.0, |spacings| spacings[axis]);
+                origin[n] = least.as_ref().map_or(0.0, |least| least[axis]);
+            }
+            if let Some(bad) = [0, 1, 2].map(|n| steps[n][n]).iter().find(|s| !(s.is_finite() && **s > 0.0)) {
+                return Err(Fault::file(format!("spacing {bad}"), "expected a positive spacing along every axis"));
+            }
+        }
+        if let Some((line, text)) = self.field("space origin") {
+            let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
+            let wrong = || Fault::line(line, format!("space origin \"{text}\""), "expected a vector of three numbers");
+            origin = found.ok_or_else(wrong)?;
+        }
+        let unit = self.unit();
+        Ok(std::array::from_fn(|row| {
+            std::array::from_fn(|column| turn[row] * unit * if column < 3 { steps[column][row] } else { origin[row] })
+        }))
+    }
+
+    /// What turns each axis of the file's space to the scanner's, where it states one.
+    fn turn(&self) -> Result<Option<[f64; 3]>, Fault> {
+        let Some((line, space)) = self.field("space") else { return Ok(None) };
+        match space.to_ascii_lowercase().as_str() {
+            "right-anterior-superior" | "ras" => Ok(Some([1.0, 1.0, 1.0])),
+            "left-anterior-superior" | "las" => Ok(Some([-1.0, 1.0, 1.0])),
+            "left-posterior-superior" | "lps" => Ok(Some([-1.0, -1.0, 1.0])),
+            "scanner-xyz" | "3d-right-handed" | "3d-left-handed" => Ok(None),
+            _ => {
+                let accepted = "expected right-anterior-superior, left-anterior-superior or left-posterior-superior";
+                Err(Fault::line(line, format!("space \"{space}\""), accepted))
+            }
+        }
+    }
+
+    /// Millimetres of the unit of lengths.
+    fn unit(&self) -> f64 {
+        let words = self.field("space units").or_else(|| self.field("units")).map_or("", |(_, words)| words);
+        // The axis of layers has no unit.
+        match words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???") {
+            Some("um" | "µm" | "μm" | "micron" | "microns") => 1e-3,
+            Some("cm") => 10.0,
+            Some("m") => 1e3,
+            _ => 1.0,
+        }
+    }
+
+    /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
+    /// ones.
+    fn segments(&self, layers: usize) -> Result<Vec<Segment>, Fault> {
+        let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
+        let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        if rows.len() > MOST_SEGMENTS {
+            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
+        }
+        let segment = |row: usize| {
+            let text = |what: &str| self.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
+            let wrong = |what: &str, text: &str, accepted: String| {
+                Fault::item(format!("Segment{row}_{what}"), format!("\"{text}\""), accepted)
+            };
+            let layer = match text("Layer") {
+                None => Some(if layers == 1 { 0 } else { row }),
+                Some(text) => text.parse().ok(),
+            };
+            let layer = layer.filter(|layer| *layer < layers);
+            let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
+            let layer =
+                layer.ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(layers, "layer"))))?;
+            let value = match text("LabelValue") {
+                None => 1.0,
+                Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
+            };
+            let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
+            Ok(Segment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
+        };
+        rows.into_iter().map(segment).collect()
+    }
+
+    /// Refuses several layers.
+    fn one_layer(&self, layers: usize) -> Result<(), Fault> {
+        if layers == 1 {
+            return Ok(());
+        }
+        let (line, sizes) = self.needed("sizes")?;
+        Err(Fault::line(line, format!("sizes \"{sizes}\""), "expected three dimensions; take one volume"))
+    }
+}
+
+/// The type of number and its bytes, in all spellings of the format.
+fn number_type(word: &str) -> Option<(NumberType, usize)> {
+    match word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase().as_str() {
+        "uchar" | "unsigned char" | "uint8" | "uint8_t" => Some((NumberType::Unsigned, 1)),
+        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Some((NumberType::Unsigned, 2)),
+        "uint" | "unsigned int" | "uint32" | "uint32_t" => Some((NumberType::Unsigned, 4)),
+        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Some((NumberType::Unsigned, 8)),
+        "char" | "signed char" | "int8" | "int8_t" => Some((NumberType::Signed, 1)),
+        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Some((NumberType::Signed, 2)),
+        "int" | "signed int" | "int32" | "int32_t" => Some((NumberType::Signed, 4)),
+        "longlong" | "long long" | "long long int" | "signed long long" | "signed long long int" | "int64" | "int64_t" => {
+            Some((NumberType::Signed, 8))
+        }
+        "float" => Some((NumberType::Real, 4)),
+        "double" => Some((NumberType::Real, 8)),
+        _ => None,
+    }
+}
+
+/// Vectors such as `(1,0,0) (0,1,0)`, `None` for the word `none`; nothing where the text is no list of such.
+fn vectors(text: &str) -> Option<Vec<Option<[f64; 3]>>> {
+    let (mut rest, mut all) = (text.trim(), Vec::new());
+    while !rest.is_empty() {
+        if let Some(after) = rest.strip_prefix("none") {
+            all.push(None);
+            rest = after.trim_start();
+        } else {
+            let (inside, after) = rest.strip_prefix('(')?.split_once(')')?;
+            let numbers = inside.split(',').map(|word| word.trim().parse().ok()).collect::<Option<Vec<f64>>>()?;
+            all.push(Some(numbers.try_into().ok()?));
+            rest = after.trim_start();
+        }
+    }
+    Some(all)
+}

@@ -1,0 +1,255 @@
+//! Reads masks and images in TIFF: a stack of pages, the first axis along a row, the second from row to row, the third from page to page.
+//!
+//! The spacing is that of ImageJ (its description of the first page and the tags of the resolution) or of OME-XML. Source: TIFF 6.0; ImageJ's
+//! `ij/io/TiffEncoder.java`; the OME data model.
+
+use std::collections::HashMap;
+use std::io::{self, Cursor};
+
+use tiff::ColorType;
+use tiff::decoder::ifd::Value;
+use tiff::decoder::{Decoder, DecodingResult, Limits};
+use tiff::tags::Tag;
+
+use super::pieces::Pieces;
+use super::voxels::Voxels;
+use crate::formats::binary::NumberType;
+use crate::formats::xml::{Events, Step};
+use crate::masks::{Image, Mask};
+use willis_core::error::Fault;
+use willis_core::network::Frame;
+
+/// More than the methods of compression can gain: LZW codes up to 4,096 bytes in 12 bits.
+const MOST_GAIN: u64 = 1 << 12;
+/// The most bytes of one page, which is in memory as a whole.
+const MOST_PAGE: u64 = 1 << 30;
+/// The bytes of a description that are looked at; OME-XML states the spacing near its beginning.
+const MOST_DESCRIPTION: usize = 1 << 18;
+const NO_SPACING: &str = "expected that of ImageJ or OME-XML, or give `spacing` SX,SY,SZ, in mm";
+const NOT_ONE_VOLUME: &str = "expected three dimensions; take one channel and one time";
+
+type Pages<'a> = Decoder<Cursor<&'a [u8]>>;
+
+/// Whether a file begins as TIFF or BigTIFF does.
+pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
+    [b"II\x2a\0", b"MM\0\x2a", b"II\x2b\0", b"MM\0\x2b"].iter().any(|signature| bytes.starts_with(*signature))
+}
+
+/// Reads a mask. `spacing` (mm) stands for what the file states; voxel 0,0,0 is at the origin, and
+/// nobody states which way the axes point.
+///
+/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
+///
+/// # Errors
+///
+/// A file that is cut, pages that differ or have several values a pixel, no spacing.
+pub fn read_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+    let (voxels, pages) = open(bytes, spacing, most)?;
+    voxels.read(values_of(pages), level, most)
+}
+
+/// Reads an image, at most `most` bytes of it, as [`read_tiff`] reads a mask.
+///
+/// # Errors
+///
+/// Those of [`read_tiff`].
+pub fn read_tiff_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
+    let (voxels, pages) = open(bytes, spacing, most)?;
+    voxels.read_values(values_of(pages), most)
+}
+
+/// A fault of the file from one of the library.
+fn broken(error: &tiff::TiffError) -> Fault {
+    Fault::file(
+        format!("unreadable: {error}"),
+        "expected a whole TIFF file of grey values, as they are or packed by Deflate, LZW or PackBits",
+    )
+}
+
+/// How the voxels are stored, and the pages from the first on.
+fn open(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Pages<'_>), Fault> {
+    let limits = || {
+        let mut limits = Limits::default();
+        limits.decoding_buffer_size = usize::try_from(most.min(MOST_PAGE)).unwrap_or(usize::MAX);
+        limits.intermediate_buffer_size = limits.decoding_buffer_size;
+        // Tables of strips, and descriptions.
+        limits.ifd_value_size = 1 << 26;
+        limits
+    };
+    let opened = || Decoder::new(Cursor::new(bytes)).map(|pages| pages.with_limits(limits())).map_err(|error| broken(&error));
+    let mut pages = opened()?;
+    let description = description(&mut pages);
+    let stated = Stated::of(&mut pages, &description)?;
+    let ([x, y], (kind, size)) = page(&mut pages)?;
+    let mut count = 1;
+    while pages.more_images() {
+        pages.next_image().map_err(|error| broken(&error))?;
+        let (other, number) = page(&mut pages)?;
+        if other != [x, y] || number != (kind, size) {
+            let found = format!("page {}: {} x {} pixels of {} bytes", count + 1, other[0], other[1], number.1);
+            return Err(Fault::file(found, format!("expected {x} x {y} of {size} bytes, as the first page")));
+        }
+        count += 1;
+    }
+    if stated.slices.is_some_and(|slices| slices != count) {
+        let found = format!("{count} of {} pages", stated.slices.unwrap_or_default());
+        return Err(Fault::file(found, "expected every slice as a page of the same file; export it as NIfTI or NRRD"));
+    }
+    let spacing = match (spacing, stated.spacing) {
+        (Some(given), _) => given,
+        (None, [Some(x), Some(y), Some(z)]) => [x, y, z],
+        (None, [Some(x), Some(y), None]) if count == 1 => [x, y, x],
+        (None, [None, ..] | [_, None, _]) => return Err(Fault::file("no spacing of the pixels", NO_SPACING)),
+        (None, _) => return Err(Fault::file("no spacing of the slices", NO_SPACING)),
+    };
+    let affine = std::array::from_fn(|row| std::array::from_fn(|column| if row == column { spacing[row] } else { 0.0 }));
+    // The library gives numbers as this machine has them.
+    let big = cfg!(target_endian = "big");
+    let voxels =
+        Voxels { shape: [x, y, count], kind, size, big, slope: [1.0, 0.0], affine, frame: Frame::Unknown, reversed: false };
+    let of_page = voxels.bytes(most)? / count as u64;
+    if of_page > MOST_PAGE || of_page / MOST_GAIN > bytes.len() as u64 {
+        let found = format!("pages of {of_page} bytes in a file of {}", bytes.len());
+        return Err(Fault::file(found, "expected a whole file, and pages of at most 1 GiB"));
+    }
+    Ok((voxels, opened()?))
+}
+
+/// The pixels of a page along its two axes, and their type of number with its bytes.
+fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
+    let photometric = pages.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten();
+    if photometric == Some(3) {
+        let accepted = "expected grey values; in ImageJ take Image > Lookup Tables > Grays before it is saved";
+        return Err(Fault::file("pixels with a table of colours", accepted));
+    }
+    let color = pages.colortype().map_err(|error| broken(&error))?;
+    let bits = match color {
+        ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,
+        other => {
+            return Err(Fault::file(
+                format!("pixels of type {other:?}"),
+                "expected one grey value each, of 8, 16, 32 or 64 bits",
+            ));
+        }
+    };
+    let kind = match pages.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(|error| broken(&error))? {
+        None | Some(1 | 4) => NumberType::Unsigned,
+        Some(2) => NumberType::Signed,
+        Some(3) if bits >= 32 => NumberType::Real,
+        Some(other) => return Err(Fault::file(format!("SampleFormat {other} of {bits} bits"), "expected whole or real numbers")),
+    };
+    let (x, y) = pages.dimensions().map_err(|error| broken(&error))?;
+    Ok(([x as usize, y as usize], (kind, usize::from(bits) / 8)))
+}
+
+/// The stored values, page by page.
+fn values_of(mut pages: Pages<'_>) -> impl io::Read {
+    let mut is_first = true;
+    Pieces::new(move |piece: &mut Vec<u8>| {
+        if !is_first {
+            if !pages.more_images() {
+                return Ok(());
+            }
+            pages.next_image().map_err(io::Error::other)?;
+        }
+        is_first = false;
+        match pages.read_image().map_err(io::Error::other)? {
+            DecodingResult::U8(values) => *piece = values,
+            mut values => piece.extend_from_slice(values.as_buffer(0).as_bytes()),
+        }
+        Ok(())
+    })
+}
+
+/// The description of the first page; empty where it has none.
+fn description(pages: &mut Pages) -> String {
+    let mut bytes = vec![0; MOST_DESCRIPTION];
+    match pages.image_ifd().find_tag_bytes(Tag::ImageDescription, &mut bytes, 0) {
+        Ok(Some(count)) => {
+            bytes.truncate(count.min(MOST_DESCRIPTION));
+            let text = String::from_utf8(bytes).unwrap_or_else(|error| error.into_bytes().into_iter().map(char::from).collect());
+            text.trim_end_matches('\0').to_owned()
+        }
+        _ => String::new(),
+    }
+}
+
+/// What a file states of its voxels.
+#[derive(Default)]
+struct Stated {
+    /// Millimetres along each axis.
+    spacing: [Option<f64>; 3],
+    slices: Option<usize>,
+}
+
+impl Stated {
+    fn of(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
+        if description.starts_with("ImageJ=") {
+            return Self::of_imagej(pages, description);
+        }
+        if description.trim_start().starts_with('<') && description.contains("Pixels") {
+            return Self::of_ome(description);
+        }
+        Ok(Self::default())
+    }
+
+    /// Lines such as `spacing=0.5`; the tags hold pixels per unit.
+    fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
+        let fields: HashMap<&str, &str> = description.lines().filter_map(|line| line.trim().split_once('=')).collect();
+        let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
+        for name in ["channels", "frames"] {
+            if let Some(several) = count(name).filter(|count| *count > 1) {
+                return Err(Fault::file(format!("{several} {name}"), NOT_ONE_VOLUME));
+            }
+        }
+        let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
+        let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
+            Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
+            _ => None,
+        };
+        let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));
+        let z = fields.get("spacing").and_then(|text| text.parse::<f64>().ok());
+        // ImageJ states no unit, or pixels, for what is not calibrated.
+        let spacing = [x, y, z].map(|length| Some(length? * unit?).filter(|length| length.is_finite() && *length > 0.0));
+        Ok(Self { spacing, slices: count("images") })
+    }
+
+    /// The attributes of the first element Pixels.
+    fn of_ome(description: &str) -> Result<Self, Fault> {
+        let mut events = Events::new(description.as_bytes());
+        // What comes after that element may be cut off.
+        while let Some(step) = events.next()? {
+            if !matches!(step, Step::Start) || events.tag().name() != "Pixels" {
+                continue;
+            }
+            let fields: HashMap<String, String> = events.tag().attributes()?.into_iter().collect();
+            let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
+            for name in ["SizeC", "SizeT"] {
+                if let Some(several) = count(name).filter(|count| *count > 1) {
+                    return Err(Fault::file(format!("{name} {several}"), NOT_ONE_VOLUME));
+                }
+            }
+            let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
+                let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
+                let length = fields.get(name)?.parse::<f64>().ok()? * unit?;
+                Some(length).filter(|length| length.is_finite() && *length > 0.0)
+            });
+            return Ok(Self { spacing, slices: count("SizeZ") });
+        }
+        Ok(Self::default())
+    }
+}
+
+/// Millimetres of a unit of ImageJ or OME; nothing for pixels and for what is no length.
+fn millimetres_of(unit: &str) -> Option<f64> {
+    match unit.trim() {
+        "nm" => Some(1e-6),
+        // ImageJ writes the sign of micro by its number.
+        "micron" | "microns" | "um" | "µm" | "μm" | "\\u00B5m" | "\\u00b5m" => Some(1e-3),
+        "mm" => Some(1.0),
+        "cm" => Some(10.0),
+        "m" => Some(1e3),
+        "inch" | "in" => Some(25.4),
+        _ => None,
+    }
+}
