@@ -11,7 +11,7 @@ use willis_core::network::units::LengthUnit;
 use willis_core::network::{Network, Origin};
 use willis_core::support::geometry::Point;
 use willis_io::formats::tables::reader::plural;
-use willis_io::formats::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
+use willis_io::formats::{Content, Document, Format, ReadOptions, open_regular, read as read_file, read_bytes as read_file_bytes};
 use willis_io::masks::{Cavities, Foreground, RadiusFrom};
 use willis_models::circle_of_willis::{Circle, LabelScheme, split_where_labels_change};
 use willis_report::Provenance;
@@ -62,6 +62,9 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     options.validate()?;
     let run = if path.is_dir() { Some(StoredRun::read(path)?) } else { None };
     let file = run.as_ref().map_or(path, |run| &run.graph);
+    if run.is_some() {
+        open_regular(file)?;
+    }
     made_of(read_file(file, options)?, file, options, started, run.clone())
 }
 

@@ -34,7 +34,7 @@ pub use prior::Prior;
 pub use progress::{Follow, Silent, Step};
 pub use pulse::{PulseMean, PulseOptions};
 pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
-pub use write::{WrittenFiles, write, write_target};
+pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;
 use willis_core::network::Network;

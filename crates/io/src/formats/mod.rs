@@ -27,7 +27,9 @@ pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
 pub use images::numpy::read_npy_mask;
-pub use input::{Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file};
+pub use input::{
+    Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file, is_there, open_regular, regular_bytes_of,
+};
 pub use itk::tubes::{read_tre, write_tre};
 pub use landmarks::SURE;
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, read_landmarks, write_landmarks};

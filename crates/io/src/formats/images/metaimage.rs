@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
-use crate::formats::input::bytes_within;
+use crate::formats::input::bytes_beside;
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 
@@ -80,7 +80,7 @@ fn with_voxels<T>(
             return Err(here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted)));
         }
         let file = path.with_file_name(other);
-        beside = bytes_within(&file, most)?;
+        beside = bytes_beside(&file, most)?;
         (file, beside.as_slice())
     };
     let there = |fault: Fault| fault.in_file(&file);
