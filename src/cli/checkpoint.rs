@@ -165,8 +165,8 @@ impl Keeper<'_> {
         if self.interval.0.is_none() || !self.file.exists() {
             return None;
         }
-        let read =
-            regular_bytes_of(&self.file).and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
+        let read = regular_bytes_of(&self.file)
+            .and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
         match read {
             Ok(part) if !fits(&part) => None,
             Ok(part) => {

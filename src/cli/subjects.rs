@@ -209,7 +209,9 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
     let options = MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
     let mut files = Vec::new();
-    for entry in glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))? {
+    for entry in
+        glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))?
+    {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
         if fits(&path) {
             files.push(path);

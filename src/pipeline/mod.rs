@@ -17,6 +17,7 @@ mod progress;
 mod pulse;
 mod simulate;
 mod stored_run;
+mod unused;
 mod write;
 
 pub use arteries::ArterySource;

@@ -157,8 +157,7 @@ pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
 pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> =
-        files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
     found.sort();
     match found.len() {
         0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
@@ -239,7 +238,8 @@ pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) 
     };
     if found.is_none() && stated_checksum(bytes).is_some_and(|stated| !stated.is_empty()) {
         let name = nodes_table_path(path).unwrap_or_else(|| path.with_file_name("nodes.csv"));
-        let accepted = "expected it beside it, with the nodes and their conditions; without the column nodes_sha256 it is not looked for";
+        let accepted =
+            "expected it beside it, with the nodes and their conditions; without the column nodes_sha256 it is not looked for";
         return Err(Fault::file(format!("its table of nodes, {}, is not there", name.display()), accepted).in_file(path));
     }
     let (nodes, checksum) = found.as_ref().map(read).transpose()?.unzip();

@@ -104,7 +104,8 @@ pub fn open_regular(path: &Path) -> Result<File> {
     }
     match opened {
         Err(e) if e.kind() == io::ErrorKind::NotFound && is_there(path) => {
-            let to = fs::read_link(path).map_or_else(|_| "nothing".to_owned(), |to| format!("{}, which is not there", to.display()));
+            let to =
+                fs::read_link(path).map_or_else(|_| "nothing".to_owned(), |to| format!("{}, which is not there", to.display()));
             Err(Fault::file(format!("a link to {to}"), EXPECTED).in_file(path))
         }
         opened => opened.map_err(|source| Error::Read { path: path.to_owned(), source }),

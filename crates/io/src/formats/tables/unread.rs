@@ -24,7 +24,9 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     let mut names: Vec<String> = match format {
         Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
         Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
-        Format::Csv => regular_bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec())),
+        Format::Csv => {
+            regular_bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec()))
+        }
         _ => None,
     }
     .unwrap_or_default();
