@@ -124,7 +124,10 @@ fn file_of(subject: &Subject) -> PathBuf {
 /// As [`open_regular`].
 pub fn check_files(subject: &Subject, others: Vec<PathBuf>) -> Result<()> {
     let input = file_of(subject);
-    open_regular(&input)?;
+    // A folder without a graph is no run, which is said when it is read.
+    if is_there(&input) || !subject.input.is_dir() {
+        open_regular(&input)?;
+    }
     companion_files(&input).into_iter().chain(others).try_for_each(|path| open_regular(&path).map(drop))
 }
 

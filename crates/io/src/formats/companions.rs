@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::format::{Format, HEAD, format_of};
 use crate::formats::images::metaimage::file_of_voxels;
-use crate::formats::input::{content_beside, is_there, open_regular, unpacked_head, unpacked_name};
+use crate::formats::input::{content_beside, unpacked_head, unpacked_name};
 use crate::formats::read::{ReadOptions, without_mark};
+use crate::formats::regular::{is_there, open_regular};
 use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
 use crate::formats::tables::reader::TableReader;
 use crate::formats::vendors::icafe::image_spacing;

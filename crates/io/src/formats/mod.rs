@@ -13,6 +13,7 @@ mod landmarks;
 mod numpy;
 mod polylines;
 pub(crate) mod read;
+mod regular;
 mod solvers;
 mod swc;
 pub mod tables;
@@ -27,9 +28,7 @@ pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
 pub use images::numpy::read_npy_mask;
-pub use input::{
-    Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file, is_there, open_regular, regular_bytes_of,
-};
+pub use input::{Checksummed, UnpackLimit, byte_count, checksum, checksum_of, checksum_of_file, regular_bytes_of};
 pub use itk::tubes::{read_tre, write_tre};
 pub use landmarks::SURE;
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, read_landmarks, write_landmarks};
@@ -37,6 +36,7 @@ pub use numpy::array::read_arrays;
 pub use numpy::matrix::{NamedArray, NamedComplexArray, write_arrays, write_complex_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 pub use read::{BuiltNetwork, Content, Document, ReadOptions, bytes_of, read, read_bytes};
+pub use regular::{is_there, open_regular};
 pub use solvers::{write_openbf, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, read_decisions};
