@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::error::Error;
-use crate::internals::formats::regular_bytes_of;
+use crate::internals::formats::{is_there, regular_bytes_of};
 use crate::internals::output::atomic::{StagedFolder, replace_file};
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;
@@ -162,7 +162,7 @@ impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
     fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
-        if self.interval.0.is_none() || !self.file.exists() {
+        if self.interval.0.is_none() || !is_there(&self.file) {
             return None;
         }
         let read = regular_bytes_of(&self.file)

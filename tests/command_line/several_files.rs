@@ -17,8 +17,8 @@ fn commands() -> Vec<(Vec<String>, &'static str)> {
     vec![
         (words("label SWC -o lab.vtp"), "lab.vtp"),
         (words("convert SWC c.csv"), "c.csv"),
-        (words("phantom circle --break -o p.swc"), "p.swc"),
-        (words("phantom arterial --edges 80 --break -o g.csv"), "g.csv"),
+        (words("phantom circle-of-willis --break -o p.swc"), "p.swc"),
+        (words("phantom arterial --edges 100 --break -o g.csv"), "g.csv"),
     ]
 }
 
@@ -99,5 +99,5 @@ fn a_name_that_is_too_long_is_refused_before_the_work() {
     let long = "a".repeat(246);
     refused(&[], &["label", &swc, "-o", &format!("{long}.vtp")], &["--output", "256 bytes", "choose a shorter one"]);
     refused(&[], &["convert", &swc, &format!("{long}.csv")], &["256 bytes"]);
-    refused(&[], &["phantom", "circle", "--break", "-o", &format!("{long}.swc")], &["257 bytes"]);
+    refused(&[], &["phantom", "circle-of-willis", "--break", "-o", &format!("{long}.swc")], &["257 bytes"]);
 }

@@ -8,6 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::checkpoint;
 use crate::command::{builder, data, folder, stderr, willis};
 
 /// The status of a command and what it says; one that waits for ever ends the test.
@@ -50,7 +51,7 @@ fn refused(here: &Path, arguments: &[&str], words: &[&str]) {
 #[test]
 fn a_table_of_nodes_that_cannot_be_read_is_not_absent() {
     let here = folder();
-    assert!(willis(here.path(), &["phantom", "arterial", "--edges", "60", "-o", "c.csv"]).status.success());
+    assert!(willis(here.path(), &["phantom", "arterial", "--edges", "100", "-o", "c.csv"]).status.success());
     let nodes = here.path().join("c.nodes.csv");
     fs::remove_file(&nodes).expect("there");
     refused(here.path(), &["simulate", "c.csv", "-o", "out"], &["c.csv: its table of nodes, c.nodes.csv, is not there"]);
@@ -143,6 +144,29 @@ fn the_files_of_a_dataset_are_regular_ones() {
     let description = root.join("dataset_description.json");
     put("a pipe", &description);
     refused(here.path(), &bids, &["dataset_description.json", "a pipe"]);
+}
+
+#[test]
+fn a_checkpoint_that_is_a_pipe_is_not_waited_for() {
+    let here = folder();
+    let arguments = checkpoint::run(here.path(), &["--checkpoint=0"]);
+    let mut child = builder(here.path()).args(&arguments).stderr(Stdio::null()).spawn().expect("runs");
+    checkpoint::wait_until(|| checkpoint::kept(here.path()) > 0);
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    let hidden = fs::read_dir(here.path().join(".willis-out")).expect("stays").map(|entry| entry.expect("an entry").path());
+    for path in hidden.filter(|path| path.extension().is_some_and(|ending| ending == "npz")) {
+        fs::remove_file(&path).expect("there");
+        pipe(&path);
+    }
+    let said = here.path().join("said");
+    let file = fs::File::create(&said).expect("made");
+    let mut child = builder(here.path()).args(&arguments).stderr(file).spawn().expect("runs");
+    checkpoint::wait_until(|| fs::read_to_string(&said).is_ok_and(|said| said.contains("the run begins anew")));
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    let said = fs::read_to_string(&said).expect("text");
+    assert!(said.contains("a pipe; expected a regular file; the run begins anew"), "{said}");
 }
 
 /// Who names a pipe fills it.
