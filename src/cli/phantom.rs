@@ -296,7 +296,8 @@ fn sibling(path: &Path, ending: &str) -> PathBuf {
     if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
 }
 
-/// Writes the damaged centerlines and the truth beside what else is staged; the path of the table of links that SWC cannot hold, where there are any.
+/// Writes the damaged centerlines and the truth beside what else is staged; the path of the table of links that SWC cannot hold, where there
+/// are any.
 fn write_extraction(
     path: &Path,
     lines: &Centerlines,

@@ -224,7 +224,8 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     Ok(files)
 }
 
-/// The same pattern with the last letter of its last name as `[letter]`: of a name without a pattern in it the library leaves out links to nothing.
+/// The same pattern with the last letter of its last name as `[letter]`: the library leaves out links to nothing where that name is no
+/// pattern.
 fn with_last_name_looked_up(pattern: &str) -> String {
     let name = pattern.rsplit('/').next().unwrap_or(pattern);
     match name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '['])) {

@@ -38,7 +38,7 @@ pub(super) fn refuse(input: &Input, options: &InferOptions, cuts: Option<&Cuts>)
     options.phenotypes.check_files()?;
     let mut notes = Vec::new();
     if let Some(mask) = options.mask.as_ref().filter(|_| cuts.is_none()) {
-        let opened = File::open(mask).and_then(|mut file| file.read(&mut [0]));
+        let opened = File::open(mask).and_then(|file| file.take(1).read_to_end(&mut Vec::new()));
         opened.map_err(|source| Error::Read { path: mask.clone(), source })?;
         let why = if options.cut == Cut::Never {
             "`cut` never leaves all vessels together"
