@@ -89,7 +89,8 @@ fn what_a_pattern_finds_and_nobody_can_read_is_a_row() {
         fs::create_dir_all(here.path().join("scans").join(name)).expect("made");
     }
     let scan = |name: &str| here.path().join("scans").join(name).join("lines.swc");
-    fs::copy(data("broken-circle-of-willis.swc"), scan("a")).expect("copied");
+    // One vessel, in which no artery is looked for.
+    fs::write(scan("a"), "1 0 0 0 0 1 -1\n2 0 10 0 0 1 1\n3 0 20 0 0 1 2\n").expect("written");
     put(TRAPS[0], &scan("b"));
     put("a pipe", &scan("c"));
     let few = ["-n", "64", "--dpi", "36"];
@@ -122,8 +123,6 @@ fn the_files_of_a_run_are_regular_ones() {
         }
         fs::rename(&aside, &file).expect("moved");
     }
-    put("a pipe", &here.path().join("other"));
-    assert!(willis(here.path(), &["classify", "run", "-o", "phenotype"]).status.success());
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::fs;
 use crate::command::{data, folder, stderr, willis};
 
 /// Options that are used on every input, or say themselves what they go with before an input is read.
-const USED: [&str; 38] = [
+const USED: [&str; 39] = [
     "output",
     "default-radius",
     "loops",
@@ -43,6 +43,7 @@ const USED: [&str; 38] = [
     "verbose",
     "force",
     "help",
+    "version",
     "probability",
     "vessels",
     "image",
@@ -95,7 +96,7 @@ fn every_option_of_infer_is_used_refused_or_noted() {
 
     let swc = data("broken-circle-of-willis.swc");
     assert!(willis(here.path(), &["candidates", &swc, "-o", "g.graphml"]).status.success());
-    assert!(willis(here.path(), &["label", &swc, "-o", "labelled.vtp"]).status.success());
+    assert!(willis(here.path(), &["phantom", "circle-of-willis", "-o", "labelled.vtp"]).status.success());
     for (at, (_, words, status, said)) in UNUSED.into_iter().enumerate() {
         let word = |word: &str| match word {
             "SWC" => swc.clone(),
