@@ -15,15 +15,14 @@ use crate::command::{builder, data, folder, stderr, willis};
 fn run(here: &Path, arguments: &[&str]) -> (Option<i32>, String) {
     let mut child = builder(here).args(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("runs");
     let start = Instant::now();
-    while start.elapsed() < Duration::from_mins(4) {
-        if child.try_wait().expect("a status").is_some() {
-            let output = child.wait_with_output().expect("ended");
-            return (output.status.code(), stderr(&output));
-        }
+    while child.try_wait().expect("a status").is_none() && start.elapsed() < Duration::from_mins(4) {
         std::thread::sleep(Duration::from_millis(10));
     }
+    let has_ended = child.try_wait().expect("a status").is_some();
     let _ = child.kill();
-    panic!("{arguments:?} waits for ever");
+    let output = child.wait_with_output().expect("ended");
+    assert!(has_ended, "{arguments:?} waits for ever");
+    (output.status.code(), stderr(&output))
 }
 
 fn pipe(path: &Path) {
