@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
 use crate::error::Error;
-use crate::internals::formats::bytes_of;
+use crate::internals::formats::{is_there, regular_bytes_of};
 use crate::internals::output::atomic::{StagedFolder, replace_file};
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;
@@ -162,11 +162,11 @@ impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
     fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
-        if self.interval.0.is_none() || !self.file.exists() {
+        if self.interval.0.is_none() || !is_there(&self.file) {
             return None;
         }
-        let read =
-            bytes_of(&self.file).and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
+        let read = regular_bytes_of(&self.file)
+            .and_then(|bytes| read_part(&bytes, uncertain.to_vec()).map_err(|f| f.in_file(&self.file)));
         match read {
             Ok(part) if !fits(&part) => None,
             Ok(part) => {
@@ -184,7 +184,7 @@ impl Keeper<'_> {
     fn note_others(&self) {
         let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
-            let about: Option<About> = bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            let about: Option<About> = regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
                 let place = self.folder.checkpoint_folder().display();
                 let whose = if about.command == self.command { " on another graph or by another version" } else { "" };

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
+use crate::internals::formats::is_there;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::RECORD;
 use crate::internals::pipeline::RunOptions;
@@ -110,7 +111,7 @@ impl Work for ClassifyArgs {
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
-        let record = Some(input.join(RECORD)).filter(|path| path.is_file());
+        let record = Some(input.join(RECORD)).filter(|path| is_there(path));
         let landmarks = match self.source(input) {
             Some(ArterySource::Landmarks(path)) => Some(path),
             _ => None,

@@ -9,7 +9,7 @@ use std::thread;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
-use crate::internals::formats::{checksum_of_file, companion_files};
+use crate::internals::formats::{checksum_of_file, companion_files, is_there, open_regular};
 use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
@@ -92,8 +92,8 @@ pub struct Entry {
 impl Entry {
     /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
-        let input = if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() };
-        let topology = Some(subject.input.join(format!("{TOPOLOGY}.graphml"))).filter(|path| path.is_file());
+        let input = file_of(subject);
+        let topology = Some(subject.input.join(format!("{TOPOLOGY}.graphml"))).filter(|path| is_there(path));
         let mut files = BTreeMap::new();
         for path in std::iter::once(input.clone()).chain(topology).chain(companion_files(&input)).chain(others) {
             files.entry(path.display().to_string()).or_insert_with(|| checksum_of_file(&path).ok());
@@ -111,6 +111,25 @@ impl Entry {
     fn sha256(&self) -> Option<&str> {
         self.files.get(&self.input)?.as_deref()
     }
+}
+
+/// The file that is read of a subject.
+fn file_of(subject: &Subject) -> PathBuf {
+    if subject.input.is_dir() { subject.input.join(GRAPH) } else { subject.input.clone() }
+}
+
+/// Checks that every file of a subject is a regular one: each is read more than once, and most were found by a pattern.
+///
+/// # Errors
+///
+/// As [`open_regular`].
+pub fn check_files(subject: &Subject, others: Vec<PathBuf>) -> Result<()> {
+    let input = file_of(subject);
+    // A folder without a graph is no run, which is said when it is read.
+    if is_there(&input) || !subject.input.is_dir() {
+        open_regular(&input)?;
+    }
+    companion_files(&input).into_iter().chain(others).try_for_each(|path| open_regular(&path).map(drop))
 }
 
 impl Ledger {
@@ -266,6 +285,7 @@ impl Cohort<'_> {
 
     fn subject(&self, subject: &Subject, work: &impl Work, terminal: Terminal) -> Result<()> {
         terminal.say("subject", &subject.name);
+        check_files(subject, work.files(&subject.input))?;
         let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
         work.write(subject, &folder, terminal)?;
         folder.commit()
@@ -390,7 +410,7 @@ impl Failure {
 
     /// Whether a folder holds one.
     pub fn is_in(folder: &Path) -> bool {
-        folder.join(FAILURE).is_file()
+        is_there(&folder.join(FAILURE))
     }
 
     /// The failure in a folder.
@@ -482,7 +502,7 @@ impl<'a> SeparateRun<'a> {
             let Failure { willis, input, options, error, .. } = Failure::read(folder)?;
             (willis, input, json!(options), Value::Null, Err(error))
         } else {
-            if folder.is_dir() && !folder.join(RECORD).exists() {
+            if folder.is_dir() && !is_there(&folder.join(RECORD)) {
                 return Err(Fault::file("a folder without run.json", RUN).in_file(folder));
             }
             let record: Value = read_json(&folder.join(RECORD), RUN)?;

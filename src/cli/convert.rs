@@ -5,8 +5,8 @@ use std::path::PathBuf;
 use crate::error::{Fault, Result};
 use crate::internals::formats::convert::Target;
 use crate::internals::formats::{Format, unread_columns};
-use crate::internals::output::StagedFile;
-use crate::internals::pipeline::write_target;
+use crate::internals::output::StagedFiles;
+use crate::internals::pipeline::stage_target;
 use crate::{Network, read};
 use clap::Args;
 use serde_json::json;
@@ -108,17 +108,28 @@ impl ConvertArgs {
 
 /// Refuses a target whose files stand already, or cannot be written.
 pub fn check(target: &Target, force: bool) -> Result<()> {
-    [&target.path].into_iter().chain(&target.nodes).try_for_each(|path| StagedFile::check(path, force))
+    StagedFiles::check(&target.path, &target.nodes, force)
 }
 
 /// Writes the files of a target, says what is lost, and returns their names and what is lost.
 pub fn put(network: &Network, target: &Target, terminal: Terminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
-    let written = write_target(network, target, force)?;
+    put_into(StagedFiles::new(&target.path, force)?, network, target, terminal)
+}
+
+/// The same with the other files of a set that was begun for the target.
+pub fn put_into(
+    mut staged: StagedFiles,
+    network: &Network,
+    target: &Target,
+    terminal: Terminal,
+) -> Result<(Vec<String>, Vec<String>)> {
+    let written = stage_target(network, target, &mut staged)?;
+    let files = staged.commit()?;
     for note in &written.notes {
         terminal.say("note", note);
     }
     for what in &written.lost {
         terminal.say("lost", what);
     }
-    Ok((written.files.iter().map(|path| path.display().to_string()).collect(), written.lost))
+    Ok((files.iter().map(|path| path.display().to_string()).collect(), written.lost))
 }

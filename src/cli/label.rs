@@ -4,10 +4,8 @@ use std::path::PathBuf;
 
 use crate::error::Result;
 use crate::internals::circle_of_willis::{Artery, RING};
-use crate::internals::formats::LandmarkFormat;
 use crate::internals::formats::convert::Target;
-use crate::internals::output::StagedFile;
-use crate::{InferOptions, LabelOptions, label};
+use crate::{InferOptions, LabelOptions, Labelled, label};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -15,7 +13,6 @@ use super::args::candidates::CandidateArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::convert::check;
 use super::print::{Terminal, plural};
 use super::shell::print_json;
 
@@ -47,14 +44,7 @@ pub struct LabelArgs {
 impl LabelArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let target = Target::new(&self.output, None)?;
-        let beside = |ending: &str| self.output.with_extension(ending);
-        let (names, segments) = (beside("names.csv"), beside("segments.csv"));
-        let marks = [("landmarks.csv", LandmarkFormat::Csv), ("landmarks.mrk.json", LandmarkFormat::Markups)];
-        let marks = marks.map(|(ending, format)| (beside(ending), format));
-        check(&target, force)?;
-        for path in [&names, &segments].into_iter().chain(marks.iter().map(|(path, _)| path)) {
-            StagedFile::check(path, force)?;
-        }
+        Labelled::check(&target, force)?;
         let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
         self.candidates.put(&mut options.infer);
         let input = self.input.reading.read(&self.input.input, command_line("again.graphml"), terminal)?;
@@ -63,14 +53,7 @@ impl LabelArgs {
         for note in &notes {
             terminal.say("note", note);
         }
-        let mut files = found.write_network(&target, force)?;
-        found.write_names(&names, force)?;
-        found.write_segments(&segments, force)?;
-        files.extend([names, segments]);
-        for (path, format) in marks {
-            found.write_landmarks(&path, format, force)?;
-            files.push(path);
-        }
+        let files = found.write(&target, force)?;
         let named = found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count();
         let doubtful = found.doubtful();
         terminal.say(

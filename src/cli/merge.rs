@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::Result;
+use crate::internals::formats::is_there;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::RECORD;
 use clap::Args;
@@ -33,7 +34,7 @@ pub struct MergeArgs {
 impl MergeArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         StagedFolder::check(&self.output, force)?;
-        let is_run = |path: &Path| path.join(RECORD).is_file() || Failure::is_in(path);
+        let is_run = |path: &Path| is_there(&path.join(RECORD)) || Failure::is_in(path);
         let folders = paths(&self.folders, "folder of a run", is_run)?;
         let cohort = Cohort { command: "merge", parameters: Value::Null, output: &self.output, force, json: self.json };
         gather(&folders, &cohort, named, terminal).map(drop)

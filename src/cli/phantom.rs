@@ -13,8 +13,7 @@ use crate::internals::formats::{
 };
 use crate::internals::network::centerlines::Centerlines;
 use crate::internals::network::{Origin, fragments};
-use crate::internals::output::StagedFile;
-use crate::internals::output::atomic::write_file;
+use crate::internals::output::StagedFiles;
 use crate::internals::phantom::{
     Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
@@ -22,7 +21,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::args::figures::{length, whole};
-use super::convert::{check, put};
+use super::convert::{put, put_into};
 use super::print::{Terminal, count, plural};
 use super::shell::print_json;
 
@@ -86,7 +85,7 @@ impl PhantomArgs {
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
         let target = Target::new(&self.output, None)?;
-        check(&target, force)?;
+        StagedFiles::check(&target.path, target.nodes.iter().chain(&self.beside(kind)), force)?;
         let graph = matches!(target.format, Format::GraphMl | Format::Csv) && kind.has_any_size();
         if self.broken && target.format != Format::Swc && !graph {
             let or = if kind.has_any_size() { ", .graphml or .csv" } else { "" };
@@ -100,19 +99,20 @@ impl PhantomArgs {
             (true, Some(gaps)) => {
                 let (lines, truth) = with_gaps(&network, &gaps)?;
                 drop(network);
-                self.write_broken(&lines, &truth, terminal, force)
+                self.write_broken(&lines, &truth, StagedFiles::new(&self.output, force)?, terminal)
             }
             (true, None) => {
                 let defaults = Breaks { seed: recipe.seed, ..Breaks::default() };
                 let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
                 let (lines, truth) = break_up(&network, &params)?;
+                let mut staged = StagedFiles::new(&self.output, force)?;
                 if kind == Kind::Cerebral {
                     let marks = landmarks(&network, &truth.lost);
-                    StagedFile::write(&sibling(&self.output, "landmarks.csv"), force, |out| {
+                    staged.write(&sibling(&self.output, "landmarks.csv"), |out| {
                         write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks)
                     })?;
                 }
-                self.write_broken(&lines, &truth, terminal, force)
+                self.write_broken(&lines, &truth, staged, terminal)
             }
         }
     }
@@ -165,12 +165,18 @@ impl PhantomArgs {
         self.print(json!({ "counts": counts }))
     }
 
+    /// The files beside broken centerlines that are known before the work.
+    fn beside(&self, kind: Kind) -> Vec<PathBuf> {
+        let endings = [("truth.json", self.broken), ("landmarks.csv", self.broken && kind == Kind::Cerebral)];
+        endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| sibling(&self.output, ending)).collect()
+    }
+
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
     fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: Terminal, force: bool) -> Result<()> {
         let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
         let has_marks = self.broken && kind == Kind::Cerebral;
-        let files = [&self.output, &answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
-        files.clone().try_for_each(|path| StagedFile::check(path, force))?;
+        let others = [&answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
+        StagedFiles::check(&self.output, others, force)?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
         let spacing = recipe.spacing.unwrap_or(VOXEL);
@@ -181,19 +187,17 @@ impl PhantomArgs {
             let (mask, truth) = draw_mask(&network, spacing, scan.as_ref())?;
             (mask, truth, None)
         };
-        let staged: Vec<StagedFile> = files.map(|path| StagedFile::new(path, force)).collect::<Result<_>>()?;
-        let packed = has_ending(&self.output, ".gz");
-        write_file(&staged[0].path(), |out| write_nifti(out, &mask, packed))?;
-        write_file(&staged[1].path(), |out| truth.write_json(out))?;
-        if let Some(file) = staged.get(2).filter(|_| has_marks) {
-            write_file(&file.path(), |out| {
-                write_landmarks(out, LandmarkFormat::Csv, network.frame, &landmarks(&network, &truth.lost))
-            })?;
+        let mut staged = StagedFiles::new(&self.output, force)?;
+        staged.write_main(|out| write_nifti(out, &mask, has_ending(&self.output, ".gz")))?;
+        staged.write(&answer, |out| truth.write_json(out))?;
+        if has_marks {
+            let marked = landmarks(&network, &truth.lost);
+            staged.write(&marks, |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marked))?;
         }
-        if let Some(((path, image), file)) = self.image.as_ref().zip(image).zip(staged.last()) {
-            write_file(&file.path(), |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
+        if let Some((path, image)) = self.image.as_ref().zip(image) {
+            staged.write(path, |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
         }
-        staged.into_iter().try_for_each(StagedFile::commit)?;
+        staged.commit()?;
         let ([x, y, z], mm) = (mask.shape, mask.spacing()[0]);
         let voxels = mask.classes.iter().filter(|class| **class > 0).count();
         let made = format!("{}, {}", plural(truth.breaks.len(), "break"), plural(truth.contacts.len(), "contact"));
@@ -224,10 +228,10 @@ impl PhantomArgs {
         force: bool,
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
-        let answer = StagedFile::new(&sibling(&self.output, "truth.json"), force)?;
-        write_file(&answer.path(), |out| truth.write_json(out))?;
-        let (names, _) = put(&graph, target, terminal, force)?;
-        answer.commit()?;
+        let mut staged = StagedFiles::new(&self.output, force)?;
+        staged.write(&sibling(&self.output, "truth.json"), |out| truth.write_json(out))?;
+        let (files, _) = put_into(staged, &graph, target, terminal)?;
+        let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
@@ -245,8 +249,8 @@ impl PhantomArgs {
     }
 
     /// The broken centerlines, and the truth.
-    fn write_broken(&self, lines: &Centerlines, truth: &Truth, terminal: Terminal, force: bool) -> Result<()> {
-        let loops = write_extraction(&self.output, lines, truth, force, terminal)?;
+    fn write_broken(&self, lines: &Centerlines, truth: &Truth, staged: StagedFiles, terminal: Terminal) -> Result<()> {
+        let loops = write_extraction(&self.output, lines, truth, staged, terminal)?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({
             "truth": sibling(&self.output, "truth.json").display().to_string(),
@@ -292,18 +296,23 @@ fn sibling(path: &Path, ending: &str) -> PathBuf {
     if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
 }
 
-/// Writes the damaged centerlines and the truth; the path of the table of links that SWC cannot hold, where there are any.
-fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool, terminal: Terminal) -> Result<Option<PathBuf>> {
-    let answer = StagedFile::new(&sibling(path, "truth.json"), force)?;
-    write_file(&answer.path(), |out| truth.write_json(out))?;
-    let file = StagedFile::new(path, force)?;
+/// Writes the damaged centerlines and the truth beside what else is staged; the path of the table of links that SWC cannot hold, where there
+/// are any.
+fn write_extraction(
+    path: &Path,
+    lines: &Centerlines,
+    truth: &Truth,
+    mut staged: StagedFiles,
+    terminal: Terminal,
+) -> Result<Option<PathBuf>> {
+    staged.write(&sibling(path, "truth.json"), |out| truth.write_json(out))?;
     let mut loops = Vec::new();
-    write_file(&file.path(), |out| {
+    staged.write_main(|out| {
         loops = write_centerlines_swc(out, lines)?;
         Ok(())
     })?;
     if !loops.is_empty() {
-        StagedFile::write(&sibling(path, "loops.csv"), force, |out| write_loops(out, &loops))?;
+        staged.write(&sibling(path, "loops.csv"), |out| write_loops(out, &loops))?;
         terminal.say(
             "note",
             format!(
@@ -313,8 +322,7 @@ fn write_extraction(path: &Path, lines: &Centerlines, truth: &Truth, force: bool
             ),
         );
     }
-    answer.commit()?;
-    file.commit()?;
+    staged.commit()?;
     let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
     let spurious = truth.spurious.iter().filter(|s| **s).count();
     terminal.say(

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 use crate::error::{Error, Result};
-use crate::internals::output::StagedFile;
+use crate::internals::output::StagedFiles;
 use crate::internals::support::printable::printable_json;
 use clap::Args;
 
@@ -62,12 +62,14 @@ impl ManArgs {
         }
         let Some(folder) = self.output else { return pages.iter().try_for_each(|(_, text)| print(text)) };
         // All are looked at before the first is written.
-        for (name, _) in &pages {
-            StagedFile::check(&folder.join(name), force)?;
+        let paths: Vec<PathBuf> = pages.iter().map(|(name, _)| folder.join(name)).collect();
+        StagedFiles::check(&paths[0], &paths[1..], force)?;
+        let mut staged = StagedFiles::new(&paths[0], force)?;
+        staged.write_main(|out| out.write_all(&pages[0].1))?;
+        for (path, (_, text)) in paths.iter().zip(&pages).skip(1) {
+            staged.write(path, |out| out.write_all(text))?;
         }
-        for (name, text) in &pages {
-            StagedFile::write(&folder.join(name), force, |out| out.write_all(text))?;
-        }
+        staged.commit()?;
         terminal.say("written", format!("{}: {}", folder.display(), plural(pages.len(), "page")));
         Ok(())
     }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Manifest, ManifestRow, bytes_of, read_manifest};
+use crate::internals::formats::{Manifest, ManifestRow, bytes_of, is_there, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;
@@ -84,7 +84,7 @@ pub enum Inputs {
 
 /// Whether a path is the folder of a run.
 fn is_run(path: &Path) -> bool {
-    path.join(RECORD).is_file()
+    is_there(&path.join(RECORD))
 }
 
 /// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern.
@@ -105,8 +105,8 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
         return Ok(Inputs::One(input.clone()));
     }
     let mut known = HashSet::new();
-    // `cohort/*` means the subjects of a cohort.
-    let is_input = |path: &Path| path.is_file() && !is_cohort_file(path);
+    // `cohort/*` means the subjects of a cohort. What is no folder and cannot be read, such as a link to nothing, is a row that failed.
+    let is_input = |path: &Path| !path.is_dir() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
     let inputs: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
     let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
@@ -161,7 +161,7 @@ fn check_folder(path: &Path) -> Result<()> {
     let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));
     let place = path.display().to_string();
     let place = place.trim_end_matches('/');
-    if path.join(COHORT).is_file() {
+    if is_there(&path.join(COHORT)) {
         return refused("a cohort", format!("give its subjects, as '{place}/*'"));
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
@@ -209,7 +209,9 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
     let options = MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
     let mut files = Vec::new();
-    for entry in glob_with(&text, options).map_err(|e| refused(format!("no pattern of file names: {e}")))? {
+    for entry in
+        glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))?
+    {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
         if fits(&path) {
             files.push(path);
@@ -220,6 +222,16 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     }
     files.sort();
     Ok(files)
+}
+
+/// The same pattern with the last letter of its last name as `[letter]`: the library leaves out links to nothing where that name is no
+/// pattern.
+fn with_last_name_looked_up(pattern: &str) -> String {
+    let name = pattern.rsplit('/').next().unwrap_or(pattern);
+    match name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '['])) {
+        Some(last) => format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]),
+        None => pattern.to_owned(),
+    }
 }
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where

@@ -8,7 +8,7 @@ use super::arteries::FoundArteries;
 use super::options::PhenotypeOptions;
 use super::prepare::NO_PHENOTYPE;
 use super::stored_run::StoredRun;
-use super::{ArterySource, Follow, InferOptions, Input, Silent, prepare};
+use super::{ArterySource, Follow, InferOptions, Input, Silent, prepare, unused};
 use willis_core::decision::{Keep, decide, has_evidence};
 use willis_core::error::{Fault, Result};
 use willis_core::flow::boundary_conditions::stated;
@@ -65,6 +65,8 @@ pub fn classify(
     progress: &mut dyn Follow,
 ) -> Result<Phenotype> {
     phenotypes.validate()?;
+    phenotypes.check_files()?;
+    let asked = phenotypes;
     let path = Path::new(&input.provenance.input);
     let phenotypes = &input.run.as_ref().map_or_else(|| phenotypes.clone(), |run| phenotypes.or(&run.options.infer.phenotypes));
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
@@ -92,6 +94,7 @@ pub fn classify(
         found = found.with_names(network, phenotypes)?;
     }
     let mut notes = found.notes.clone();
+    notes.extend(unused::note_on_names(asked, &found));
     let (topologies, variant, posterior, boundary) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;

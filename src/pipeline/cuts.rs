@@ -1,5 +1,6 @@
 //! Where contacts of observed vessels are opened: by which model, with which mask.
 
+use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::Arc;
@@ -45,6 +46,17 @@ impl FromStr for Cut {
                 Err(Error::parameter("cut", format!("\"{text}\""), accepted))
             }
             cut => Ok(cut.unwrap_or_default()),
+        }
+    }
+}
+
+impl fmt::Display for Cut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Auto => f.write_str("auto"),
+            Self::Always => f.write_str("always"),
+            Self::Never => f.write_str("never"),
+            Self::File(path) => write!(f, "{}", path.display()),
         }
     }
 }

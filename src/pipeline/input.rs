@@ -8,10 +8,12 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::FoundOutlets;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::LengthUnit;
-use willis_core::network::{Network, Origin};
+use willis_core::network::{Network, Origin, RadiusRule};
 use willis_core::support::geometry::Point;
 use willis_io::formats::tables::reader::plural;
-use willis_io::formats::{Content, Document, Format, ReadOptions, read as read_file, read_bytes as read_file_bytes};
+use willis_io::formats::{
+    Content, Document, Format, ReadOptions, open_regular, read as read_file, read_bytes as read_file_bytes,
+};
 use willis_io::masks::{Cavities, Foreground, RadiusFrom};
 use willis_io::output::names::TOPOLOGY;
 use willis_models::circle_of_willis::{Circle, LabelScheme, are_topcow_classes, split_where_labels_change};
@@ -68,6 +70,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Input> {
     }
     let graph = StoredRun::read(path)?.graph;
     let file = path.join(format!("{TOPOLOGY}.graphml"));
+    open_regular(&file)?;
     let mut document = read_file(&file, options)?;
     document.notes.insert(0, format!("the plausible topology of a run; {} has all candidates", graph.display()));
     made_of(document, &file, options, started, None)
@@ -86,6 +89,7 @@ pub fn read_run(path: &Path, options: &ReadOptions) -> Result<Input> {
     options.validate()?;
     let run = StoredRun::read(path)?;
     let file = run.graph.clone();
+    open_regular(&file)?;
     made_of(read_file(&file, options)?, &file, options, started, Some(run))
 }
 
@@ -208,6 +212,17 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
     if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
         let why = "goes with centerlines; the vessels of this input state their radii";
         return Err(Error::parameter("radius_array", name, why));
+    }
+    if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(format, Format::Vtp | Format::Vtk | Format::Markups)) {
+        let why = format!("goes with VTP, VTK and markups; {} has one radius for each point", format.name());
+        return Err(Error::parameter("radius_array", name, why));
+    }
+    if options.radius_rule != RadiusRule::default() && contents == Contents::Graph && !options.observed {
+        return Err(Error::parameter(
+            "radius",
+            "effective",
+            "goes with centerlines; the vessels of a graph have one radius each",
+        ));
     }
     if options.observed && contents != Contents::Graph {
         return Err(Error::parameter("observed", "", "goes with a candidate graph; these vessels are observed anyway"));

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::options::SourceFile;
-use super::{Follow, InferOptions, Input, Prepared, prepare, write_target};
+use super::{Follow, InferOptions, Input, Prepared, prepare, stage_target};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::network::units::metres;
@@ -14,7 +14,7 @@ use willis_io::formats::convert::Target;
 use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
 };
-use willis_io::output::StagedFile;
+use willis_io::output::StagedFiles;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
@@ -72,13 +72,41 @@ pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Follow) ->
     Ok(Labelled { prepared, names, landmarks, network, probability })
 }
 
+/// The files of landmarks.
+const MARKS: [(&str, LandmarkFormat); 2] =
+    [("landmarks.csv", LandmarkFormat::Csv), ("landmarks.mrk.json", LandmarkFormat::Markups)];
+
 impl Labelled {
-    /// Writes the table of names: a row for about every millimetre.
+    /// Checks, before the work begins, that the files can be written.
     ///
     /// # Errors
     ///
-    /// A file that stands already or cannot be written.
-    pub fn write_names(&self, path: &Path, force: bool) -> Result<()> {
+    /// One that stands already, where `force` is off; a name that no file can have.
+    pub fn check(target: &Target, force: bool) -> Result<()> {
+        let beside = ["names.csv", "segments.csv"].into_iter().chain(MARKS.map(|(ending, _)| ending));
+        let beside: Vec<PathBuf> = beside.map(|ending| target.path.with_extension(ending)).collect();
+        StagedFiles::check(&target.path, target.nodes.iter().chain(&beside), force)
+    }
+
+    /// Writes the labelled vessels in the format of a target, and beside them the names, the segments and the landmarks: all or none.
+    ///
+    /// # Errors
+    ///
+    /// As [`Labelled::check`]; a network that the format cannot hold, a file that cannot be written.
+    pub fn write(&self, target: &Target, force: bool) -> Result<Vec<PathBuf>> {
+        let mut staged = StagedFiles::new(&target.path, force)?;
+        let beside = |ending: &str| target.path.with_extension(ending);
+        self.stage_network(target, &mut staged)?;
+        self.stage_names(&beside("names.csv"), &mut staged)?;
+        self.stage_segments(&beside("segments.csv"), &mut staged)?;
+        for (ending, format) in MARKS {
+            self.stage_landmarks(&beside(ending), format, &mut staged)?;
+        }
+        staged.commit()
+    }
+
+    /// The table of names: a row for about every millimetre.
+    fn stage_names(&self, path: &Path, staged: &mut StagedFiles) -> Result<()> {
         let (names, sign) = (&self.names, self.sign());
         let nodes = &names.nodes;
         let best = names.best();
@@ -97,15 +125,11 @@ impl Labelled {
         for label in 0..LABELS {
             columns.push(Column::real(format!("p_{}", name_of(label)), (0..nodes.len()).map(|n| names.labels[n][label])));
         }
-        write_table(path, force, &columns)
+        staged.write(path, |out| write_csv(out, &columns))
     }
 
-    /// Writes the landmarks: a CSV table, or the point list of 3D Slicer.
-    ///
-    /// # Errors
-    ///
-    /// As [`Labelled::write_names`].
-    pub fn write_landmarks(&self, path: &Path, format: LandmarkFormat, force: bool) -> Result<()> {
+    /// The landmarks: a CSV table, or the point list of 3D Slicer.
+    fn stage_landmarks(&self, path: &Path, format: LandmarkFormat, staged: &mut StagedFiles) -> Result<()> {
         let sign = self.sign();
         let points: Vec<MarkedPoint> = self
             .landmarks
@@ -115,22 +139,17 @@ impl Labelled {
                 MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
             })
             .collect();
-        StagedFile::write(path, force, |out| write_landmarks(out, format, self.names.frame, &points))
+        staged.write(path, |out| write_landmarks(out, format, self.names.frame, &points))
     }
 
-    /// Writes the labelled vessels in the format of a target; GraphML has the probability of each label too.
-    ///
-    /// # Errors
-    ///
-    /// As [`Labelled::write_names`]; a network that the format cannot hold.
-    pub fn write_network(&self, target: &Target, force: bool) -> Result<Vec<PathBuf>> {
+    /// The labelled vessels in the format of a target; GraphML has the probability of each label too.
+    fn stage_network(&self, target: &Target, staged: &mut StagedFiles) -> Result<()> {
         if target.format != Format::GraphMl {
-            return Ok(write_target(&self.network, target, force)?.files);
+            return stage_target(&self.network, target, staged).map(drop);
         }
         let (nodes, mut vessels) = graph_columns(&self.network);
         vessels.push(Column::real("label_probability", self.probability.iter().map(|p| p.unwrap_or(f64::NAN))));
-        StagedFile::write(&target.path, force, |out| write_graphml(out, &self.network, &nodes, &vessels))?;
-        Ok(vec![target.path.clone()])
+        staged.write_main(|out| write_graphml(out, &self.network, &nodes, &vessels))
     }
 
     /// How many landmarks a person should look at.
@@ -143,12 +162,8 @@ impl Labelled {
         self.names.frame_note().into_iter().collect()
     }
 
-    /// Writes which segments of the ring are there.
-    ///
-    /// # Errors
-    ///
-    /// As [`Labelled::write_names`].
-    pub fn write_segments(&self, path: &Path, force: bool) -> Result<()> {
+    /// Which segments of the ring are there.
+    fn stage_segments(&self, path: &Path, staged: &mut StagedFiles) -> Result<()> {
         let names = &self.names;
         let columns = [
             Column::text("segment", RING.iter().map(ToString::to_string)),
@@ -156,15 +171,11 @@ impl Labelled {
             Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
             Column::whole("not_seen", names.is_seen.iter().map(|seen| usize::from(!seen))),
         ];
-        write_table(path, force, &columns)
+        staged.write(path, |out| write_csv(out, &columns))
     }
 
     /// From RAS to the frame of the file, for x and y.
     fn sign(&self) -> f64 {
         if self.names.frame == willis_core::network::Frame::Lps { -1.0 } else { 1.0 }
     }
-}
-
-fn write_table(path: &Path, force: bool, columns: &[Column]) -> Result<()> {
-    StagedFile::write(path, force, |out| write_csv(out, columns))
 }

@@ -17,6 +17,7 @@ mod progress;
 mod pulse;
 mod simulate;
 mod stored_run;
+mod unused;
 mod write;
 
 pub use arteries::ArterySource;
@@ -34,7 +35,7 @@ pub use prior::Prior;
 pub use progress::{Follow, Silent, Step};
 pub use pulse::{PulseMean, PulseOptions};
 pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
-pub use write::{WrittenFiles, write, write_target};
+pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;
 use willis_core::network::Network;

@@ -160,6 +160,21 @@ impl PhenotypeOptions {
         }
     }
 
+    /// Checks the files that are named, whether or not anything looks at them.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or is not what it should be.
+    pub(crate) fn check_files(&self) -> Result<()> {
+        if self.frequencies.is_some() {
+            self.prior()?;
+        }
+        if self.arteries.is_some() {
+            self.models()?;
+        }
+        Ok(())
+    }
+
     /// The models that name arteries.
     ///
     /// # Errors

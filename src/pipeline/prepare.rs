@@ -10,7 +10,7 @@ use super::picture::{Picture, pictures};
 use super::prepared::{Prepared, Records};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
-use super::{InferOptions, Input, Preset, RunOptions};
+use super::{InferOptions, Input, Preset, RunOptions, unused};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets, Given};
 use willis_core::network::units::Scale;
@@ -53,7 +53,8 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
 
     let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
-    let said = built.unlike.into_iter().chain(opened.crowded).chain(of_arteries);
+    let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
+    let said = loaded.notes.clone().into_iter().chain(unused).chain(built.unlike).chain(opened.crowded).chain(of_arteries);
     said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
         .chain(stated_resistances(options.preset, &given))
         .for_each(|note| notes.say(note));
@@ -95,6 +96,8 @@ struct Loaded<'a> {
     prior: LoadedPrior,
     building: CandidateOptions,
     cuts: Option<Cuts>,
+    /// What to tell a person of options that change nothing.
+    notes: Vec<String>,
     image: Option<Picture>,
     decisions: Option<DecisionList>,
 }
@@ -105,6 +108,7 @@ impl<'a> Loaded<'a> {
         let is_fragments = input.is_fragments;
         let kind = Kind::of(&input.network, input.format.is_some_and(Format::is_mask));
         let cuts = Cuts::load(&options.cut, options.mask.as_deref(), input, kind)?;
+        let notes = unused::refuse(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
         let chosen = options.prior.as_ref().unwrap_or(&usual);
         let prior = chosen.load(kind)?;
@@ -130,6 +134,7 @@ impl<'a> Loaded<'a> {
             prior,
             building,
             cuts,
+            notes,
             image,
             decisions: options.decisions.as_deref().map(DecisionList::read).transpose()?,
         };

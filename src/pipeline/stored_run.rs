@@ -8,6 +8,7 @@ use serde_json::Value;
 use super::arteries::{ArterySource, FoundArteries};
 use super::options::RunOptions;
 use willis_core::error::{Fault, Result};
+use willis_io::formats::{is_there, open_regular};
 use willis_io::output::names::{GRAPH, LANDMARKS, RECORD};
 use willis_io::output::read_json;
 
@@ -59,7 +60,7 @@ impl StoredRun {
         const EXPECTED: &str = "expected a folder that willis infer wrote for one occlusion probability";
         let wrong = |found: &str| Fault::file(found, EXPECTED).in_file(folder);
         let path = folder.join(RECORD);
-        if !path.is_file() {
+        if !is_there(&path) {
             return Err(wrong("a folder without run.json"));
         }
         let record: Value = read_json(&path, "expected the record of willis infer")?;
@@ -70,7 +71,8 @@ impl StoredRun {
             serde_json::from_value(record).map_err(|_| wrong("parameters that are not those of willis infer"))?;
         let samples =
             record.parameters["samples"].as_u64().ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
-        let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| path.is_file());
+        let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| is_there(path));
+        copy.as_deref().map(open_regular).transpose()?;
         if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut record.options.infer.arteries, copy) {
             *path = copy;
         }

@@ -8,8 +8,7 @@ use willis_core::error::{Error, Result};
 use willis_core::network::Network;
 use willis_io::formats::convert::{Target, Written, losses, refusal, write_into};
 use willis_io::formats::write_loops;
-use willis_io::output::StagedFile;
-use willis_io::output::atomic::write_file;
+use willis_io::output::StagedFiles;
 
 /// What came of writing a network.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -30,7 +29,7 @@ pub struct WrittenFiles {
 /// An ending or a word that means no format, a network that the format cannot hold, a file that stands already or cannot be written.
 pub fn write(network: &Network, path: &Path, to: Option<&str>, force: bool) -> Result<WrittenFiles> {
     let target = Target::new(path, to)?;
-    [&target.path].into_iter().chain(&target.nodes).try_for_each(|path| StagedFile::check(path, force))?;
+    StagedFiles::check(&target.path, &target.nodes, force)?;
     write_target(network, &target, force)
 }
 
@@ -40,16 +39,26 @@ pub fn write(network: &Network, path: &Path, to: Option<&str>, force: bool) -> R
 ///
 /// As [`write()`].
 pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<WrittenFiles> {
+    let mut staged = StagedFiles::new(&target.path, force)?;
+    let written = stage_target(network, target, &mut staged)?;
+    Ok(WrittenFiles { files: staged.commit()?, ..written })
+}
+
+/// Writes the files of a target into a set of which it is the main file, beside others; no file is in its place yet.
+///
+/// # Errors
+///
+/// As [`write()`].
+pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles) -> Result<WrittenFiles> {
     let lost = losses(network, target.format);
-    let file = StagedFile::new(&target.path, force)?;
-    let nodes = target.nodes.as_ref().map(|path| StagedFile::new(path, force)).transpose()?;
+    let nodes = target.nodes.as_ref().map(|path| staged.add(path)).transpose()?;
     let mut written = Written::default();
-    let made = write_file(&file.path(), |out| {
+    let made = staged.write_main(|out| {
         let Some(nodes) = &nodes else {
             written = write_into(network, target, out, io::sink())?;
             return Ok(());
         };
-        let mut table = BufWriter::new(File::create_new(nodes.path())?);
+        let mut table = BufWriter::new(File::create_new(nodes)?);
         written = write_into(network, target, out, &mut table)?;
         table.into_inner()?.sync_all()
     });
@@ -57,17 +66,8 @@ pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<W
         Error::Write { source, .. } if source.kind() == io::ErrorKind::InvalidInput => refusal(target, &source),
         other => other,
     })?;
-    let mut staged = vec![(target.path.clone(), file)];
-    staged.extend(target.nodes.clone().zip(nodes));
     if !written.loops.is_empty() {
-        let file = StagedFile::new(&target.loops(), force)?;
-        write_file(&file.path(), |out| write_loops(out, &written.loops))?;
-        staged.push((target.loops(), file));
+        staged.write(&target.loops(), |out| write_loops(out, &written.loops))?;
     }
-    let mut files = Vec::new();
-    for (path, file) in staged {
-        file.commit()?;
-        files.push(path);
-    }
-    Ok(WrittenFiles { files, notes: written.notes, lost })
+    Ok(WrittenFiles { files: Vec::new(), notes: written.notes, lost })
 }

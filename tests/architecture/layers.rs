@@ -45,7 +45,7 @@ const FOR_THE_COMMAND_LINE: &[&str] = &[
 /// Outside libraries that only some files of a crate may name: files or folders, after the name of the crate.
 const CONFINED: &[(&str, &[&str])] = &[
     ("clap", &["willis/main.rs", "willis/cli/", "willis/pipeline/boundary_options.rs", "willis/pipeline/options.rs"]),
-    ("libc", &["willis/cli/signals.rs", "io/output/lock.rs"]),
+    ("libc", &["willis/cli/signals.rs", "io/output/lock.rs", "io/formats/regular.rs"]),
     ("signal_hook", &["willis/cli/signals.rs"]),
     ("indicatif", &["willis/main.rs", "willis/cli/"]),
     (

@@ -14,7 +14,7 @@ use willis_core::network::{Network, RadiusRule, locate};
 use willis_core::support::geometry::distance;
 use willis_core::support::in_order;
 use willis_io::formats::tables::conditions::read_inlets;
-use willis_io::formats::{Content, ReadOptions, bytes_of, read as read_file, read_links};
+use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, read_links, regular_bytes_of};
 use willis_models::candidates::features::Extraction;
 use willis_models::candidates::kind::Kind;
 use willis_models::candidates::resample::Resampled;
@@ -109,6 +109,13 @@ struct CaseFolder {
     images: Vec<PathBuf>,
 }
 
+impl CaseFolder {
+    /// Its files, none of which anybody named.
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        [&self.fragments, &self.truth].into_iter().chain(&self.inlets).chain(&self.loops).chain(&self.images)
+    }
+}
+
 /// Adds the case folders in a folder, itself among them, in the order of their names, and counts the folders that have fragments but
 /// no truth.
 fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, unanswered: &mut usize) -> Result<()> {
@@ -116,7 +123,7 @@ fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, una
     let mut entries =
         fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unread)?;
     entries.sort();
-    let file = |name: &str| Some(folder.join(name)).filter(|path| path.is_file());
+    let file = |name: &str| Some(folder.join(name)).filter(|path| is_there(path));
     let truths: Vec<PathBuf> = TRUTHS.into_iter().chain([LINKS]).filter_map(file).collect();
     match &truths[..] {
         [] => {}
@@ -151,12 +158,12 @@ fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, una
 fn is_image(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
     let name = name.strip_suffix(".gz").unwrap_or(name).strip_suffix(".nii").unwrap_or_default();
-    (name == "image" || name.starts_with("image-")) && path.is_file()
+    (name == "image" || name.starts_with("image-")) && is_there(path)
 }
 
 fn is_fragments(path: &Path) -> bool {
     let name = path.file_name().and_then(|name| name.to_str()).unwrap_or_default();
-    name.starts_with("fragments.") && !TRUTHS.contains(&name) && !LOOPS.contains(&name) && path.is_file()
+    name.starts_with("fragments.") && !TRUTHS.contains(&name) && !LOOPS.contains(&name) && is_there(path)
 }
 
 /// The centerlines of a case folder.
@@ -175,8 +182,10 @@ fn fragments(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf> {
 
 /// The case in a folder, and what a person should know about how it was read.
 fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
+    let mask = MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| is_there(path));
+    folder.files().chain(&mask).try_for_each(|path| open_regular(path).map(drop))?;
     let (network, mut notes) = network(folder)?;
-    let bytes = bytes_of(&folder.truth)?;
+    let bytes = regular_bytes_of(&folder.truth)?;
     let here = |fault: Fault| fault.in_file(&folder.truth);
     let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
     let case = Case {
@@ -189,7 +198,7 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         truth: KnownConnections::default(),
         contacts: None,
         images: folder.images.clone(),
-        mask: MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| path.is_file()),
+        mask,
     };
     let kind = match model {
         Model::Tracing => Kind::Tracing,
@@ -230,7 +239,7 @@ fn network(folder: &CaseFolder) -> Result<(Network, Vec<String>)> {
 
 /// The nodes that a table of conditions names as inlets.
 fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
-    let bytes = bytes_of(path)?;
+    let bytes = regular_bytes_of(path)?;
     let wrong = |fault: Fault| fault.in_file(path);
     let mut out = Vec::new();
     for statement in read_inlets(&bytes).map_err(wrong)? {

@@ -131,7 +131,7 @@ impl ReadingArgs {
 
     /// The unit of an input by the spacing that is stated for it.
     fn stated_scale(&self, input: &Path) -> Result<Scale> {
-        match (stated_spacing(input), self.units) {
+        match (stated_spacing(input)?, self.units) {
             (StatedSpacing::Within, _) => Ok(Scale { unit: self.units.unwrap_or_default(), spacing: None }),
             (StatedSpacing::Beside(mm), None | Some(LengthUnit::Voxel)) => {
                 Ok(Scale { unit: LengthUnit::Voxel, spacing: Some([mm; 3]) })

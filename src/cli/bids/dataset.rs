@@ -5,6 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
+use crate::internals::formats::{is_there, open_regular};
 use crate::internals::output::read_json;
 use clap::Args;
 use serde_json::Value;
@@ -173,7 +174,12 @@ impl Dataset {
         folders.extend(children(&below, "").into_iter().map(|name| (below.join(&name), name)));
         let output = fs::canonicalize(output).ok();
         let is_other = |folder: &Path| output.is_none() || fs::canonicalize(folder).ok() != output;
-        folders.retain(|(folder, _)| is_other(folder) && !is_of_willis(folder));
+        folders.retain(|(folder, _)| is_other(folder));
+        for description in folders.iter().map(|(folder, _)| folder.join(DESCRIPTION)).filter(|path| is_there(path)) {
+            // One that cannot be read may say that the dataset is of willis.
+            open_regular(&description)?;
+        }
+        folders.retain(|(folder, _)| !is_of_willis(folder));
         let participants: BTreeSet<String> = folders.iter().flat_map(|(folder, _)| children(folder, "sub-")).collect();
         if participants.is_empty() {
             let accepted = "expected folders sub-LABEL in it or in its derivatives/*, as in a BIDS dataset";

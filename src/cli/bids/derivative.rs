@@ -4,8 +4,8 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Fault, Result};
-use crate::internals::formats::Column;
+use crate::error::{Fault, Result};
+use crate::internals::formats::{Column, open_regular, regular_bytes_of};
 use crate::internals::output::StagedFile;
 use crate::internals::output::atomic::replace_file;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
@@ -148,7 +148,7 @@ impl Derivative {
         fs::create_dir_all(folder).map_err(write_error(folder))?;
         for (name, path) in self.files(mask).into_iter().filter(|(name, _)| run.join(name).exists()) {
             let from = run.join(name);
-            let mut file = fs::File::open(&from).map_err(|source| Error::Read { path: from.clone(), source })?;
+            let mut file = open_regular(&from)?;
             replace_file(&path, |out| std::io::copy(&mut file, out).map(drop))?;
         }
         let record = json!({
@@ -188,7 +188,7 @@ impl Derivative {
     /// Writes a file, which another process that works on other participants may write at the same time.
     fn put(&self, name: &str, bytes: &[u8]) -> Result<()> {
         let path = self.folder.join(name);
-        let stands = || fs::read(&path).is_ok_and(|there| there == bytes);
+        let stands = || regular_bytes_of(&path).is_ok_and(|there| there == bytes);
         if stands() {
             return Ok(());
         }

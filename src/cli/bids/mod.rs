@@ -8,6 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
+use crate::internals::formats::is_there;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{read_json, write_json};
@@ -16,7 +17,7 @@ use crate::internals::report::cohort::{Row, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
-use super::cohort::{Cohort, Each, Entry, Failure, Ledger, Work, failed, gather, say_notes_of};
+use super::cohort::{Cohort, Each, Entry, Failure, Ledger, Work, check_files, failed, gather, say_notes_of};
 use super::command_line::command_line_of_mask;
 use super::infer::{InferenceArgs, Inferences};
 use super::print::{Terminal, plural};
@@ -129,7 +130,7 @@ impl BidsArgs {
             (participant.to_owned(), session.map(str::to_owned))
         };
         let entries = fs::read_dir(derivative.runs()).into_iter().flatten().flatten().map(|entry| entry.path());
-        let is_run = |path: &PathBuf| path.join(RECORD).is_file() || path.join(FAILURE).is_file();
+        let is_run = |path: &PathBuf| is_there(&path.join(RECORD)) || is_there(&path.join(FAILURE));
         let mut folders: Vec<PathBuf> = entries.filter(is_run).collect();
         folders.sort();
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
@@ -202,7 +203,8 @@ impl<'a> Run<'a> {
         let (mask, target) = (self.mask, derivative.run(self.mask));
         StagedFolder::check(&target, true)?;
         let folder = StagedFolder::new(&target, true)?;
-        match Work::write(work, &self.subject, &folder, terminal) {
+        let checked = check_files(&self.subject, work.files(&mask.path));
+        match checked.and_then(|()| Work::write(work, &self.subject, &folder, terminal)) {
             Ok(()) => {
                 write_json(&folder.path().join(LEDGER), &self.ledger)?;
                 folder.commit()?;

@@ -11,8 +11,7 @@ use std::time::Instant;
 use crate::error::{Error, Result};
 use crate::internals::candidates::joins::model::JoinModel;
 use crate::internals::candidates::model::HeldOutScores;
-use crate::internals::output::StagedFile;
-use crate::internals::output::atomic::write_file;
+use crate::internals::output::StagedFiles;
 use crate::internals::training::{
     Case, ContactModel, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit,
     goes_without_inlets, read_cases,
@@ -83,7 +82,7 @@ impl TrainArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force };
-        output.paths.iter().try_for_each(|path| StagedFile::check(path, force))?;
+        StagedFiles::check(&output.paths[0], &output.paths[1..], force)?;
         if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(self.model, Kind::Tracing)) {
             return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
         }
@@ -234,13 +233,15 @@ fn save<M>(
     models: impl Iterator<Item = M>,
     write: impl Fn(M, &mut dyn Write) -> io::Result<()>,
 ) -> Result<Vec<String>> {
-    let mut staged = Vec::new();
-    for (path, model) in output.paths.iter().zip(models) {
-        let file = StagedFile::new(path, output.force)?;
-        write_file(&file.path(), |out| write(model, out))?;
-        staged.push(file);
+    let mut staged = StagedFiles::new(&output.paths[0], output.force)?;
+    for (at, (path, model)) in output.paths.iter().zip(models).enumerate() {
+        if at == 0 {
+            staged.write_main(|out| write(model, out))?;
+        } else {
+            staged.write(path, |out| write(model, out))?;
+        }
     }
-    staged.into_iter().try_for_each(StagedFile::commit)?;
+    staged.commit()?;
     Ok(output.paths.iter().map(|path| path.display().to_string()).collect())
 }
 

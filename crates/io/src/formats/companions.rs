@@ -1,13 +1,14 @@
 //! Finds the other files of an input in its folder: the second of two tables, the files of an iCafe tracing.
 
-use std::fs::{File, read_dir};
+use std::fs::read_dir;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::formats::format::{Format, HEAD, format_of};
 use crate::formats::images::{metaimage, nrrd};
-use crate::formats::input::{content_within, unpacked_head, unpacked_name};
+use crate::formats::input::{content_beside, unpacked_head, unpacked_name};
 use crate::formats::read::{ReadOptions, without_mark};
+use crate::formats::regular::{is_there, open_regular};
 use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
 use crate::formats::tables::reader::TableReader;
 use crate::formats::vendors::icafe::image_spacing;
@@ -57,27 +58,31 @@ pub enum StatedSpacing {
 
 /// Where the voxel spacing of an input is stated: a mask in NIfTI, MetaImage, NRRD or TIFF states its own, and Image_info.txt that of an iCafe tracing
 /// beside it.
-pub fn stated_spacing(path: &Path) -> StatedSpacing {
+///
+/// # Errors
+///
+/// A file beside it that is there and cannot be read.
+pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
     let head = head(path);
-    match format_of(path, without_mark(&head)) {
+    Ok(match format_of(path, without_mark(&head)) {
         Ok(Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff) => StatedSpacing::Within,
-        Ok(Format::Swc | Format::ICafe) => image_spacing(path).map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
+        Ok(Format::Swc | Format::ICafe) => image_spacing(path)?.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
         _ => StatedSpacing::Nowhere,
-    }
+    })
 }
 
-/// The first bytes of a file; none where it cannot be read.
+/// The first bytes of a file; none where it cannot be read, or where it is a pipe, whose first bytes would then be gone.
 fn head(path: &Path) -> Vec<u8> {
     let mut bytes = Vec::new();
     // A file that cannot be read gives an error later, when it is read.
-    let _ = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut bytes));
+    let _ = open_regular(path).map(|file| file.take(HEAD).read_to_end(&mut bytes));
     unpacked_head(&bytes, HEAD as usize)
 }
 
 /// The table of nodes in the folder of a table of edges: its name with `.nodes` before the ending, or with `nodes` or `vertices` for
 /// `edges`, or `nodes.csv` or `vertices.csv`.
 pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
-    let own = with_nodes(edges).filter(|path| path.is_file());
+    let own = with_nodes(edges).filter(|path| is_there(path));
     own.or_else(|| first(edges, NODES.into_iter().map(|nodes| ("edges", nodes))))
 }
 
@@ -86,7 +91,7 @@ pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
     let own = || {
         let (stem, ending) = nodes.file_name()?.to_str()?.rsplit_once('.')?;
         let edges = nodes.with_file_name(format!("{}.{ending}", stem.strip_suffix(".nodes")?));
-        edges.is_file().then_some(edges)
+        is_there(&edges).then_some(edges)
     };
     own().or_else(|| first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges"))))
 }
@@ -114,7 +119,7 @@ fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>)
     };
     let others = names.into_iter().chain(plain).flat_map(either);
     let is_other = |other: &String| unpacked_name(Path::new(other)).to_string_lossy() != unpacked;
-    others.filter(is_other).map(|other| path.with_file_name(other)).find(|path| path.is_file())
+    others.filter(is_other).map(|other| path.with_file_name(other)).find(|path| is_there(path))
 }
 
 /// Whether a table is that of the edges, and the other table, if it is in the same folder.
@@ -142,20 +147,19 @@ pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
 
 /// The table of vessels in the folder of an iCafe tracing.
 pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
-    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| path.is_file())
+    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| is_there(path))
 }
 
 /// iCafe's description of the image, in the folder of a tracing or its table of vessels.
 pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
-    Some(tracing.with_file_name(IMAGE)).filter(|path| path.is_file())
+    Some(tracing.with_file_name(IMAGE)).filter(|path| is_there(path))
 }
 
 /// The one tracing in the folder of a table of vessels.
 pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut found: Vec<PathBuf> =
-        files.filter(|path| path.is_file() && path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
     found.sort();
     match found.len() {
         0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
@@ -199,7 +203,7 @@ fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> 
     };
     let (is_edges, other) = other_table(path, bytes).map_err(|fault| fault.in_file(path))?;
     let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
-    let found = (other.clone(), content_within(&other, most)?);
+    let found = (other.clone(), content_beside(&other, most)?);
     if is_edges {
         Ok((found, given(), format!("nodes are those of {}", other.display())))
     } else {
@@ -225,14 +229,21 @@ pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64,
     Some(())
 }
 
-/// Reads a table of edges, and the table of nodes in its folder if there is one.
+/// Reads a table of edges, and the table of nodes in its folder if there is one. A table of edges that was written with one has no conditions
+/// without it, so that it is missed.
 pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Network, Vec<String>)> {
     let found = find_nodes_table(path);
     let read = |nodes: &PathBuf| {
-        let bytes = content_within(nodes, options.max_input)?;
+        let bytes = content_beside(nodes, options.max_input)?;
         let table = read_csv_nodes(without_mark(&bytes), &options.scale).map_err(|fault| fault.in_file(nodes))?;
         Ok((table, checksum_of_pair(&bytes)))
     };
+    if found.is_none() && stated_checksum(bytes).is_some_and(|stated| !stated.is_empty()) {
+        let name = nodes_table_path(path).unwrap_or_else(|| path.with_file_name("nodes.csv"));
+        let accepted =
+            "expected it beside it, with the nodes and their conditions; without the column nodes_sha256 it is not looked for";
+        return Err(Fault::file(format!("its table of nodes, {}, is not there", name.display()), accepted).in_file(path));
+    }
     let (nodes, checksum) = found.as_ref().map(read).transpose()?.unzip();
     let (network, mut notes) = read_csv_edges(bytes, nodes, options).map_err(|fault| fault.in_file(path))?;
     if let Some(nodes) = found {

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Write};
 
 use crate::formats::attributes::edge::vessels;
 use crate::formats::attributes::records::Records;
-use crate::formats::attributes::{is_wanted, nodes};
+use crate::formats::attributes::{has_lengths_without_unit, is_wanted, nodes, unit_note};
 use crate::formats::read::ReadOptions;
 use crate::formats::tables::graph::points;
 use crate::formats::tables::write::{Column, Values, check_rows};
@@ -125,12 +125,14 @@ impl Graph {
         }
         let mut network = Network::new();
         network.frame = self.frame;
+        let unit = unit_note(&options.scale, [&self.nodes, &self.edges].into_iter().any(has_lengths_without_unit));
         for node in nodes(&self.ids, &self.nodes, &options.scale)? {
             network.add_node(node);
         }
         (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
         let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
+        notes.extend(unit);
         if self.directed {
             notes.push("the graph is directed: its edges are taken as undirected".to_owned());
         }

@@ -8,6 +8,7 @@ use std::path::{Component, Path, PathBuf};
 use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
+use super::regular::open_regular;
 use willis_core::error::{Error, Fault, Result};
 
 /// The largest input file without another limit: 2 GiB.
@@ -56,12 +57,54 @@ fn too_large(found: &str, most: u64, more: &str) -> Fault {
     Fault::file(found, format!("expected at most {}{more}", size(most)))
 }
 
-/// Opens a file that has at most `most` bytes; its length.
-fn open_within(path: &Path, most: u64, more: &str) -> Result<(File, u64)> {
-    let unread = |source| Error::Read { path: path.to_owned(), source };
-    let file = File::open(path).map_err(unread)?;
-    let length = file.metadata().map_err(unread)?.len();
-    if length > most { Err(too_large(&size(length), most, more).in_file(path)) } else { Ok((file, length)) }
+/// Opens a file that was named, a pipe too.
+fn open_named(path: &Path) -> Result<File> {
+    File::open(path).map_err(|source| Error::Read { path: path.to_owned(), source })
+}
+
+/// The length of an open file, which is at most `most`.
+fn length_within(file: &File, path: &Path, most: u64, more: &str) -> Result<u64> {
+    let length = file.metadata().map_err(|source| Error::Read { path: path.to_owned(), source })?.len();
+    if length > most { Err(too_large(&size(length), most, more).in_file(path)) } else { Ok(length) }
+}
+
+/// All bytes of an open file that has at most `most`; `more` tells how to raise the limit, for the error.
+fn all_of(file: File, path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
+    let mut bytes = Vec::with_capacity(length_within(&file, path, most, more)? as usize);
+    let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
+    read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
+    if bytes.len() as u64 > most {
+        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
+    }
+    Ok(bytes)
+}
+
+/// All bytes of a file that nobody named, without the gzip around them; at most `most`.
+///
+/// # Errors
+///
+/// As [`open_regular`] and [`content_within`].
+pub(crate) fn content_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
+    unpacked(bytes_beside(path, most)?, most).map_err(|fault| fault.in_file(path))
+}
+
+/// All bytes of a file that nobody named; at most `most`.
+///
+/// # Errors
+///
+/// As [`open_regular`], or it is larger.
+pub(crate) fn bytes_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
+    all_of(open_regular(path)?, path, most, &format!("; {OPTION}"))
+}
+
+/// As [`bytes_of`](super::read::bytes_of), of a file that nobody named.
+///
+/// # Errors
+///
+/// As [`open_regular`]; it is damaged, or has more than [`MAX_INPUT`] bytes.
+pub fn regular_bytes_of(path: &Path) -> Result<Vec<u8>> {
+    let bytes = all_of(open_regular(path)?, path, MAX_INPUT, "")?;
+    unpacked(bytes, MAX_INPUT).map_err(|fault| fault.in_file(path))
 }
 
 /// A file that counts and hashes what is read of it, up to a limit.
@@ -74,7 +117,8 @@ pub(crate) struct LimitedFile {
 impl LimitedFile {
     /// Opens a file of at most `most` bytes.
     pub(crate) fn open(path: &Path, most: u64) -> Result<Self> {
-        let (file, _) = open_within(path, most, &format!("; {OPTION}"))?;
+        let file = open_named(path)?;
+        length_within(&file, path, most, &format!("; {OPTION}"))?;
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
     }
 
@@ -112,14 +156,7 @@ pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
 ///
 /// The file cannot be read, or is larger.
 pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
-    let (file, length) = open_within(path, most, more)?;
-    let mut bytes = Vec::with_capacity(length as usize);
-    let read = file.take(most.saturating_add(1)).read_to_end(&mut bytes);
-    read.map_err(|source| Error::Read { path: path.to_owned(), source })?;
-    if bytes.len() as u64 > most {
-        return Err(too_large(&format!("more than {}", size(most)), most, more).in_file(path));
-    }
-    Ok(bytes)
+    all_of(open_named(path)?, path, most, more)
 }
 
 /// All bytes of a file that has at most `most`, without the gzip around them.
@@ -131,13 +168,13 @@ pub(crate) fn content_within(path: &Path, most: u64) -> Result<Vec<u8>> {
     unpacked(bytes_within(path, most)?, most).map_err(|fault| fault.in_file(path))
 }
 
-/// What a file holds as a stream, without the gzip around it, for those who need its beginning alone.
+/// What a file holds as a stream, without the gzip around it, for those who need its beginning alone; a pipe is not read again.
 ///
 /// # Errors
 ///
 /// The file cannot be read.
 pub(crate) fn stream_of(path: &Path) -> io::Result<Box<dyn BufRead>> {
-    let mut file = BufReader::new(File::open(path)?);
+    let mut file = BufReader::new(open_regular(path).map_err(io::Error::other)?);
     if is_gzip(file.fill_buf()?) { Ok(Box::new(BufReader::new(MultiGzDecoder::new(file)))) } else { Ok(Box::new(file)) }
 }
 
@@ -247,13 +284,14 @@ pub fn checksum_of(fill: impl FnOnce(&mut Checksummed<Sink>) -> io::Result<()>) 
     Ok(summed.finish())
 }
 
-/// The [`checksum`] of a file of any size.
+/// The [`checksum`] of a file of any size; not of a pipe, which could be read only once.
 ///
 /// # Errors
 ///
-/// The file cannot be read; the error names it.
+/// As [`open_regular`]; the file cannot be read.
 pub fn checksum_of_file(path: &Path) -> Result<String> {
-    let read = checksum_of(|out| io::copy(&mut File::open(path)?, out).map(drop));
+    let mut file = open_regular(path)?;
+    let read = checksum_of(|out| io::copy(&mut file, out).map(drop));
     read.map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 

@@ -8,6 +8,7 @@ use std::sync::{Mutex, PoisonError};
 use super::in_progress::{InProgress, UNFINISHED, clear_dead_runs, has_checkpoint, is_in_progress, sync_folder, write_error};
 use super::lock::is_own_folder;
 use super::own_files::{entries, foreign_file};
+use super::partial_set::PartialSet;
 use super::target::{check_file_size, check_vacant};
 use crate::output::files::DiskFile;
 use willis_core::error::{Error, Result};
@@ -189,6 +190,92 @@ impl StagedFile {
     /// The system refuses; an earlier file then stays as it was.
     pub fn commit(self) -> Result<()> {
         self.in_progress.put()
+    }
+}
+
+/// Several output files of one command, such as a table and the one beside it: all are staged before the first is moved to its place, and the
+/// main one, which was named, is moved last. Where that is there all are there; where a kill left some without it, the same command replaces
+/// them without `force`.
+#[derive(Debug)]
+pub struct StagedFiles {
+    /// By their targets; the main file first.
+    files: Vec<(PathBuf, StagedFile)>,
+    /// What a killed command put beside the main file.
+    partial: PartialSet,
+    force: bool,
+}
+
+impl StagedFiles {
+    /// Checks, before the work begins, that a command may write to `main` and to `others` beside it.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::check`] for each of them.
+    pub fn check<'a>(main: &Path, others: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<()> {
+        let partial = PartialSet::of(main);
+        StagedFile::check(main, force)?;
+        others.into_iter().try_for_each(|path| StagedFile::check(path, force || partial.holds(path)))
+    }
+
+    /// Starts a set with its main file.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::new`].
+    pub fn new(main: &Path, force: bool) -> Result<Self> {
+        let file = StagedFile::new(main, force)?;
+        Ok(Self { partial: PartialSet::of(main), files: vec![(main.to_owned(), file)], force })
+    }
+
+    /// The file that was named.
+    pub fn main(&self) -> &StagedFile {
+        &self.files[0].1
+    }
+
+    /// Starts one more file; where to write it.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFile::new`].
+    pub fn add(&mut self, path: &Path) -> Result<PathBuf> {
+        let file = StagedFile::new(path, self.force || self.partial.holds(path))?;
+        let place = file.path();
+        self.files.push((path.to_owned(), file));
+        Ok(place)
+    }
+
+    /// Writes one more file.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFiles::add`] and [`write_file`].
+    pub fn write(&mut self, path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+        write_file(&self.add(path)?, fill)
+    }
+
+    /// Writes the main file.
+    ///
+    /// # Errors
+    ///
+    /// As [`write_file`].
+    pub fn write_main(&self, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+        write_file(&self.main().path(), fill)
+    }
+
+    /// Moves the files to their places, the main one last; their paths, the main one first.
+    ///
+    /// # Errors
+    ///
+    /// The system refuses; the main file then stays as it was, and the same command can be given again.
+    pub fn commit(mut self) -> Result<Vec<PathBuf>> {
+        let paths = self.files.iter().map(|(path, _)| path.clone()).collect();
+        let others = self.files.split_off(1);
+        if !others.is_empty() {
+            self.partial.record(others.iter().map(|(path, file)| (path.as_path(), file.path())))?;
+        }
+        others.into_iter().try_for_each(|(_, file)| file.commit())?;
+        self.files.into_iter().try_for_each(|(_, file)| file.commit())?;
+        Ok(paths)
     }
 }
 

@@ -7,7 +7,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
-use crate::formats::bytes_of;
+use crate::formats::regular_bytes_of;
 use crate::output::atomic::write_file;
 use crate::output::names::RECORD;
 use willis_core::error::{Fault, Result};
@@ -102,11 +102,11 @@ pub fn write_record(folder: &Path, record: &impl Serialize) -> Result<()> {
     write_json(&folder.join(RECORD), record)
 }
 
-/// Reads a value from JSON; `expected` describes the file for the error.
+/// Reads a value from JSON that this program wrote into a folder, or that stands in one by its name; `expected` describes the file for the error.
 ///
 /// # Errors
 ///
 /// The file cannot be read, or holds no such value; the error names it.
 pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> {
-    serde_json::from_slice(&bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
+    serde_json::from_slice(&regular_bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
 }

@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::lock::{LOCK, LockError, TRIES, is_own_folder, lock};
+use super::partial_set::SET;
 use super::target::followed;
 use crate::formats::checksum;
 use crate::output::own_files::entries;
@@ -138,7 +139,7 @@ fn parent(target: &Path) -> &Path {
 }
 
 /// The hidden folder in which an output is written.
-fn folder_of(target: &Path) -> PathBuf {
+pub fn folder_of(target: &Path) -> PathBuf {
     let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
     if name.len() > LONGEST {
         hidden.push(checksum(name.as_encoded_bytes()));
@@ -163,6 +164,10 @@ fn clear(folder: &Path, target: Option<&Path>) {
         } else {
             fs::rename(&old, target)
         };
+    }
+    if target.is_none_or(|target| fs::symlink_metadata(target).is_ok()) {
+        // The set is complete.
+        let _ = fs::remove_file(folder.join(SET));
     }
     let made = entries(folder).unwrap_or_default();
     for path in made.iter().filter(|path| path.ends_with(NEW) || path.extension().is_some_and(|e| e == UNFINISHED)) {

@@ -7,9 +7,10 @@ mod lock;
 pub mod names;
 mod own_files;
 pub mod partial_run_file;
+mod partial_set;
 mod target;
 
-pub use atomic::{StagedFile, StagedFolder};
+pub use atomic::{StagedFile, StagedFiles, StagedFolder};
 pub use files::{read_json, write_json, write_record};
 pub use in_progress::{InProgress, final_path, write_error};
 pub use own_files::is_cohort_file;

@@ -41,6 +41,10 @@ pub fn check_file_size(target: &Path) -> Result<()> {
 /// takes no file.
 pub fn check_vacant(target: &Path, force: bool) -> Result<()> {
     let refused = |accepted: &str| Err(Error::parameter("output", target.display(), accepted));
+    if fs::symlink_metadata(target).is_err_and(|e| e.kind() == ErrorKind::InvalidFilename) {
+        let bytes = target.file_name().unwrap_or_default().len();
+        return refused(&format!("its name has {bytes} bytes, more than the file system takes; choose a shorter one"));
+    }
     let there = target.exists();
     if !there && fs::symlink_metadata(target).is_ok() {
         return refused("is a link to nothing; remove it, or name what it is to point to");

@@ -11,7 +11,7 @@ use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Frame, Network, RadiusRule};
 use willis_core::support::in_order;
 use willis_io::formats::tables::reader::TableReader;
-use willis_io::formats::{Content, ReadOptions, bytes_of, read as read_file};
+use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, regular_bytes_of};
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::{CandidateOptions, build_with_evidence};
 use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
@@ -88,7 +88,7 @@ fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<()> {
     let mut entries: Vec<PathBuf> =
         fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<std::io::Result<_>>().map_err(unread)?;
     entries.sort();
-    if [TRUTH, LABELS_FILE].iter().all(|name| folder.join(name).is_file()) {
+    if [TRUTH, LABELS_FILE].iter().all(|name| is_there(&folder.join(name))) {
         found.push(folder.to_owned());
         return Ok(());
     }
@@ -100,7 +100,8 @@ fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<()> {
 
 fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     let path = folder.join("fragments.swc");
-    let loops = Some(folder.join("loops.csv")).filter(|path| path.is_file());
+    let loops = Some(folder.join("loops.csv")).filter(|path| is_there(path));
+    [Some(&path), loops.as_ref()].into_iter().flatten().try_for_each(|path| open_regular(path).map(drop))?;
     let document = read_file(&path, &ReadOptions { loops, ..ReadOptions::default() })?;
     let mut network = match document.content {
         Content::Graph(_) => Err(Fault::file("a candidate graph", "expected centerlines")),
@@ -108,14 +109,14 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     .map_err(|fault| fault.in_file(&path))?;
     let truth_file = folder.join(TRUTH);
-    let truth: Truth = serde_json::from_slice(&bytes_of(&truth_file)?).map_err(|e| {
+    let truth: Truth = serde_json::from_slice(&regular_bytes_of(&truth_file)?).map_err(|e| {
         Fault::line(e.line().max(1), e.to_string(), "expected an object with subject and phenotype").in_file(&truth_file)
     })?;
     if !network.frame.is_known() {
         network.frame = Frame::of_word(&truth.frame);
     }
     let labels_file = folder.join(LABELS_FILE);
-    let labels = read_labels(&bytes_of(&labels_file)?).map_err(|fault| fault.in_file(&labels_file))?;
+    let labels = read_labels(&regular_bytes_of(&labels_file)?).map_err(|fault| fault.in_file(&labels_file))?;
     let mut present = [None; 7];
     for segment in &truth.phenotype {
         let artery = artery_of_label(&segment.segment, LabelScheme::Names);

@@ -150,6 +150,20 @@ pub(crate) const PROXIMAL: &str = "proximal_mmHg_s_per_mL";
 pub(crate) const COMPLIANCE: &str = "compliance_mL_per_mmHg";
 const FLOW: &str = "flow_mL_per_min";
 
+/// Whether records have a length without a unit in its name, which the unit of the file is for.
+pub(in crate::formats) fn has_lengths_without_unit(records: &Records) -> bool {
+    let sizes = SIZES.iter().filter(|name| **name != RESISTANCE);
+    let places = POSITION_KEYS[1..].as_flattened().iter().chain(&["pos"]);
+    let lengths = ["length", "radius", "radius_avg", "avgRadiusAvg"];
+    places.chain(sizes).chain(&lengths).any(|name| records.has(name))
+}
+
+/// The note that a unit was given for a graph without such a length.
+pub(in crate::formats) fn unit_note(scale: &Scale, has_lengths_without_unit: bool) -> Option<String> {
+    let is_idle = *scale != Scale::default() && !has_lengths_without_unit;
+    is_idle.then(|| "`units` and `spacing` change nothing in this graph: the names of its lengths state mm".to_owned())
+}
+
 /// The nodes of records, each with its id, which must be unique.
 pub(in crate::formats) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -> Result<Vec<Node>, Fault> {
     let named = || ids.iter().map(AsRef::as_ref).zip(records.iter());

@@ -61,6 +61,11 @@ impl Records {
         self.text.push_str(text);
     }
 
+    /// Whether there is an attribute of this name.
+    pub(in crate::formats) fn has(&self, name: &str) -> bool {
+        self.names.iter().flatten().any(|known| known == name)
+    }
+
     /// How many items there are.
     pub(in crate::formats) fn len(&self) -> usize {
         self.items.len()

@@ -10,7 +10,7 @@ use flate2::read::ZlibDecoder;
 
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
-use crate::formats::input::{beside, bytes_within};
+use crate::formats::input::{beside, bytes_beside};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
@@ -81,7 +81,7 @@ fn with_voxels<T>(
             let accepted = "expected LOCAL, or the name of one file in the same folder";
             here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted))
         })?;
-        other = bytes_within(&file, most)?;
+        other = bytes_beside(&file, most)?;
         (file, other.as_slice())
     };
     let there = |fault: Fault| fault.in_file(&file);

@@ -12,7 +12,7 @@ use flate2::read::MultiGzDecoder;
 use super::pieces::Pieces;
 use super::voxels::{Voxels, fill};
 use crate::formats::binary::NumberType;
-use crate::formats::input::{beside, bytes_within};
+use crate::formats::input::{beside, bytes_beside};
 use crate::formats::tables::reader::plural;
 use crate::masks::{Affine, Image, Mask};
 use willis_core::error::{Fault, Result};
@@ -134,7 +134,7 @@ fn with_voxels<T>(
             let file = beside(path, name).filter(|_| !is_list).ok_or_else(|| {
                 here(Fault::line(line, format!("data file \"{name}\""), "expected the name of one file in the same folder"))
             })?;
-            other = bytes_within(&file, most)?;
+            other = bytes_beside(&file, most)?;
             (file, other.as_slice())
         }
     };

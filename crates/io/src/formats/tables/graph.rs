@@ -26,6 +26,8 @@ const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 pub struct NodeTable {
     pub(crate) nodes: Vec<Node>,
     pub(crate) row_of: HashMap<String, usize>,
+    /// Whether a length in it is in the unit of the file.
+    pub(crate) has_lengths_without_unit: bool,
 }
 
 /// Whether a line is the header of a table of edges.
@@ -55,7 +57,8 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
             return Err(Fault::line(record.line, format!("{key} {name} comes twice"), "expected every node once"));
         }
     }
-    Ok(NodeTable { nodes: nodes(&ids, &records, scale)?, row_of })
+    let has_lengths_without_unit = attributes::has_lengths_without_unit(&records);
+    Ok(NodeTable { nodes: nodes(&ids, &records, scale)?, row_of, has_lengths_without_unit })
 }
 
 /// Reads a table of edges: `node_a,node_b` (or `source,target`) and the attributes of GraphML edges; returns also what
@@ -83,6 +86,7 @@ pub fn read_csv_edges(
         return Err(Fault::line(1, columns(&header), accepted));
     };
     let given = table_of_nodes.is_some();
+    let has_unit = table_of_nodes.as_ref().is_some_and(|table| table.has_lengths_without_unit);
     let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
     // Without a table of nodes: the name of each node, and the edge and the end that give its position.
     let mut made: Vec<&str> = Vec::new();
@@ -126,7 +130,8 @@ pub fn read_csv_edges(
     for node in if given { found } else { nodes(&made, &places(&records, &placed), &options.scale)? } {
         network.add_node(node);
     }
-    let notes = vessels(&mut network, &rows, &records, options)?;
+    let mut notes = vessels(&mut network, &rows, &records, options)?;
+    notes.extend(attributes::unit_note(&options.scale, has_unit || attributes::has_lengths_without_unit(&records)));
     Ok((network, notes))
 }
 

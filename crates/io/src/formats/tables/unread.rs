@@ -6,8 +6,8 @@ use super::graph::{self, END_POSITION_COLUMNS};
 use super::reader::TableReader;
 use crate::formats::attributes;
 use crate::formats::format::Format;
-use crate::formats::input::stream_of;
-use crate::formats::read::{ReadOptions, bytes_of};
+use crate::formats::input::{regular_bytes_of, stream_of};
+use crate::formats::read::ReadOptions;
 use crate::formats::vtk::polydata;
 use crate::formats::xml::{Events, Step, Tag};
 use willis_core::error::Fault;
@@ -24,7 +24,9 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
     let mut names: Vec<String> = match format {
         Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
         Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
-        Format::Csv => bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec())),
+        Format::Csv => {
+            regular_bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec()))
+        }
         _ => None,
     }
     .unwrap_or_default();

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::formats::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
 use crate::formats::format::Format;
-use crate::formats::input::{bytes_within, content_within};
+use crate::formats::input::{bytes_beside, content_beside};
 use crate::formats::read::{Content, ReadOptions, without_mark};
 use crate::formats::swc::read_swc;
 use crate::formats::tables::reader::TableReader;
@@ -41,11 +41,17 @@ pub(crate) fn is_header(columns: &[&str]) -> bool {
 }
 
 /// The first number of the voxel spacing that Image_info.txt beside a tracing states, mm: iCafe's unit of length.
-pub(crate) fn image_spacing(tracing: &Path) -> Option<f64> {
-    let text = bytes_within(&find_image_info(tracing)?, MOST_IMAGE).ok()?;
+///
+/// # Errors
+///
+/// The file is there and cannot be read.
+pub(crate) fn image_spacing(tracing: &Path) -> Result<Option<f64>> {
+    let Some(path) = find_image_info(tracing) else { return Ok(None) };
+    let text = bytes_beside(&path, MOST_IMAGE)?;
     let text = String::from_utf8_lossy(&text);
-    let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"))?;
-    numbers.split_whitespace().next()?.parse().ok().filter(|x: &f64| x.is_finite() && *x > 0.0)
+    let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"));
+    let first = numbers.and_then(|numbers| numbers.split_whitespace().next());
+    Ok(first.and_then(|number| number.parse().ok()).filter(|x: &f64| x.is_finite() && *x > 0.0))
 }
 
 /// Reads Feature_Vessel.csv.
@@ -162,12 +168,12 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut format = Format::Swc;
     if let Some(table) = find_table_of_vessels(path)
-        && let Some(note) = name_vessels(&mut lines, &content_within(&table, options.max_input)?, &table, &options.scale)?
+        && let Some(note) = name_vessels(&mut lines, &content_beside(&table, options.max_input)?, &table, &options.scale)?
     {
         format = Format::ICafe;
         notes.push(note);
     }
-    notes.extend(spacing_note(path, &options.scale));
+    notes.extend(spacing_note(path, &options.scale)?);
     Ok((format, Content::Centerlines(lines), notes))
 }
 
@@ -175,7 +181,7 @@ pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> 
 pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>)> {
     let here = |fault: Fault| fault.in_file(path);
     let tracing = find_tracing(path).map_err(here)?;
-    let traced = content_within(&tracing, options.max_input)?;
+    let traced = content_beside(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
     let wrong = || {
@@ -185,7 +191,7 @@ pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOpt
         )
     };
     notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
-    notes.extend(spacing_note(&tracing, &options.scale));
+    notes.extend(spacing_note(&tracing, &options.scale)?);
     Ok((Content::Centerlines(lines), notes))
 }
 
@@ -198,7 +204,9 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
 }
 
 /// A note on the voxel spacing that iCafe states for a tracing, if lengths are not read as voxels.
-fn spacing_note(tracing: &Path, scale: &Scale) -> Option<String> {
-    let spacing = image_spacing(tracing).filter(|_| scale.unit != LengthUnit::Voxel)?;
-    Some(format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units` voxel `spacing` {spacing}"))
+fn spacing_note(tracing: &Path, scale: &Scale) -> Result<Option<String>> {
+    let spacing = image_spacing(tracing)?.filter(|_| scale.unit != LengthUnit::Voxel);
+    Ok(spacing.map(|spacing| {
+        format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units` voxel `spacing` {spacing}")
+    }))
 }

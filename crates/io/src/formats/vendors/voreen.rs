@@ -30,7 +30,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
     for (column, name) in place.iter_mut().zip(["pos_x", "pos_y", "pos_z"]) {
         *column = rows.column(&[name], "Voreen's table of nodes")?;
     }
-    let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new() };
+    let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new(), has_lengths_without_unit: true };
     while let Some(row) = rows.row()? {
         let id = row.text(id).to_owned();
         if id.is_empty() {

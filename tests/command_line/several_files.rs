@@ -1,0 +1,109 @@
+//! Commands that write several files: killed at any rename, the same command completes the set, and never takes a file of somebody else for
+//! its own. The truth is the set that a command makes which nobody kills.
+#![cfg(target_os = "linux")]
+
+use std::fs;
+use std::os::unix::process::ExitStatusExt;
+use std::path::Path;
+use std::process::Command;
+
+use crate::command::{data, folder, stderr, willis};
+use crate::refused::{contents, refused};
+
+/// Commands with the file that they name.
+fn commands() -> Vec<(Vec<String>, &'static str)> {
+    let swc = data("broken-circle-of-willis.swc");
+    let words = |line: &str| line.split(' ').map(|word| if word == "SWC" { swc.clone() } else { word.to_owned() }).collect();
+    vec![
+        (words("convert SWC c.csv"), "c.csv"),
+        (words("phantom cerebral --break -o q.swc"), "q.swc"),
+        (words("label SWC -o lab.vtp"), "lab.vtp"),
+        (words("phantom circle-of-willis --break -o p.swc"), "p.swc"),
+        (words("phantom arterial --edges 100 --break -o g.csv"), "g.csv"),
+    ]
+}
+
+/// Runs a command that is killed as it begins its `at`-th rename; whether it was.
+fn killed(here: &Path, words: &[String], at: usize) -> bool {
+    let inject = format!("inject=rename,renameat,renameat2:signal=KILL:when={at}");
+    let mut strace = Command::new("strace");
+    strace.args(["-f", "-qq", "-o", "/dev/null", "-e", "trace=rename,renameat,renameat2", "-e", &inject]);
+    let output = strace.arg(env!("CARGO_BIN_EXE_willis")).args(words).current_dir(here).output().expect("strace runs");
+    output.status.signal() == Some(9) || output.status.code() == Some(128 + 9)
+}
+
+/// Whether there is a strace that may trace; elsewhere the tests say that they are skipped.
+fn can_trace() -> bool {
+    let traced = Command::new("strace").args(["-o", "/dev/null", "true"]).output().is_ok_and(|output| output.status.success());
+    if !traced {
+        eprintln!("skipped: no strace that may trace");
+    }
+    traced
+}
+
+fn again(here: &Path, words: &[String]) -> (Option<i32>, String) {
+    let output = willis(here, &words.iter().map(String::as_str).collect::<Vec<_>>());
+    (output.status.code(), stderr(&output))
+}
+
+#[test]
+fn a_command_that_is_killed_at_a_rename_is_completed_by_the_same_command() {
+    if !can_trace() {
+        return;
+    }
+    for (words, main) in commands() {
+        let whole = folder();
+        assert_eq!(again(whole.path(), &words).0, Some(0), "{words:?}");
+        let whole = contents(whole.path());
+        // To name arteries takes seconds: in the middle of its set, unless more is asked for.
+        let is_long = words[0] == "label" && std::env::var_os("WILLIS_KILLS").is_none();
+        let mut renames = if is_long { 2 } else { 0 };
+        loop {
+            let here = folder();
+            if !killed(here.path(), &words, renames + 1) {
+                break;
+            }
+            renames += 1;
+            // Twice, so that what the second kill leaves is the mixture of two.
+            if renames > 1 && !is_long {
+                killed(here.path(), &words, renames - 1);
+            }
+            let (status, said) = again(here.path(), &words);
+            if here.path().join(main).exists() && status == Some(2) {
+                assert!(said.contains("exists already"), "{said}");
+            } else {
+                assert_eq!(status, Some(0), "{words:?} killed at rename {renames}: {said}");
+            }
+            assert!(contents(here.path()) == whole, "{words:?} killed at rename {renames}");
+            if is_long {
+                break;
+            }
+        }
+        assert!(renames >= 3, "{words:?}: {renames} renames");
+    }
+}
+
+#[test]
+fn a_file_that_somebody_put_there_since_is_not_taken_for_its_own() {
+    if !can_trace() {
+        return;
+    }
+    let here = folder();
+    let (words, _) = commands().swap_remove(0);
+    let nodes = here.path().join("c.nodes.csv");
+    let at = (1..9).find(|at| killed(here.path(), &words, *at) && nodes.exists()).expect("the table of nodes comes first");
+    fs::write(here.path().join("mine"), "mine").expect("written");
+    fs::rename(here.path().join("mine"), &nodes).expect("moved");
+    let (status, said) = again(here.path(), &words);
+    assert!(status == Some(2) && said.contains("c.nodes.csv: exists already"), "{at}: {said}");
+    assert_eq!(fs::read(&nodes).expect("there"), b"mine");
+}
+
+#[test]
+fn a_name_that_is_too_long_is_refused_before_the_work() {
+    let swc = data("broken-circle-of-willis.swc");
+    let long = "a".repeat(246);
+    refused(&[], &["label", &swc, "-o", &format!("{long}.vtp")], &["--output", "256 bytes", "choose a shorter one"]);
+    refused(&[], &["convert", &swc, &format!("{long}.csv")], &["256 bytes"]);
+    refused(&[], &["phantom", "circle-of-willis", "--break", "-o", &format!("{long}.swc")], &["257 bytes"]);
+}
