@@ -57,7 +57,7 @@ impl Default for Made {
 pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(String, String)>> {
     type Answer = fn(&Made, &Path, &mut Digest) -> Result<()>;
     let scratch = tempfile::tempdir()?;
-    let panel: [(&'static str, Answer); 15] = [
+    let panel: [(&'static str, Answer); 16] = [
         ("phantoms", phantoms),
         ("network", network),
         ("masks", masks),
@@ -68,6 +68,7 @@ pub fn fingerprints(made: &Made, which: impl Fn(&str) -> bool) -> Result<Vec<(St
         ("images", images),
         ("contacts", contacts),
         ("kept", kept),
+        ("repaired", repaired),
         ("sampling", sampling),
         ("paper", paper),
         ("flow", flow),
@@ -255,18 +256,22 @@ const LOOPS: &str = "node_a,node_b,length_mm,radius_mm,origin,probability
 3,6,3,1,candidate,0.2
 ";
 
-/// What stays, of a tracing, of a mask, and of candidates that close loops; what these need, and which a person should look at.
+/// What stays, of a tracing and of candidates that close loops; what these need, and which a person should look at.
 fn kept(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
-    let tracing = (broken_circle()?, &made.joins, Cut::Auto);
-    for (input, prior, cut) in [tracing, (scan()?, &made.skeletons, made.contacts.clone())] {
-        let run = decided(&input, InferOptions { prior: Some(prior.clone()), cut, ..InferOptions::default() })?;
-        run.kept().iter().for_each(|kept| digest.word(&kept.to_string()));
-    }
+    let run = decided(&broken_circle()?, InferOptions { prior: Some(made.joins.clone()), ..InferOptions::default() })?;
+    run.kept().iter().for_each(|kept| digest.word(&kept.to_string()));
     let boundary = BoundaryOptions { inlet: vec!["1".to_owned()], ..BoundaryOptions::default() };
     let loops = read_bytes("loops.csv".as_ref(), LOOPS.as_bytes(), &ReadOptions::default())?;
     let run = decided(&loops, InferOptions { keep: Some("probable".parse()?), boundary, ..InferOptions::default() })?;
     digest.columns(&run.tables()?[1], &["needed", "kept"]);
     run.decision().undecided.iter().for_each(|row| digest.word(&row.to_string()));
+    Ok(())
+}
+
+/// What is kept and cut of a mask.
+fn repaired(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
+    let options = InferOptions { prior: Some(made.skeletons.clone()), cut: made.contacts.clone(), ..InferOptions::default() };
+    decided(&scan()?, options)?.kept().iter().for_each(|kept| digest.word(&kept.to_string()));
     Ok(())
 }
 

@@ -80,7 +80,7 @@ impl Tube {
     fn mask(&self) -> Mask {
         let is = |row| u8::from(self.depth(self.centre(row)) >= 0.0);
         let classes = (0..self.shape.iter().product()).map(is).collect();
-        Mask { shape: self.shape, classes, affine: affine_of(self.spacing), walls: None }
+        Mask::new(self.shape, classes, affine_of(self.spacing))
     }
 
     /// The part of each voxel that is inside, by points in it.
@@ -212,7 +212,7 @@ fn dense(is_map: bool) {
         mask
     } else {
         let classes = rows.map(|row| u8::from(depth(row) >= 0.0)).collect();
-        let mask = Mask { shape: [N; 3], classes, affine: affine_of(spacing), walls: None };
+        let mask = Mask::new([N; 3], classes, affine_of(spacing));
         before = most_memory();
         mask
     };

@@ -119,7 +119,7 @@ fuzz_target!(|bytes: &[u8]| {
         "labels" => labelled(&text),
         "decisions" => drop(io::read_decisions(bytes)),
         "waveform" => {
-            if let Ok(wave) = io::read_waveform(bytes) {
+            if let Ok((wave, _)) = io::read_waveform(bytes) {
                 let period = wave.own_period();
                 if wave.check(period).is_ok() {
                     let _ = beyond(&wave, period, &coefficients(&wave, period, 8));

@@ -69,7 +69,7 @@ fuzz_target!(|bytes: &[u8]| {
     for axis in 0..3 {
         affine[axis][axes[axis]] = mm[axis] * if turn >> (5 + axis) & 1 == 1 { -1.0 } else { 1.0 };
     }
-    let mask = Mask { shape, classes, affine, walls: None };
+    let mask = Mask::new(shape, classes, affine);
 
     let mut file = Vec::new();
     write_nifti(&mut file, &mask, false).expect("written");

@@ -22,7 +22,7 @@ use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
 use super::print::{Terminal, plural};
 use super::shell::print_json;
-use super::subjects::{Inputs, Subject, expand};
+use super::subjects::{Inputs, Subject, expand_cohorts};
 
 /// Name the anatomical variant of a Circle of Willis
 ///
@@ -34,8 +34,8 @@ use super::subjects::{Inputs, Subject, expand};
   willis classify circle.graphml -o phenotype
   willis classify 'cohort/*' -o phenotypes")]
 pub struct ClassifyArgs {
-    /// Vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, or of a manifest (CSV
-    /// with a column input, a row a subject), a cohort
+    /// Vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, of a manifest (CSV
+    /// with a column input, a row a subject), or of the folder of a cohort, a cohort
     #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
@@ -53,7 +53,7 @@ pub struct ClassifyArgs {
 impl ClassifyArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         self.reading.refuse_candidates("classify")?;
-        let input = match expand(&self.inputs)? {
+        let input = match expand_cohorts(&self.inputs)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
                 let phenotypes = self.arteries.phenotypes.clone();

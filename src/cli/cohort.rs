@@ -209,8 +209,11 @@ impl Cohort<'_> {
         });
         let own = own.collect::<Result<Vec<Option<W>>>>()?;
         let work_of = |at: usize| own[at].as_ref().unwrap_or(work);
-        if let Some(row) = subjects.iter().find_map(|subject| subject.row.as_ref()).filter(|row| !row.others.is_empty()) {
-            terminal.say("note", format!("columns of the manifest that are no options: {}", row.others.join(", ")));
+        let covariates = |subject: &Subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone());
+        let columns: Vec<String> = subjects.first().map(covariates).into_iter().flatten().map(|(column, _)| column).collect();
+        if !columns.is_empty() {
+            terminal
+                .say("note", format!("columns of the manifest that are no options go into cohort.csv: {}", columns.join(", ")));
         }
         listen(2);
         let entries = subjects.iter().enumerate().map(|(at, subject)| Entry::of(subject, work_of(at).files(&subject.input)));
@@ -233,6 +236,7 @@ impl Cohort<'_> {
                 subject: name.clone(),
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
+                covariates: covariates(&subjects[at]),
                 page: None,
                 figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
             }
@@ -444,7 +448,7 @@ struct SeparateRun<'a> {
 }
 
 /// Writes the cohort of the runs, or failures, in these folders, and gives its rows. `cohort` has no parameters yet; `name` gives the
-/// inputs their names.
+/// inputs their names, and `covariates` says what else is known of a name.
 ///
 /// # Errors
 ///
@@ -453,6 +457,7 @@ pub fn gather(
     folders: &[PathBuf],
     cohort: &Cohort<'_>,
     name: impl FnOnce(&[PathBuf]) -> Vec<String>,
+    covariates: impl Fn(&str) -> Vec<(String, String)>,
     terminal: Terminal,
 ) -> Result<Vec<Row>> {
     let output = cohort.output;
@@ -466,6 +471,7 @@ pub fn gather(
         subject: name.clone(),
         input: run.input.path.clone(),
         sha256: run.input.sha256.clone().unwrap_or_default(),
+        covariates: covariates(name),
         page: run.record.is_ok().then(|| run.page(output)).flatten(),
         figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
     });

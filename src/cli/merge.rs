@@ -37,6 +37,6 @@ impl MergeArgs {
         let is_run = |path: &Path| is_there(&path.join(RECORD)) || Failure::is_in(path);
         let folders = paths(&self.folders, "folder of a run", is_run)?;
         let cohort = Cohort { command: "merge", parameters: Value::Null, output: &self.output, force, json: self.json };
-        gather(&folders, &cohort, named, terminal).map(drop)
+        gather(&folders, &cohort, named, |_| Vec::new(), terminal).map(drop)
     }
 }

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Manifest, ManifestRow, bytes_of, is_there, read_manifest};
+use crate::internals::formats::{ManifestRow, bytes_of, is_there, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;
@@ -42,8 +42,8 @@ pub struct Row {
     pub options: Vec<(String, String)>,
     /// The words of the command for it alone.
     pub words: Vec<String>,
-    /// The columns of the manifest that are no options.
-    pub others: Vec<String>,
+    /// What else the manifest says of it, by column.
+    pub covariates: Vec<(String, String)>,
 }
 
 impl Subject {
@@ -93,13 +93,33 @@ fn is_run(path: &Path) -> bool {
 ///
 /// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
 pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
-    given.iter().try_for_each(|path| check_folder(path).and_then(|()| check_word(path)))?;
+    expand_to(given, |_| false)
+}
+
+/// As [`expand`], but the folder of a cohort means its subjects.
+///
+/// # Errors
+///
+/// As [`expand`].
+pub fn expand_cohorts(given: &[PathBuf]) -> Result<Inputs> {
+    expand_to(given, is_cohort)
+}
+
+fn is_cohort(path: &Path) -> bool {
+    is_there(&path.join(COHORT))
+}
+
+fn expand_to(given: &[PathBuf], means_subjects: impl Fn(&Path) -> bool) -> Result<Inputs> {
+    let check = |path: &PathBuf| if means_subjects(path) { Ok(()) } else { check_folder(path).and_then(|()| check_word(path)) };
+    given.iter().try_for_each(check)?;
+    let meant: Vec<PathBuf> =
+        given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();
     if let [path] = given
         && let Some(manifest) = manifest_in(path)?
     {
         return Ok(Inputs::Many(subjects_of(manifest, path, given)));
     }
-    if let [input] = given
+    if let [input] = &*meant
         && !is_pattern(input)
     {
         return Ok(Inputs::One(input.clone()));
@@ -108,7 +128,7 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
     // `cohort/*` means the subjects of a cohort. What is no folder and cannot be read, such as a link to nothing, is a row that failed.
     let is_input = |path: &Path| !path.is_dir() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
-    let inputs: Vec<PathBuf> = given.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
+    let inputs: Vec<PathBuf> = meant.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
     let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
     let subject = |(name, input): (String, PathBuf)| {
@@ -119,7 +139,7 @@ pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
 }
 
 /// The manifest that a file is; `None` for a file that is none.
-fn manifest_in(path: &Path) -> Result<Option<Manifest>> {
+fn manifest_in(path: &Path) -> Result<Option<Vec<ManifestRow>>> {
     let is_table = path.extension().is_some_and(|e| ["csv", "tsv"].iter().any(|ending| e.eq_ignore_ascii_case(ending)));
     if !is_table || is_cohort_file(path) || !path.is_file() {
         return Ok(None);
@@ -141,16 +161,15 @@ fn has_inputs(bytes: &[u8]) -> bool {
 }
 
 /// The subjects of a manifest, each with its own options.
-fn subjects_of(manifest: Manifest, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
-    let others = manifest.others;
-    let names = named_as(&manifest.rows.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
+fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
+    let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let with_row = |(name, row): (String, ManifestRow)| {
-        let ManifestRow { input, options, line, .. } = row;
+        let ManifestRow { input, options, line, covariates, .. } = row;
         let words = words_of_row(&input, given, &options);
-        let row = Row { place: (path.to_owned(), line), options, words: words.clone(), others: others.clone() };
+        let row = Row { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
-    names.into_iter().zip(manifest.rows).map(with_row).collect()
+    names.into_iter().zip(manifest).map(with_row).collect()
 }
 
 /// Refuses a folder that is no run, with what in it may be meant.
@@ -161,7 +180,7 @@ fn check_folder(path: &Path) -> Result<()> {
     let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));
     let place = path.display().to_string();
     let place = place.trim_end_matches('/');
-    if is_there(&path.join(COHORT)) {
+    if is_cohort(path) {
         return refused("a cohort", format!("give its subjects, as '{place}/*'"));
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();

@@ -121,6 +121,10 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     }
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
     notes.append(&mut made.notes);
+    let is_graph = contents == Contents::Graph;
+    if is_graph {
+        notes.extend(leave_out_pruned(&mut made.network));
+    }
     if let Some(frame) = options.frame {
         let stated = made.network.frame;
         if stated.is_known() && stated != frame {
@@ -139,7 +143,6 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
     }
-    let is_graph = contents == Contents::Graph;
     if is_graph && options.observed {
         (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
     }
@@ -167,6 +170,17 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         lumen,
         is_topcow,
     })
+}
+
+/// Leaves out the edges that a run pruned, as the table of its edges says by `kept`; what is said of it.
+fn leave_out_pruned(network: &mut Network) -> Option<String> {
+    let stays = |network: &Network, row: usize| network.vessel(row).kept != Some(false);
+    let pruned = (0..network.vessel_count()).filter(|row| !stays(network, *row)).count();
+    if pruned == 0 {
+        return None;
+    }
+    *network = network.subgraph(|row| stays(network, row)).0;
+    Some(format!("{} that a run pruned (kept is 0), left out", plural(pruned, "edge")))
 }
 
 /// Marks the free ends that are no further from a face of the box than their radius, or beyond it; how many there are.

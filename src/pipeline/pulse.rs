@@ -145,7 +145,7 @@ impl Waves {
                     (vec![found.node], file, true)
                 }
             };
-            let table = if is_word(name) { None } else { Some(table(name)?) };
+            let table = if is_word(name) { None } else { Some(table(name, progress)?) };
             for node in nodes {
                 let source = match &table {
                     Some((waveform, file)) => Source::Table { waveform: waveform.clone(), file: file.clone() },
@@ -244,10 +244,14 @@ fn shape(word: &str, inlet: &str) -> Typical {
     }
 }
 
-fn table(name: &str) -> Result<(Waveform, SourceFile)> {
+fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)> {
     let path = Path::new(name);
     let (bytes, source) = SourceFile::read(path)?;
-    Ok((read_waveform(&bytes).map_err(|fault| fault.in_file(path))?, source))
+    let (waveform, note) = read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
+    if let Some(note) = note {
+        progress.step(Step::Note(&format!("{}: {note}", path.display())));
+    }
+    Ok((waveform, source))
 }
 
 /// The one period of all waveforms, s.

@@ -73,8 +73,8 @@ fn one_weight_moves_what_rests_on_it_and_nothing_else() {
     let cases: [(&str, Made, &[&str], &[&str]); 5] = [
         ("joins", Made { joins: Prior::File(joins), ..shipped.clone() }, &["joins"], &["kept"]),
         ("tubes", Made { tubes: Prior::File(tubes), ..shipped.clone() }, &["tubes"], &[]),
-        ("skeletons", Made { skeletons: Prior::File(skeletons), ..shipped.clone() }, &["skeletons"], &["images", "kept"]),
-        ("contacts", Made { contacts: Cut::File(contacts), ..shipped.clone() }, &["contacts"], &["kept"]),
+        ("skeletons", Made { skeletons: Prior::File(skeletons), ..shipped.clone() }, &["skeletons"], &["images", "repaired"]),
+        ("contacts", Made { contacts: Cut::File(contacts), ..shipped.clone() }, &["contacts"], &["repaired"]),
         (
             "viscosity",
             Made { viscosity: 1.01 * shipped.viscosity, ..shipped.clone() },

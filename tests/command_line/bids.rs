@@ -146,8 +146,13 @@ fn both_levels_make_a_dataset_of_bids() {
     assert_eq!((&about["DatasetType"], &about["GeneratedBy"][0]["Name"]), (&"derivative".into(), &"willis".into()));
     assert!(about["BIDSVersion"].is_string() && about["Name"].as_str().is_some_and(|name| name.contains("Study")));
 
+    // Participants keep what is known of them, those without a run are left out.
+    let known = "participant_id\tage\tinput\nsub-01\t61\tx\nsub-03\t44\ty\nsub-02\tn/a\tz\n";
+    fs::write(here.path().join("study/participants.tsv"), known).expect("written");
     let (status, said) = bids(&here, &["group"]);
     assert!(status == Some(0) && said.contains("no run of sub-03"), "{said}");
+    let kept = fs::read_to_string(out.join("participants.tsv")).expect("a table");
+    assert_eq!(kept, known.replace("sub-03\t44\ty\n", ""));
     let rows = table(&here);
     let names: Vec<&[String]> = rows.iter().map(|row| &row[..2]).collect();
     assert_eq!(names, [["participant_id", "session_id"], ["sub-01", "ses-a"], ["sub-01", "ses-b"], ["sub-02", "n/a"]]);
@@ -162,6 +167,10 @@ fn both_levels_make_a_dataset_of_bids() {
     assert_eq!(rows[3][at("candidates")], record["counts"]["candidates"].to_string());
     assert_eq!(rows[3][at("sha256")], record["input"]["sha256"].as_str().expect("a sum"));
     assert_eq!(rows[3][at("input")], TWO);
+    let given = |column: &str| rows[1..].iter().map(|row| row[at(column)].as_str()).collect::<Vec<_>>();
+    assert_eq!((given("age"), given("given_input")), (vec!["61", "61", "n/a"], vec!["x", "x", "z"]));
+    let cohort = fs::read_to_string(out.join("group/cohort.csv")).expect("a table");
+    assert!(cohort.lines().next().is_some_and(|header| header.contains(",age,given_input,")), "{cohort}");
     let page = fs::read_to_string(out.join("group/cohort.html")).expect("a page");
     assert!(page.contains("../runs/sub-02/report.html"));
     assert!(faults(&out).is_none_or(|faults| faults.is_empty()), "{:?}", faults(&out));
@@ -280,6 +289,15 @@ fn one_of_several_masks_is_chosen() {
 
 #[test]
 fn what_cannot_be_meant_is_refused() {
+    let here = dataset(&[TWO]);
+    participant(&here, &[]);
+    for (table, wanted) in [
+        ("age\n61\n", ["participants.tsv:1: the first column is \"age\"", "participant_id"]),
+        ("participant_id\tage\nsub-02\n", ["participants.tsv:2: 1 cells", "expected 2"]),
+    ] {
+        fs::write(here.path().join("study/participants.tsv"), table).expect("written");
+        refused(&here, &["group"], &wanted);
+    }
     let here = dataset(&[A, TWO]);
     let no_such = ["--participant-label sub-07: no such folder; there are sub-01, sub-02"];
     refused(&here, &["participant", "--participant-label", "07"], &no_such);
@@ -303,7 +321,7 @@ fn what_cannot_be_meant_is_refused() {
 }
 
 fn row(figures: Result<Vec<(Cow<'static, str>, Value)>, String>) -> Row {
-    Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), page: None, figures }
+    Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), covariates: Vec::new(), page: None, figures }
 }
 
 /// A record with everything that makes columns: a circle with probabilities, and what is lost with each feeder.

@@ -412,7 +412,7 @@ fn the_page_works_in_chromium() {
 
 fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Value)>, String>) -> Row {
     let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
-    Row { subject: subject.into(), input: String::new(), sha256: String::new(), page: None, figures }
+    Row { subject: subject.into(), input: String::new(), sha256: String::new(), covariates: Vec::new(), page: None, figures }
 }
 
 #[test]

@@ -45,7 +45,10 @@ fn every_row_is_a_run_with_its_own_options() {
                  # a remark\nsub-02\tsecond.swc\tsecond.csv\tvoxel\t0.98,0.98,0.98\tn/a\n";
     fs::write(here.join("study/participants.tsv"), table).expect("written");
     let said = done(here, &["infer", "study/participants.tsv", "-o", "cohort", "-n", "64"]);
-    assert!(said.contains("columns of the manifest that are no options: age"), "{said}");
+    assert!(said.contains("columns of the manifest that are no options go into cohort.csv: age"), "{said}");
+    let rows = fs::read_to_string(here.join("cohort/cohort.csv")).expect("a table");
+    let ages: Vec<&str> = rows.lines().filter_map(|line| line.split(',').nth(5)).collect();
+    assert_eq!(ages, ["age", "61", ""], "{rows}");
     let own: [(&str, &str, &[&str]); 2] = [
         ("sub-01", "first", &["--units", "voxel", "--spacing", "1"]),
         ("sub-02", "second", &["--units", "voxel", "--spacing", "0.98,0.98,0.98"]),
@@ -76,6 +79,13 @@ fn every_row_is_a_run_with_its_own_options() {
         record(&here.join("cohort/sub-02"))["options"]["read"]["scale"]["spacing_mm"],
         serde_json::json!([0.99, 0.99, 0.99])
     );
+
+    // The folder of a cohort means its subjects, to classify.
+    done(here, &["classify", "cohort", "-o", "by-folder"]);
+    done(here, &["classify", "cohort/*", "-o", "by-pattern"]);
+    let table = |folder: &str| fs::read_to_string(here.join(folder).join("cohort.csv")).expect("a table");
+    assert_eq!(table("by-folder"), table("by-pattern"));
+    assert_eq!(table("by-folder").lines().count(), 3);
 
     // Runs whose spacings differ are one cohort; runs of other samples are not.
     done(here, &["merge", "first", "second", "-o", "merged"]);

@@ -44,6 +44,21 @@ fn column(here: &Path, table: &str, name: &str) -> Vec<f64> {
     lines.map(|line| line.split(',').nth(at).expect("a field").parse().unwrap_or(f64::NAN)).collect()
 }
 
+/// Files of openBF have a time that falls by a little: the row goes where it belongs.
+#[test]
+fn a_time_that_falls_by_less_than_a_step_is_put_in_order() {
+    let here = folder();
+    let text = std::str::from_utf8(WAVE).expect("text");
+    let (row, next) = ("0.40,120.00\n", "0.3986,119.97\n");
+    fs::write(here.path().join("ordered.csv"), text.replace(row, &format!("{next}{row}"))).expect("written");
+    fs::write(here.path().join("fallen.csv"), text.replace(row, &format!("{row}{next}"))).expect("written");
+    assert!(!run(here.path(), &["--pulse", "ordered.csv", "--times", "40"]).contains("put in order"));
+    let wanted = column(here.path(), "waveforms.csv", "pressure_mmHg");
+    let said = run(here.path(), &["--pulse", "fallen.csv", "--times", "40"]);
+    assert!(said.contains("fallen.csv: line 13: times that fall, by 1.40e-3 s at most, are put in order"), "{said}");
+    assert_eq!(column(here.path(), "waveforms.csv", "pressure_mmHg"), wanted);
+}
+
 #[test]
 fn the_cycle_is_written_and_its_mean_is_the_steady_flow() {
     let here = folder();

@@ -99,7 +99,8 @@ fn a_folder_is_answered_with_a_pattern() {
     };
     no(&["infer", "scans/", "-o", "out"], "a folder; expected a file, or a pattern such as 'scans/*.swc'");
     assert!(willis(here.path(), &["infer", "scans/*", "-o", "cohort", "-q", "-n", "64"]).status.success());
-    no(&["classify", "cohort", "-o", "out"], "cohort: a cohort; give its subjects, as 'cohort/*'");
+    no(&["simulate", "cohort", "-o", "out"], "cohort");
+    no(&["infer", "cohort", "-o", "out"], "cohort: a cohort; give its subjects, as 'cohort/*'");
     no(&["infer", "cohort/a", "-o", "out"], "topology.graphml");
     // As a shell hands it over that expands the pattern itself: what stands beside the subjects is none.
     let all = ["infer", "scans/a.swc", "cohort/cohort.csv", "cohort/cohort.html", "cohort/cohort.json"];

@@ -138,7 +138,7 @@ fn tube(radius: f64) -> Mask {
         (y * y + z * z).sqrt() <= radius
     };
     let classes = (0..shape.iter().product()).map(|row| u8::from(is(row))).collect();
-    Mask { shape, classes, affine: [[0.5, 0.0, 0.0, -15.0], [0.0, 0.5, 0.0, -9.75], [0.0, 0.0, 0.5, -9.75]], walls: None }
+    Mask::new(shape, classes, [[0.5, 0.0, 0.0, -15.0], [0.0, 0.5, 0.0, -9.75], [0.0, 0.0, 0.5, -9.75]])
 }
 
 #[test]

@@ -72,7 +72,7 @@ fn between_two_lumens_that_touch_the_image_has_a_dip() {
     let image = drawn([49, 49, 53], |p| ripple(p) + value(p));
     let classes = image.values.iter().map(|x| u8::from(*x > 0.35)).collect();
     let Image { shape, affine, .. } = image.clone();
-    let mask = Mask { shape, classes, affine, walls: None };
+    let mask = Mask::new(shape, classes, affine);
     let field = Field::of(&Foreground::of(&mask).expect("vessels"));
     let up = middle + 0.5 * gap;
     let ends = [[2.0, middle, middle], [22.0, middle, middle], [middle, 2.0, middle + gap], [middle, 22.0, middle + gap]];

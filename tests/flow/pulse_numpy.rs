@@ -240,7 +240,7 @@ fn drives(waves: &[(usize, Waveform)], period: f64, harmonics: usize) -> Vec<Dri
 
 /// A circle with the carotid pressure at every inlet.
 fn circle(name: &str, network: &Network) -> Compared {
-    let wave = read_waveform(CAROTID.as_bytes()).expect("a waveform");
+    let wave = read_waveform(CAROTID.as_bytes()).expect("a waveform").0;
     let (conditions, waves) = driven(network, &wave);
     let period = wave.own_period();
     let case = Case { period, ..Case::new(network, &conditions, drives(&waves, period, 20)) };

@@ -285,7 +285,7 @@ fn svzerodsolver() {
 #[test]
 fn nothing_arrives_before_it_leaves() {
     let Some(folder) = folder() else { return };
-    let wave = read_waveform(&std::fs::read(folder.join("carotid-pressure.csv")).expect("a file")).expect("a waveform");
+    let wave = read_waveform(&std::fs::read(folder.join("carotid-pressure.csv")).expect("a file")).expect("a waveform").0;
     let c = coefficients(&wave, wave.own_period(), 40);
     let line = network(6, (0..5).map(|k| ([k, k + 1], tube(60.0, 2.0 - 0.2 * k as f64))));
     let conditions = [(0, Condition::Pressure(c[0].re)), (5, Condition::Resistance { resistance: 5e9, venous: 0.0 })];

@@ -134,7 +134,7 @@ fn its_waveforms_come_to_those_of_the_linear_theory() {
     const STEPS: usize = 1000;
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis/complete.graphml");
     let mut network = willis::read(path.as_ref(), &ReadOptions::default()).expect("a circle").network;
-    let wave = read_waveform(b"time_s,pressure_mmHg\n0,80\n0.15,122\n0.35,102\n0.42,104\n0.9,80\n").expect("a waveform");
+    let wave = read_waveform(b"time_s,pressure_mmHg\n0,80\n0.15,122\n0.35,102\n0.42,104\n0.9,80\n").expect("a waveform").0;
     let period = wave.own_period();
     let c = coefficients(&wave, period, 60);
     let (mut conditions, mut drives) = (Vec::new(), Vec::new());

@@ -256,6 +256,13 @@ fn the_folder_of_a_run_is_its_topology() {
         fs::read_to_string(here.path().join("flow/edges.csv")).expect("a table")
     };
     assert_eq!(simulate("run"), simulate("run/topology.graphml"));
+    // The table of edges says which of them were pruned.
+    let edges = fs::read_to_string(here.path().join("run/edges.csv")).expect("a table");
+    let column = edges.lines().next().and_then(|header| header.split(',').position(|name| name == "kept")).expect("a column");
+    let pruned = edges.lines().filter(|line| line.split(',').nth(column) == Some("0")).count();
+    let (kept, said) = convert("run/edges.csv");
+    assert!(pruned > 0 && said.contains(&format!("{pruned} edges that a run pruned (kept is 0), left out")), "{said}");
+    assert_eq!(kept.lines().count(), edges.lines().count() - pruned);
 }
 
 #[test]

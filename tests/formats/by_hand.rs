@@ -370,7 +370,7 @@ fn vtp_faults_name_the_array_and_the_value() {
         (
             "byte_order",
             "compressor=\"vtkLZ4DataCompressor\" byte_order",
-            "v: compressor vtkLZ4DataCompressor; expected vtkZLibDataCompressor or none",
+            "v: compressor vtkLZ4DataCompressor; expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView",
         ),
         ("\"ascii\">1 2 3 4 5", "\"binary\">!!!!AAAA", "v: array \"Radius\" of PointData: not base64: "),
         (

@@ -71,6 +71,19 @@ fn curves_are_read_in_lps_and_mm() {
     assert_eq!((network.vessel_count(), cycles(&network), fragments(&network, |_, _| true).count), (2, 1, 1));
 }
 
+/// The place of a point that is not set yet is none, and a curve that Slicer resampled keeps the radii of its old points.
+#[test]
+fn a_curve_that_is_being_drawn_or_was_resampled_has_a_way_on() {
+    let text = r#"{"markups": [{"type": "Curve", "controlPoints": [{"position": [1,2,3]}, {"position": [1,2,5]},
+        {"position": [9,9,9], "positionStatus": "preview"}, {"position": [8,8,8], "positionStatus": "missing"}],
+        "measurements": [{"name": "Radius", "controlPointValues": [1, 2, 1, 2, 1]}]}]}"#;
+    assert!(markups(text).is_err_and(|said| said.contains("5 values of Radius for 4 points") && said.contains("default_radius")));
+    let options = ReadOptions { default_radius: Some(1e-3), ..ReadOptions::default() };
+    let (lines, notes) = read_markups(text.as_bytes(), &options).expect("a curve");
+    assert_eq!((lines.points.len(), lines.links.len()), (2, 1));
+    assert_eq!(notes, ["control points without a defined position, left out: 2"]);
+}
+
 #[test]
 fn markups_faults_name_the_markup_and_the_value() {
     let curve = |rest: &str| format!("{{\"markups\": [{{\"type\": \"Curve\", \"name\": \"c\", {rest}}}]}}");
@@ -103,7 +116,7 @@ fn markups_faults_name_the_markup_and_the_value() {
         ),
         (
             curve(&format!("{one}, \"measurements\": [{{\"name\": \"Radius\", \"controlPointValues\": [1, 2]}}]")),
-            "m: markup 0 \"c\": 2 values of Radius for 1 points; expected one for each control point",
+            "m: markup 0 \"c\": 2 values of Radius for 1 points; expected one for each control point, or give `default_radius`",
         ),
         (curve(&format!("{one}, \"coordinateSystem\": \"IJK\"")), "m: markup 0 \"c\": coordinateSystem IJK; expected LPS or RAS"),
         (

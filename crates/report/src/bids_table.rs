@@ -9,6 +9,8 @@ use super::cohort::{Row, cohort_columns};
 use willis_io::formats::{Column, Values, escape_formula};
 use willis_models::circle_of_willis::{FEEDERS, RING, TERRITORIES};
 
+/// What a column is that the participants have of their own.
+const COVARIATE: &str = "What participants.tsv says of the participant.";
 /// What BIDS writes for a missing value.
 const MISSING: &str = "n/a";
 
@@ -51,7 +53,7 @@ pub fn sidecar(columns: &[Column]) -> Value {
     fields.insert("Description".into(), json!(about));
     fields.insert("MeasurementToolMetadata".into(), json!({ "Description": format!("willis {}", env!("CARGO_PKG_VERSION")) }));
     for column in columns {
-        fields.insert(column.name.clone().into_owned(), describe(&column.name).unwrap_or_else(|| json!({})));
+        fields.insert(column.name.clone().into_owned(), describe(&column.name).unwrap_or_else(|| json!({ "Description": COVARIATE })));
     }
     fields.into()
 }

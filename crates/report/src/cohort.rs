@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde_json::{Map, Value, json};
 
+use super::bids_table::describe;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::tables::reader::plural;
@@ -28,6 +29,8 @@ pub struct Row {
     pub input: String,
     /// The SHA-256 of its input, empty where that cannot be read.
     pub sha256: String,
+    /// What else is said of it, by column, the same columns in all rows.
+    pub covariates: Vec<(String, String)>,
     /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
     pub page: Option<String>,
     /// What came out, by column, or why nothing did.
@@ -70,12 +73,18 @@ impl Row {
         fields.insert("sha256".into(), json!(self.sha256));
         fields.insert("status".into(), json!(self.status()));
         fields.insert("error".into(), json!(self.error()));
+        fields.extend(self.covariates.iter().map(|(name, text)| (covariate(name), json!(text))));
         fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
         fields.into()
     }
 }
 
-/// The columns of cohort.csv: those of every cohort, then the figures in the order in which rows have them first.
+/// The column of a covariate. Names that the table has for its own columns stay with those.
+fn covariate(name: &str) -> String {
+    if describe(name).is_some() || name == "subject" { format!("given_{name}") } else { name.to_owned() }
+}
+
+/// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
 pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
     let text = |name, of: fn(&Row) -> &str| Column::text(name, rows.iter().map(|row| of(row).to_owned()));
     let mut columns = vec![
@@ -85,6 +94,10 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
         text("status", Row::status),
         text("error", Row::error),
     ];
+    for (at, (name, _)) in rows.first().into_iter().flat_map(|row| row.covariates.iter().enumerate()) {
+        let text = |row: &Row| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
+        columns.push(Column::text(covariate(name), rows.iter().map(text)));
+    }
     for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
         if columns.iter().any(|column| column.name == *name) {
             continue;

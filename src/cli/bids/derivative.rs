@@ -14,6 +14,7 @@ use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 
 use super::dataset::{DESCRIPTION, Dataset, Mask, is_of_willis};
+use super::participants::{ABOUT, PARTICIPANTS, Participants};
 use crate::cli::cohort::relative;
 
 /// The version of BIDS that the names follow.
@@ -33,6 +34,7 @@ Made by `willis bids` of masks of vessels. Every participant (and session) has o
 - `sub-*/[ses-*/]anat/*_desc-willis_topology.*`: the plausible topology as GraphML, SWC and VTP, in mm, in the frame of the scanner (RAS).
 - `runs/`: all files of each run, with `edges.csv`, the likelihood matrix and `run.json`, which says how it was made.
 - `group_willis.tsv`: a row for each run, made by the level `group`; `group_willis.json` says what the columns are.
+- `participants.tsv`, where the dataset of the masks has one: its rows of the participants with a run. `group_willis.tsv` has its columns too.
 - `group/cohort.html`: the same as a page, the most uncertain first.
 
 Candidate connections between vessels are kept or cut by their probability. `runs/*/candidates.graphml` has all of them.
@@ -107,6 +109,19 @@ impl Derivative {
         self.put("README.md", README.as_bytes())?;
         self.put(".bidsignore", IGNORED.as_bytes())?;
         self.put(DESCRIPTION, &text_of(&record))
+    }
+
+    /// Writes what is known of participants.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn keep(&self, participants: &Participants) -> Result<()> {
+        if participants.rows.is_empty() {
+            return Ok(());
+        }
+        self.put(PARTICIPANTS, &participants.bytes())?;
+        participants.about.as_ref().map_or(Ok(()), |about| self.put(ABOUT, about))
     }
 
     /// The page of a run at the top.

@@ -2,6 +2,7 @@
 
 pub(super) mod dataset;
 mod derivative;
+mod participants;
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -27,6 +28,7 @@ use super::subjects::Subject;
 use super::with_flags;
 use dataset::{Choice, Dataset, Mask, check_labels, listed};
 use derivative::Derivative;
+use participants::Participants;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
 ///
@@ -157,8 +159,12 @@ impl BidsArgs {
         let output = derivative.group();
         let cohort = Cohort { command: "bids", parameters: Value::Null, output: &output, force: true, json: self.inference.json };
         let named = |_: &[PathBuf]| folders.iter().map(|path| name_of(path)).collect();
-        let mut rows = gather(&folders, &cohort, named, terminal)?;
+        let mut participants = Participants::read(&self.source)?;
+        let covariates = |run: &str| participants.covariates(&of_run(run).0);
+        let mut rows = gather(&folders, &cohort, named, covariates, terminal)?;
         derivative.describe(dataset, &self.source)?;
+        participants.rows.retain(|row| people.contains(&row[0]));
+        derivative.keep(&participants)?;
         for row in &mut rows {
             row.input = dataset.place_of(Path::new(&row.input));
         }
@@ -231,6 +237,6 @@ impl<'a> Run<'a> {
             },
         };
         let (subject, input) = (self.subject.name.clone(), self.mask.path.display().to_string());
-        Row { subject, input, sha256: sha256.unwrap_or_default(), page: None, figures }
+        Row { subject, input, sha256: sha256.unwrap_or_default(), covariates: Vec::new(), page: None, figures }
     }
 }

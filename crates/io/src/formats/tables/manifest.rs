@@ -44,31 +44,25 @@ pub struct ManifestRow {
     pub input: PathBuf,
     /// Its own options, by name and value.
     pub options: Vec<(String, String)>,
+    /// What else is said of it, by column: all columns that are no options.
+    pub covariates: Vec<(String, String)>,
 }
 
-/// A manifest.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Manifest {
-    /// Its rows, one at least.
-    pub rows: Vec<ManifestRow>,
-    /// The columns that are no options.
-    pub others: Vec<String>,
-}
-
-/// Reads a manifest from a table of comma-, semicolon- or tab-separated values; `None` for a table without a column `input`.
+/// Reads the rows of a manifest, one at least, from a table of comma-, semicolon- or tab-separated values; `None` for a table without
+/// a column `input`.
 ///
 /// Further columns are `subject` (or `participant_id`, as in the `participants.tsv` of BIDS) and options of the command line under their
-/// names. Paths are relative to `folder`, that of the table, but for those that begin with `{}` or `{dir}`. An empty value, or `n/a`, is
+/// names; others are covariates. Paths are relative to `folder`, that of the table, but for those that begin with `{}` or `{dir}`. An empty value, or `n/a`, is
 /// none.
 ///
 /// # Errors
 ///
 /// A row without an input, a subject that comes twice, a column whose name is nearly that of an option, no row.
-pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Manifest>, Fault> {
+pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestRow>>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
     let Some(input) = rows.find(&[INPUT]) else { return Ok(None) };
     let name = rows.find(&NAMES);
-    let (mut options, mut others) = (Vec::new(), Vec::new());
+    let (mut options, mut covariates) = (Vec::new(), Vec::new());
     for (at, column) in rows.header().iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
         let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
         if let Some(option) = OPTIONS.iter().find(|(option, _)| *option == plain) {
@@ -81,7 +75,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Manifest>, Fa
             let accepted = format!("{meant}options of a subject are {}", known.join(", "));
             return Err(Fault::line(rows.header_line(), format!("column \"{column}\""), accepted));
         }
-        others.push(column.clone());
+        covariates.push((at, column.clone()));
     }
     let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
     let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty() && text != "n/a");
@@ -102,10 +96,12 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Manifest>, Fa
             let text = value(row.text(*at))?;
             Some(((*option).to_owned(), if *is_file { placed(&text).display().to_string() } else { text }))
         });
-        found.push(ManifestRow { line: row.line, subject, input: placed(&path), options: own.collect() });
+        let said = covariates.iter().map(|(at, column)| (column.clone(), value(row.text(*at)).unwrap_or_default()));
+        let (options, covariates) = (own.collect(), said.collect());
+        found.push(ManifestRow { line: row.line, subject, input: placed(&path), options, covariates });
     }
     if found.is_empty() {
         return Err(Fault::file("no subject", "expected a row for every subject"));
     }
-    Ok(Some(Manifest { rows: found, others }))
+    Ok(Some(found))
 }

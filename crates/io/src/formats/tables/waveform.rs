@@ -8,12 +8,13 @@ use willis_core::network::waveform::{Quantity, Waveform};
 const PRESSURE: &str = "pressure_mmHg";
 const FLOW: &str = "flow_mL_per_min";
 
-/// Reads a waveform; other columns are left alone.
+/// Reads a waveform, and what a person should know about it; other columns are left alone. Times that fall by no more than a mean step
+/// between rows are put in order.
 ///
 /// # Errors
 ///
-/// No column of times; both a pressure and a flow, or neither; fewer than two rows; a time that falls; a number that is not finite.
-pub fn read_waveform(bytes: &[u8]) -> Result<Waveform, Fault> {
+/// No column of times; both a pressure and a flow, or neither; fewer than two rows; a time that falls by more; a number that is not finite.
+pub fn read_waveform(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let time = rows.column(&["time_s"], "the time of each row")?;
     let quantity = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
@@ -29,21 +30,33 @@ pub fn read_waveform(bytes: &[u8]) -> Result<Waveform, Fault> {
         }
     };
     let (quantity, column) = quantity;
-    let (mut times, mut values) = (Vec::<f64>::new(), Vec::new());
+    // The line, the time and the value of each row.
+    let mut read: Vec<(usize, f64, f64)> = Vec::new();
     while let Some(row) = rows.row()? {
         let (t, x) = (row.finite(time)?, row.finite(column)?);
-        if let Some(before) = times.last().filter(|before| **before > t) {
-            return Err(Fault::line(row.line, format!("time_s {t} after {before}"), "expected times that never fall"));
-        }
-        times.push(t);
-        values.push(match quantity {
+        let value = match quantity {
             Quantity::Pressure => pascals(x),
             Quantity::Flow => cubic_metres_per_second(x),
-        });
+        };
+        read.push((row.line, t, value));
     }
+    let step = match read.as_slice() {
+        [(_, first, _), .., (_, last, _)] => (last - first) / (read.len() - 1) as f64,
+        _ => 0.0,
+    };
+    let falls: Vec<&[(usize, f64, f64)]> = read.windows(2).filter(|pair| pair[1].1 < pair[0].1).collect();
+    if let Some([(_, before, _), (line, t, _)]) = falls.iter().copied().find(|pair| pair[0].1 - pair[1].1 > step) {
+        return Err(Fault::line(*line, format!("time_s {t} after {before}"), "expected times that never fall"));
+    }
+    let note = falls.first().map(|pair| {
+        let by = falls.iter().map(|pair| pair[0].1 - pair[1].1).fold(0.0, f64::max);
+        format!("line {}: times that fall, by {by:.2e} s at most, are put in order", pair[1].0)
+    });
+    read.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let (times, values): (Vec<f64>, Vec<f64>) = read.into_iter().map(|(_, t, value)| (t, value)).unzip();
     if times.len() < 2 || times[0] == times[times.len() - 1] {
         let found = if times.len() == 1 { "one row".to_owned() } else { format!("{} rows at one time", times.len()) };
         return Err(Fault::file(found, "expected two or more rows over one period"));
     }
-    Ok(Waveform { quantity, times, values })
+    Ok((Waveform { quantity, times, values }, note))
 }

@@ -146,7 +146,7 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
         let radii = radii(markup, options, item)?;
         let first = lines.points.len() as u32;
         for (at, point) in markup.control_points.iter().enumerate() {
-            if point.position_status.as_deref().is_some_and(|status| status == "undefined") {
+            if !point.is_defined() {
                 undefined += 1;
                 continue;
             }
@@ -219,9 +219,11 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
     let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
     match (found, named) {
         (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
+        // A curve that was resampled keeps the values of its old points.
+        (Some(_), None) if options.is_radius_optional() => Ok(None),
         (Some((name, values)), _) => {
             let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
-            Err(Fault::item(item(), found, "expected one for each control point"))
+            Err(Fault::item(item(), found, "expected one for each control point, or give `default_radius`"))
         }
         (None, Some(name)) => {
             let found = format!("no measurement {name} at its control points");

@@ -37,7 +37,10 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let zlib = match root.attribute("compressor") {
         "" => false,
         "vtkZLibDataCompressor" => true,
-        other => return Err(Fault::file(format!("compressor {other}"), "expected vtkZLibDataCompressor or none")),
+        other => {
+            let accepted = "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
+            return Err(Fault::file(format!("compressor {other}"), accepted));
+        }
     };
     let arrays = Arrays { little, word, zlib, appended, room };
     let polydata = root.named("PolyData").next();
