@@ -112,8 +112,7 @@ fn is_cohort(path: &Path) -> bool {
 fn expand_to(given: &[PathBuf], means_subjects: impl Fn(&Path) -> bool) -> Result<Inputs> {
     let check = |path: &PathBuf| if means_subjects(path) { Ok(()) } else { check_folder(path).and_then(|()| check_word(path)) };
     given.iter().try_for_each(check)?;
-    let meant: Vec<PathBuf> =
-        given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();
+    let meant: Vec<PathBuf> = given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();
     if let [path] = given
         && let Some(manifest) = manifest_in(path)?
     {

@@ -1,11 +1,13 @@
 //! Cavities and specks that a segmenter leaves in a mask: what is noise goes, what is a vessel stays. Truth: the drawings, and SciPy's count.
 
+use std::cell::RefCell;
 use std::fs;
 
 use crate::command::{folder, stderr, willis};
+use crate::draw::Draw;
 use crate::masks::{graph, has_cavity, lumps, mask};
 use crate::peers::python;
-use willis::internals::masks::{Cavities, RadiusFrom, trace};
+use willis::internals::masks::{Cavities, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 
 /// A tube with one voxel missing is the same one vessel; with `--cavities keep` it is what thinning makes of a closed surface.
 #[test]
@@ -120,4 +122,31 @@ fn scipy_fills_the_same() {
             return;
         }
     }
+}
+
+/// Noise, solid bodies and sponges are refused before they take time, thin and dense vessels are not.
+#[test]
+fn what_can_be_no_vessels_is_refused() {
+    let draw = RefCell::new(Draw::new(5));
+    for share in [0.05, 0.3, 0.5, 0.8] {
+        let noise = mask([96; 3], |_| draw.borrow_mut().within(0.0, 1.0) < share);
+        assert!(why_no_vessels(&noise).is_some_and(|why| why.starts_with("noise: ")), "{share}");
+    }
+    assert!(why_no_vessels(&mask([96; 3], |at| at.iter().sum::<usize>() % 2 == 0)).is_some());
+    let body = mask([164; 3], |at| at.iter().all(|x| (1..163).contains(x)));
+    assert!(why_no_vessels(&body).is_some_and(|why| why.starts_with("a solid body: ")));
+    // A small body, a wide vessel, a bundle of vessels of two voxels, and a lattice of vessels.
+    let is_bar = |at: [usize; 3]| at.iter().filter(|x| **x % 8 < 2).count() > 1;
+    for vessels in [
+        mask([96; 3], |at| at.iter().all(|x| (1..95).contains(x))),
+        mask([164; 3], |[x, y, _]| x.abs_diff(82).pow(2) + y.abs_diff(82).pow(2) < 2500),
+        mask([96; 3], |[x, y, _]| x % 6 < 2 && y % 6 < 2),
+        mask([96; 3], is_bar),
+    ] {
+        assert_eq!(why_no_vessels(&vessels), None);
+    }
+    // Three branches and two loops to each of its nodes.
+    let lattice = trace(&mask([104; 3], is_bar), RadiusFrom::Area, Cavities::Keep).expect("lines").lines;
+    let said = why_no_centerlines(&lattice).expect("a sponge");
+    assert!(said.starts_with("a sponge: ") && said.ends_with(&format!("with {} loops", graph(&lattice).1)), "{said}");
 }

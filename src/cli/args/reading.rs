@@ -67,8 +67,8 @@ pub struct ReadingArgs {
     pub radius_from: RadiusFrom,
     /// What is done with the cavities of a mask, background that nothing connects to the outside
     #[arg(long, default_value = "fill", hide_short_help = true, value_parser = words::<Cavities>(&[
-        ("fill", "They become part of the vessel around them"),
-        ("keep", "They stay; each becomes a closed surface with dozens of loops")]))]
+        ("fill", "They become part of the vessel around them, specks are left out, and noise and solid bodies are refused"),
+        ("keep", "All stays as it is; each cavity becomes a closed surface with dozens of loops")]))]
     pub cavities: Cavities,
     /// The box of the image, in mm: its least and its largest x,y,z; a vessel that ends at its faces goes on outside, so nothing is joined there
     #[arg(long = "box", value_name = "X,Y,Z,X,Y,Z", value_delimiter = ',', allow_hyphen_values = true, hide_short_help = true)]

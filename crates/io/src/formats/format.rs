@@ -31,7 +31,7 @@ use super::vtk::legacy::read_vtk;
 use super::vtk::vtp::read_vtp;
 use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
-use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace};
+use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 use willis_core::error::{Fault, Result};
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::millimetres;
@@ -273,10 +273,22 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     };
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
-    let filled = if options.cavities == Cavities::Fill { mask.fill_cavities() } else { Filled::default() };
+    let cleans = options.cavities == Cavities::Fill;
+    let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities` keep goes on with any");
+    if let Some(why) = why_no_vessels(&mask).filter(|_| cleans) {
+        return Err(no_vessels(why));
+    }
+    let filled = if cleans { mask.fill_cavities() } else { Filled::default() };
     let traced = trace(&mask, options.radius_from, options.cavities);
     let mut traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
+    if let Some(why) = why_no_centerlines(&traced.lines).filter(|_| cleans) {
+        return Err(no_vessels(why));
+    }
+    if traced.lines.links.is_empty() {
+        let found = format!("no vessel in a mask of {x} x {y} x {z} voxels: {}", plural(traced.specks, "speck"));
+        return Err(Fault::file(found, "expected a part that is longer than wide; `cavities` keep takes all"));
+    }
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
     let labels = &mut traced.lines.labels;

@@ -15,7 +15,7 @@ use super::mask::Mask;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Cavities {
-    /// Cavities become part of the vessel around them, and specks are left out.
+    /// Cavities become part of the vessel around them, specks are left out, and what can be no mask of vessels is refused.
     #[default]
     Fill,
     /// The lines have the topology of the mask.

@@ -3,6 +3,7 @@
 //! | step | file |
 //! |---|---|
 //! | a mask in the scanner's frame, in one order of axes | `mask.rs` |
+//! | what is no mask of vessels | `no_vessels.rs` |
 //! | cavities that are filled before | `cavities.rs` |
 //! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
 //! | exact Euclidean distance to the background (Felzenszwalb and Huttenlocher 2012) | `distance.rs` |
@@ -23,6 +24,7 @@ mod foreground;
 mod image;
 mod lumen;
 mod mask;
+mod no_vessels;
 mod partial;
 mod run_lengths;
 pub mod scene;
@@ -37,6 +39,7 @@ pub use field::Field;
 pub use foreground::Foreground;
 pub use image::{Image, Picture};
 pub use mask::{Affine, Mask};
+pub use no_vessels::{why_no_centerlines, why_no_vessels};
 pub use partial::{WallFinder, Walls};
 pub use run_lengths::RunLengths;
 pub use scene::{Appearance, Centerlines, Level, Scene, Unseen, View};

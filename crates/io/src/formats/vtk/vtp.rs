@@ -38,7 +38,8 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         "" => false,
         "vtkZLibDataCompressor" => true,
         other => {
-            let accepted = "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
+            let accepted =
+                "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
             return Err(Fault::file(format!("compressor {other}"), accepted));
         }
     };
