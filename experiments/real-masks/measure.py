@@ -119,7 +119,7 @@ def table():
     }
     cell = lambda mask, key: np.nanmean(found[mask, *key])
     lines = [[mask, *(form % cell(mask, key) for *key, form in columns.values())] for mask in masks]
-    lines.append(["mean", *("%.3g" % np.mean([cell(mask, key) for mask in masks]) for *key, _ in columns.values())])
+    lines.append(["mean", *(("%.1f" if form == "%.0f" else form) % np.mean([cell(mask, key) for mask in masks]) for *key, form in columns.values())])
     common.splice(HERE / "README.md", "masks", common.table(["KDXF", *columns], lines))
 
 
