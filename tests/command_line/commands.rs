@@ -22,7 +22,7 @@ fn bad_centerlines_are_refused_by_line_and_value() {
     refused(&[("a.swc", b"")], &infer, &["a.swc", "empty"]);
     refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 1\n")], &infer, &["a.swc:2", "5 columns", "7"]);
     refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 9\n")], &infer, &["a.swc:2", "9", "exist"]);
-    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 nan 1\n")], &infer, &["a.swc:2", "radius", "nan"]);
+    refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 wide 1\n")], &infer, &["a.swc:2", "radius", "wide"]);
     refused(&[("a.swc", b"1 0 0 0 0 0 -1\n2 0 1 0 0 0 1\n")], &infer, &["a.swc", "no valid radius", "--default-radius"]);
     refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n")], &infer, &["a.swc:2", "x"]);
     refused(&[("a.swc", b"1 0 0 0 0 1 -1\n2 0 inf 0 0 1 1\n")], &infer, &["a.swc:2", "inf"]);
@@ -43,9 +43,10 @@ fn a_graph_without_an_end_to_enter_by_is_refused() {
 
 #[test]
 fn arguments_out_of_range_are_refused_by_name_and_value() {
-    let cases: [(&[&str], &[&str]); 16] = [
+    let cases: [(&[&str], &[&str]); 17] = [
         (&["--epsilon", "0.5,0.5"], &["--epsilon", "0.5", "twice"]),
         (&["--epsilon", "abc"], &["--epsilon", "abc"]),
+        (&["--epsilon", "1e308"], &["--epsilon 1e308: expected"]),
         (&["--flow", "1=10", "--flow=3=-10"], &["flows only", "pressure"]),
         (&["--observed"], &["--observed", "graph"]),
         (&["--epsilon", "1.5"], &["--epsilon", "1.5", "0 <= epsilon < 1"]),

@@ -31,7 +31,7 @@ fn a_mask_becomes_lines_and_an_answer() {
     let said = stderr(&output);
     assert!(output.status.success() && said.contains("topology  1 component"), "{said}");
     // Slicer keeps positions in LPS: x and y turn.
-    let output = willis(here.path(), &["skeleton", "m.npy", "--spacing", "0.5", "-o", "m.mrk.json"]);
+    let output = willis(here.path(), &["skeleton", "m.npy", "--spacing", "0.5", "--frame", "RAS", "-o", "m.mrk.json"]);
     assert!(output.status.success(), "{}", stderr(&output));
     let positions = |name: &str| {
         let text = fs::read_to_string(here.path().join(name)).expect("written");

@@ -62,7 +62,9 @@ fn file(storage: Storage) -> Vec<u8> {
         };
         let plain: Vec<u8> = values.iter().flat_map(stored).collect();
         let (place, bytes) = match storage {
-            Storage::Text => (format!("@{}", row + 1), values.iter().map(|x| format!("{x}\n")).collect::<String>().into_bytes()),
+            Storage::Text => {
+                (format!("@{}", row + 1), (values.iter().map(f64::to_string).collect::<Vec<_>>().join("\n") + "\n").into_bytes())
+            }
             Storage::Little | Storage::Big => (format!("@{}", row + 1), plain),
             Storage::Zip => {
                 let mut packed = ZlibEncoder::new(Vec::new(), Compression::default());
@@ -195,7 +197,7 @@ fn what_is_no_usable_graph_is_refused_in_one_line() {
             "an Amira file of HxUniformScalarField3; expected a SpatialGraph",
         ),
         ("storage.am", swap("ASCII", "MORSE"), "storage.am:1: \"# Avizo 3D MORSE 3.0\"; expected ASCII, BINARY"),
-        ("header.am", text[..300].as_bytes().to_vec(), "no section @1 after the header"),
+        ("header.am", text.as_bytes()[..300].to_vec(), "no section @1 after the header"),
         ("less.am", swap("@5\n200\n", "@5\n"), "thickness (@5): 6 of 7 numbers; expected all of them"),
         ("word.am", swap("@5\n200\n", "@5\ntwo\n"), "thickness (@5): \"two\"; expected a number"),
         ("vertex.am", swap("@2\n0\n1\n", "@2\n0\n4\n"), "edge 0: vertex 4; expected one of 4, from 0"),

@@ -307,7 +307,8 @@ fn metaimage_as_its_writers_vary() {
     let here = folder();
     let classes = tube(|_| 1).classes;
     let head = "ObjectType = Image\nNDims = 3\nDimSize = 16 16 40\nElementSpacing = 0.5 0.5 0.5\n";
-    let long: String = (0..3000).map(|n| format!("Tag{n:04} = a value of a header that lists a tag for each slice\n")).collect();
+    let tags = (0..3000).map(|n| format!("Tag{n:04} = a value of a header that lists a tag for each slice\n"));
+    let long = tags.collect::<Vec<_>>().concat();
     let wide: Vec<u8> = classes.iter().flat_map(|class| u32::from(*class).to_le_bytes()).collect();
     let lines = |name: &str, header: &str, voxels: &[u8]| {
         fs::write(here.path().join(name), [header.as_bytes(), voxels].concat()).expect("written");
@@ -332,9 +333,10 @@ fn advice_can_be_followed() {
     let points = b"x,y,z,distance_to_wall_mm\n0.1,-1.9,-1.1,0.5\n0.1,-2.4,-0.6,0.6\n";
     refused(&[("p.csv", points)], &["infer", "p.csv", "-o", "out"], &["p.csv:1", "fragment,x,y,z,radius"]);
     let here = folder();
-    let far: String = (0..20)
+    let far = (0..20)
         .map(|n| format!("{} 0 {}.3 {}.2 {}.1 1.{n} {}\n", n + 1, 10 * n, 11 * n, 11 * n, if n == 0 { -1 } else { n }))
-        .collect();
+        .collect::<Vec<_>>()
+        .concat();
     fs::write(here.path().join("far.swc"), far).expect("written");
     let done = willis(here.path(), &["convert", "far.swc", "far.vtp"]);
     assert!(stderr(&done).contains("more than a head has") && stderr(&done).contains("voxel"), "{}", stderr(&done));

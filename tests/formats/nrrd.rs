@@ -34,7 +34,7 @@ fn every_space_encoding_and_place_of_the_voxels_gives_the_same_bar() {
         ("scanner-xyz", SHEARLESS),
         ("3D-right-handed", SHEARLESS),
     ];
-    let text = bar().iter().map(|class| class.to_string()).collect::<Vec<_>>();
+    let text = bar().iter().map(u8::to_string).collect::<Vec<_>>();
     let text = text.chunks(12).map(|row| row.join(" ")).collect::<Vec<_>>().join("\n").into_bytes();
     for (space, affine) in spaces {
         for (encoding, voxels) in

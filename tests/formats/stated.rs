@@ -221,7 +221,8 @@ fn lines_that_meet_and_three_that_part_have_one_junction() {
     assert!((0..4).all(|node| !found.node(node).is_source));
     // Three branches that leave the bifurcation half a radius from its end, in three directions.
     let mut pieces = fork(0.0);
-    pieces.extend(pieces[..3].to_vec().into_iter().map(|piece| Piece { centerline: 2, ..piece }));
+    let again: Vec<Piece> = pieces[..3].iter().map(|piece| Piece { centerline: 2, ..piece.clone() }).collect();
+    pieces.extend(again);
     for (row, [y, z]) in [(2, [0.75, 0.0]), (5, [-0.75, 0.0]), (8, [0.0, 0.75])] {
         pieces[row].points = straight([22.0, y, z], [40.0, 12.0 * y, 12.0 * z], 1.2);
     }
@@ -235,7 +236,9 @@ fn lines_that_meet_and_three_that_part_have_one_junction() {
 #[test]
 fn numbers_of_groups_that_mean_something_else_lose_no_vessel() {
     let mut pieces = fork(0.0);
-    pieces.iter_mut().for_each(|piece| piece.group = 0);
+    for piece in &mut pieces {
+        piece.group = 0;
+    }
     let (found, _) = network("a.vtp", &vtp(&pieces, true));
     assert_eq!((found.vessel_count(), fragments(&found, |_, _| true).count), (3, 1));
     assert!((millimetres(&found) - of_fork()).abs() < 1e-6, "{}", millimetres(&found));

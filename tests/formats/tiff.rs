@@ -77,8 +77,8 @@ fn the_spacing_is_that_of_imagej_of_ome_or_of_the_user() {
         let path = folder.path().join("a.tif");
         std::fs::write(&path, &bytes).expect("written");
         let image = read_image(&path, &ReadOptions::default()).expect("an image").0;
-        for axis in 0..3 {
-            assert!((image.affine[axis][axis] / spacing[axis] - 1.0).abs() < 1e-9, "{description}: {:?}", image.affine);
+        for (axis, step) in spacing.iter().enumerate() {
+            assert!((image.affine[axis][axis] / step - 1.0).abs() < 1e-9, "{description}: {:?}", image.affine);
         }
         assert_eq!((image.shape, image.values.iter().sum::<f32>()), ([12, 5, 6], 9.0));
     }

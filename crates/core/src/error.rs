@@ -179,10 +179,18 @@ pub enum Error {
     },
 }
 
+/// A number as it is, or by its power of ten where it would have dozens of digits.
+fn in_few_digits(text: String) -> String {
+    match text.parse::<f64>() {
+        Ok(number) if text.len() > 24 && number.is_finite() => format!("{number:e}"),
+        _ => text,
+    }
+}
+
 impl Error {
     /// A parameter out of its range.
     pub fn parameter(name: impl Into<String>, value: impl fmt::Display, accepted: impl Into<String>) -> Self {
-        Self::Parameter { name: name.into(), value: one_line(value.to_string()), accepted: one_line(accepted) }
+        Self::Parameter { name: name.into(), value: one_line(in_few_digits(value.to_string())), accepted: one_line(accepted) }
     }
 
     /// Whether the person who called can mend it by changing the input or an argument.

@@ -22,6 +22,7 @@ use willis_core::support::geometry::Point;
 
 /// The content of a file.
 #[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a file has one")]
 pub enum Content {
     /// Points and links, to be contracted.
     Centerlines(Centerlines),

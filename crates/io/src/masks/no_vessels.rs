@@ -18,7 +18,7 @@ const SPONGE: (usize, f64) = (1_000, 0.3);
 
 /// Why the voxels of a mask are none of vessels; `None` where they may be. One pass along the lines of voxels.
 pub fn why_no_vessels(mask: &Mask) -> Option<String> {
-    let (mut inside, mut runs, mut long) = (0, 0, 0);
+    let (mut inside, mut runs, mut long) = (0, 0_usize, 0);
     for line in mask.classes.chunks_exact(mask.shape[0].max(1)) {
         for part in line.chunk_by(|a, b| (*a == 0) == (*b == 0)).filter(|part| part[0] != 0) {
             (inside, runs) = (inside + part.len(), runs + 1);

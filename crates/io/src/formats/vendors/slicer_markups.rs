@@ -220,7 +220,7 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
     match (found, named) {
         (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
         // A curve that was resampled keeps the values of its old points.
-        (Some(_), None) if options.is_radius_optional() => Ok(None),
+        (_, None) if options.is_radius_optional() => Ok(None),
         (Some((name, values)), _) => {
             let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
             Err(Fault::item(item(), found, "expected one for each control point, or give `default_radius`"))
@@ -229,7 +229,6 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
             let found = format!("no measurement {name} at its control points");
             Err(Fault::item(item(), found, "expected the one that `radius_array` names"))
         }
-        (None, None) if options.is_radius_optional() => Ok(None),
         (None, None) => {
             let accepted = "expected a measurement Radius with a value for each control point, or give `default_radius`";
             Err(Fault::item(item(), "no radius", accepted))

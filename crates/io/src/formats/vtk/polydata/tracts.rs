@@ -99,27 +99,29 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     let lines: Vec<Vec<Piece>> = lines.collect();
     let pieces = lines.iter().flatten();
     let closed: Vec<f64> = pieces.clone().filter(|p| p.follows && p.gap > touch).map(|p| p.gap).collect();
-    let mut note = format!("{} pieces are {} lines by their {CENTERLINE} and {TRACT}", pieces.count(), lines.len());
+    let mut said = vec![format!("{} pieces are {} lines by their {CENTERLINE} and {TRACT}", pieces.count(), lines.len())];
     let mut groups = Groups::new(&all.at, &radii, touch);
-    lines.into_iter().for_each(|line| groups.add(line));
+    for line in lines {
+        groups.add(line);
+    }
     let Groups { each, merged, shared, open, .. } = groups;
     let longest = |gaps: &mut dyn Iterator<Item = f64>| brief_millimetres(gaps.fold(0.0, f64::max));
     if shared > 0.0 {
-        note += &format!("; those of one {GROUP} are one vessel, over {:.1} mm in all", millimetres(shared));
+        said.push(format!("those of one {GROUP} are one vessel, over {:.1} mm in all", millimetres(shared)));
     }
     if !closed.is_empty() {
         let widest = longest(&mut closed.iter().copied());
-        note += &format!("; {} between them closed, of {widest} mm at most", gaps(closed.len()));
+        said.push(format!("{} between them closed, of {widest} mm at most", gaps(closed.len())));
     }
     if !open.is_empty() {
         let widest = longest(&mut open.values().copied());
-        note +=
-            &format!("; {} of up to {widest} mm left open, wider than the step between points and {GAP} radii", gaps(open.len()));
+        let count = gaps(open.len());
+        said.push(format!("{count} of up to {widest} mm left open, wider than the step between points and {GAP} radii"));
     }
     all.each.retain(|line| !line.points.is_empty());
     all.each.extend(each);
     all.merged = merged;
-    Some(note)
+    Some(said.join("; "))
 }
 
 fn gaps(count: usize) -> String {
