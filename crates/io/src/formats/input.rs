@@ -101,7 +101,7 @@ pub(crate) fn bytes_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// As [`open_regular`]; it is damaged, or has more than [`MAX_INPUT`] bytes.
+/// As [`open_regular`]; it is damaged, or has more than `MAX_INPUT` bytes.
 pub fn regular_bytes_of(path: &Path) -> Result<Vec<u8>> {
     let bytes = all_of(open_regular(path)?, path, MAX_INPUT, "")?;
     unpacked(bytes, MAX_INPUT).map_err(|fault| fault.in_file(path))
