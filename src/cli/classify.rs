@@ -22,7 +22,7 @@ use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
 use super::print::{Terminal, plural};
 use super::shell::print_json;
-use super::subjects::{Inputs, Subject, expand_cohorts};
+use super::subjects::{Inputs, Subject, expand};
 
 /// Name the anatomical variant of a Circle of Willis
 ///
@@ -53,7 +53,7 @@ pub struct ClassifyArgs {
 impl ClassifyArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         self.reading.refuse_candidates("classify")?;
-        let input = match expand_cohorts(&self.inputs)? {
+        let input = match expand(&self.inputs, true)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
                 let phenotypes = self.arteries.phenotypes.clone();

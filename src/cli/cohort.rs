@@ -9,7 +9,7 @@ use std::thread;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
-use crate::internals::formats::{checksum_of_file, companion_files, is_there, open_regular};
+use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
 use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
@@ -457,7 +457,7 @@ pub fn gather(
     folders: &[PathBuf],
     cohort: &Cohort<'_>,
     name: impl FnOnce(&[PathBuf]) -> Vec<String>,
-    covariates: impl Fn(&str) -> Vec<(String, String)>,
+    covariates: impl Fn(&str) -> Covariates,
     terminal: Terminal,
 ) -> Result<Vec<Row>> {
     let output = cohort.output;

@@ -102,7 +102,7 @@ impl InferArgs {
     pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let work = Inferences::new(self.inference)?;
-        let input = match expand(&self.inputs)? {
+        let input = match expand(&self.inputs, false)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
                 let work = work.with_arteries();

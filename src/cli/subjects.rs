@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{ManifestRow, bytes_of, is_there, read_manifest};
+use crate::internals::formats::{Covariates, ManifestRow, bytes_of, is_there, read_manifest};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;
@@ -42,8 +42,8 @@ pub struct Row {
     pub options: Vec<(String, String)>,
     /// The words of the command for it alone.
     pub words: Vec<String>,
-    /// What else the manifest says of it, by column.
-    pub covariates: Vec<(String, String)>,
+    /// What else the manifest says of it.
+    pub covariates: Covariates,
 }
 
 impl Subject {
@@ -82,34 +82,24 @@ pub enum Inputs {
     Many(Vec<Subject>),
 }
 
+/// Whether a path is the folder of a cohort.
+fn is_cohort(path: &Path) -> bool {
+    is_there(&path.join(COHORT))
+}
+
 /// Whether a path is the folder of a run.
 fn is_run(path: &Path) -> bool {
     is_there(&path.join(RECORD))
 }
 
-/// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern.
+/// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern. Where runs are taken, the
+/// folder of a cohort means its subjects.
 ///
 /// # Errors
 ///
 /// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
-pub fn expand(given: &[PathBuf]) -> Result<Inputs> {
-    expand_to(given, |_| false)
-}
-
-/// As [`expand`], but the folder of a cohort means its subjects.
-///
-/// # Errors
-///
-/// As [`expand`].
-pub fn expand_cohorts(given: &[PathBuf]) -> Result<Inputs> {
-    expand_to(given, is_cohort)
-}
-
-fn is_cohort(path: &Path) -> bool {
-    is_there(&path.join(COHORT))
-}
-
-fn expand_to(given: &[PathBuf], means_subjects: impl Fn(&Path) -> bool) -> Result<Inputs> {
+pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
+    let means_subjects = |path: &Path| takes_runs && is_cohort(path);
     let check = |path: &PathBuf| if means_subjects(path) { Ok(()) } else { check_folder(path).and_then(|()| check_word(path)) };
     given.iter().try_for_each(check)?;
     let meant: Vec<PathBuf> = given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();

@@ -159,7 +159,7 @@ fn missing_is_missing() {
         fs::read_to_string(here.path().join("out.graphml")).expect("a graph")
     };
     let empty = converted("");
-    for missing in ["NaN", "nan", "-nan", "NA", "<NA>", "N/A"] {
+    for missing in ["NaN", "nan", "-nan", "NA", "<NA>", "N/A", "n/a"] {
         assert_eq!(converted(missing), empty, "{missing}");
     }
     for (attribute, row) in [("radius_mm", "0,1,5,inf"), ("length_mm", "0,1,-inf,1"), ("radius_mm", "0,1,5,Infinity")] {

@@ -11,6 +11,7 @@ use petgraph::unionfind::UnionFind;
 use willis::internals::formats::{Content, ReadOptions, read, read_mask};
 use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, RunLengths, Traced, distances, thin, trace};
 use willis::internals::network::centerlines::Centerlines;
+use willis::internals::network::units::millimetres;
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub};
 
 /// A mask of cubic voxels of 1 mm, the first axis fastest.
@@ -490,4 +491,19 @@ fn blocks_keep_the_limit_and_the_place() {
         assert!((0.9..(1.0 + runs.block as f64 / 12.0).powi(3)).contains(&volume) || found.len() == 1, "{faces}: {volume}");
     }
     assert!(RunLengths::of(&vessels, usize::MAX, 5_000).block > 1);
+}
+
+/// A bar has a line along it, whatever its sides are: no line is undone from its end. It ends about half a width short of the bar.
+#[test]
+fn bars_of_every_width_have_a_line_along_them() {
+    for (wide, high) in (1..8).flat_map(|wide| (1..8).map(move |high| (wide, high))) {
+        for axis in 0..3 {
+            let sides = [[30, wide, high], [wide, 30, high], [wide, high, 30]][axis];
+            let bar = mask(sides.map(|side| side + 4), |at| (0..3).all(|axis| (2..sides[axis] + 2).contains(&at[axis])));
+            let lines = trace(&bar, RadiusFrom::Area, Cavities::Keep).expect("lines").lines;
+            let along = || lines.points.iter().map(|point| millimetres(point[axis]));
+            let length = along().fold(f64::MIN, f64::max) - along().fold(f64::MAX, f64::min);
+            assert!(length >= 29.0 - 1.5 * wide.max(high) as f64 - 2.0, "{sides:?}: {length}");
+        }
+    }
 }

@@ -9,7 +9,7 @@ use super::bids_table::describe;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::tables::reader::plural;
-use willis_io::formats::{Column, write_csv};
+use willis_io::formats::{Column, Covariates, write_csv};
 use willis_io::output::atomic::{StagedFile, write_file};
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
 use willis_models::circle_of_willis::{FEEDERS, RING, TERRITORIES};
@@ -29,8 +29,8 @@ pub struct Row {
     pub input: String,
     /// The SHA-256 of its input, empty where that cannot be read.
     pub sha256: String,
-    /// What else is said of it, by column, the same columns in all rows.
-    pub covariates: Vec<(String, String)>,
+    /// What else is said of it: the same columns in all rows, or nothing.
+    pub covariates: Covariates,
     /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
     pub page: Option<String>,
     /// What came out, by column, or why nothing did.
@@ -94,7 +94,8 @@ pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
         text("status", Row::status),
         text("error", Row::error),
     ];
-    for (at, (name, _)) in rows.first().into_iter().flat_map(|row| row.covariates.iter().enumerate()) {
+    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
+    for (at, (name, _)) in stated.into_iter().flatten().enumerate() {
         let text = |row: &Row| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
         columns.push(Column::text(covariate(name), rows.iter().map(text)));
     }

@@ -5,13 +5,16 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{is_there, open_regular};
+use crate::internals::formats::{Covariates, is_there, open_regular, read_participants, regular_bytes_of};
 use crate::internals::output::read_json;
 use clap::Args;
 use serde_json::Value;
 
 /// The file that describes a dataset.
 pub const DESCRIPTION: &str = "dataset_description.json";
+/// What is known of each participant, and what its columns are.
+pub const PARTICIPANTS: &str = "participants.tsv";
+pub const PARTICIPANTS_COLUMNS: &str = "participants.json";
 /// The suffixes of masks.
 const SUFFIXES: [&str; 2] = ["mask", "dseg"];
 /// The suffix of an angiogram.
@@ -191,6 +194,22 @@ impl Dataset {
     /// The participants, with `sub-`.
     pub fn participants(&self) -> &BTreeSet<String> {
         &self.participants
+    }
+
+    /// What `participants.tsv` says of each participant; none without that file.
+    ///
+    /// # Errors
+    ///
+    /// A file that is there and cannot be read, or is none of participants.
+    pub fn covariates(&self) -> Result<Vec<(String, Covariates)>> {
+        let Some(bytes) = self.file(PARTICIPANTS)? else { return Ok(Vec::new()) };
+        read_participants(&bytes).map_err(|fault| fault.in_file(&self.root.join(PARTICIPANTS)))
+    }
+
+    /// The bytes of a file at the top, where there is one.
+    pub fn file(&self, name: &str) -> Result<Option<Vec<u8>>> {
+        let path = self.root.join(name);
+        is_there(&path).then(|| regular_bytes_of(&path)).transpose()
     }
 
     /// One mask for each session of the participants that are chosen, and the participants without a mask.

@@ -5,7 +5,7 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
-use crate::internals::formats::{Column, open_regular, regular_bytes_of};
+use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
 use crate::internals::output::StagedFile;
 use crate::internals::output::atomic::replace_file;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
@@ -13,8 +13,7 @@ use crate::internals::output::write_error;
 use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 
-use super::dataset::{DESCRIPTION, Dataset, Mask, is_of_willis};
-use super::participants::{ABOUT, PARTICIPANTS, Participants};
+use super::dataset::{DESCRIPTION, Dataset, Mask, PARTICIPANTS, PARTICIPANTS_COLUMNS, is_of_willis};
 use crate::cli::cohort::relative;
 
 /// The version of BIDS that the names follow.
@@ -111,17 +110,19 @@ impl Derivative {
         self.put(DESCRIPTION, &text_of(&record))
     }
 
-    /// Writes what is known of participants.
+    /// Writes what is known of participants, and what the columns are, as the dataset of the masks says it.
     ///
     /// # Errors
     ///
-    /// A file that cannot be written.
-    pub fn keep(&self, participants: &Participants) -> Result<()> {
-        if participants.rows.is_empty() {
-            return Ok(());
-        }
-        self.put(PARTICIPANTS, &participants.bytes())?;
-        participants.about.as_ref().map_or(Ok(()), |about| self.put(ABOUT, about))
+    /// A file that cannot be read or written.
+    pub fn keep<'a>(&self, dataset: &Dataset, participants: impl Iterator<Item = &'a (String, Covariates)>) -> Result<()> {
+        let (names, known): (Vec<String>, Vec<&Covariates>) = participants.map(|(name, known)| (name.clone(), known)).unzip();
+        let Some(first) = known.first() else { return Ok(()) };
+        let mut columns = vec![Column::text("participant_id", names.into_iter())];
+        let cells = |at: usize| known.iter().map(move |known| known[at].1.clone());
+        columns.extend(first.iter().enumerate().map(|(at, (name, _))| Column::text(name.clone(), cells(at))));
+        self.put_table(PARTICIPANTS, &columns)?;
+        dataset.file(PARTICIPANTS_COLUMNS)?.map_or(Ok(()), |about| self.put(PARTICIPANTS_COLUMNS, &about))
     }
 
     /// The page of a run at the top.
@@ -192,12 +193,15 @@ impl Derivative {
     ///
     /// A file that cannot be written.
     pub fn write_table(&self, columns: &[Column]) -> Result<PathBuf> {
-        let mut table = Vec::new();
-        let path = self.folder.join("group_willis.tsv");
-        write_tsv(&mut table, columns).map_err(write_error(&path))?;
-        self.put("group_willis.tsv", &table)?;
+        self.put_table("group_willis.tsv", columns)?;
         self.put("group_willis.json", &text_of(&sidecar(columns)))?;
-        Ok(path)
+        Ok(self.folder.join("group_willis.tsv"))
+    }
+
+    fn put_table(&self, name: &str, columns: &[Column]) -> Result<()> {
+        let mut table = Vec::new();
+        write_tsv(&mut table, columns).map_err(write_error(&self.folder.join(name)))?;
+        self.put(name, &table)
     }
 
     /// Writes a file, which another process that works on other participants may write at the same time.

@@ -2,14 +2,13 @@
 
 pub(super) mod dataset;
 mod derivative;
-mod participants;
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
-use crate::internals::formats::is_there;
+use crate::internals::formats::{Covariates, is_there};
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{read_json, write_json};
@@ -28,7 +27,6 @@ use super::subjects::Subject;
 use super::with_flags;
 use dataset::{Choice, Dataset, Mask, check_labels, listed};
 use derivative::Derivative;
-use participants::Participants;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
 ///
@@ -159,12 +157,14 @@ impl BidsArgs {
         let output = derivative.group();
         let cohort = Cohort { command: "bids", parameters: Value::Null, output: &output, force: true, json: self.inference.json };
         let named = |_: &[PathBuf]| folders.iter().map(|path| name_of(path)).collect();
-        let mut participants = Participants::read(&self.source)?;
-        let covariates = |run: &str| participants.covariates(&of_run(run).0);
+        let participants = dataset.covariates()?;
+        let covariates = |run: &str| {
+            let known = participants.iter().find(|(name, _)| *name == of_run(run).0);
+            known.map_or_else(Covariates::new, |(_, known)| known.clone())
+        };
         let mut rows = gather(&folders, &cohort, named, covariates, terminal)?;
         derivative.describe(dataset, &self.source)?;
-        participants.rows.retain(|row| people.contains(&row[0]));
-        derivative.keep(&participants)?;
+        derivative.keep(dataset, participants.iter().filter(|(name, _)| people.contains(name)))?;
         for row in &mut rows {
             row.input = dataset.place_of(Path::new(&row.input));
         }

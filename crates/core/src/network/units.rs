@@ -137,6 +137,18 @@ fn words(spacing: [f64; 3]) -> String {
 }
 
 impl LengthUnit {
+    /// The unit that a file names, in any of the ways of its writers; the sign of micro has two characters, a third form where a file is
+    /// not UTF-8, and its number in ImageJ.
+    pub fn named(word: &str) -> Option<Self> {
+        match word {
+            "mm" => Some(Self::Millimetre),
+            "um" | "µm" | "μm" | "\u{fffd}m" | "\\u00B5m" | "\\u00b5m" | "micron" | "microns" => Some(Self::Micrometre),
+            "cm" => Some(Self::Centimetre),
+            "m" => Some(Self::Metre),
+            _ => None,
+        }
+    }
+
     /// The unit's usual abbreviation.
     pub fn symbol(self) -> &'static str {
         match self {
@@ -210,7 +222,8 @@ impl Scale {
 }
 
 impl LengthUnit {
-    fn mm(self) -> f64 {
+    /// Its length, mm; of a voxel 1.
+    pub fn mm(self) -> f64 {
         match self {
             Self::Millimetre | Self::Voxel => 1.0,
             Self::Micrometre => 1e-3,

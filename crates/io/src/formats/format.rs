@@ -280,7 +280,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     let filled = if cleans { mask.fill_cavities() } else { Filled::default() };
     let traced = trace(&mask, options.radius_from, options.cavities);
-    let mut traced =
+    let traced =
         traced.ok_or_else(|| Fault::file(format!("{x} x {y} x {z} voxels"), "expected at most 4 billion around vessels"))?;
     if let Some(why) = why_no_centerlines(&traced.lines).filter(|_| cleans) {
         return Err(no_vessels(why));
@@ -291,12 +291,6 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
-    let labels = &mut traced.lines.labels;
-    for link in 0..traced.lines.links.len() {
-        if let Some(name) = labels.of(link).parse().ok().and_then(|class| mask.names.get(&class)) {
-            labels.set(link, name);
-        }
-    }
     match walls {
         Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
         Some([outside, inside]) => {

@@ -49,7 +49,7 @@ pub use tables::graph::{
 };
 pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};
-pub use tables::manifest::{ManifestRow, read_manifest};
+pub use tables::manifest::{Covariates, ManifestRow, read_manifest, read_participants};
 pub use tables::points::{read_points, write_points};
 pub use tables::prior::{read_prior_csv, read_prior_npy};
 pub use tables::reader::number;

@@ -54,7 +54,7 @@ impl RadiusFrom {
 /// Centerlines made of a mask.
 #[derive(Debug, Clone)]
 pub struct Traced {
-    /// The centerlines, m, in the scanner's frame. Labels are the numbers of the classes where the mask has several.
+    /// The centerlines, m, in the scanner's frame. Labels are the names or numbers of the classes where the mask has several.
     pub lines: Centerlines,
     /// The voxels that they were traced in.
     pub lumen: Foreground,
@@ -224,7 +224,8 @@ impl Tracer<'_> {
                 if let Some(before) = before {
                     let voxel = branch.voxels.get((n - 1).min(branch.voxels.len().saturating_sub(1)));
                     let voxel = voxel.copied().unwrap_or(graph.nodes[branch.ends[1]][0]);
-                    let class = self.class(voxel).to_string();
+                    let class = self.class(voxel);
+                    let class = self.mask.names.get(&class).cloned().unwrap_or_else(|| class.to_string());
                     out.add_link([before, row], if several { &class } else { "" });
                 }
                 before = Some(row);

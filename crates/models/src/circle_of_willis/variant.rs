@@ -148,16 +148,12 @@ impl Variant {
     }
 }
 
-/// For each vessel of a graph file whether it counts as present, and a note where some do not. Vessels count that an earlier run kept, or
-/// the observed ones where the file does not say what was kept, or all where it does not say what was observed.
+/// For each vessel of a graph file whether it counts as present, and a note where some do not. All count where the file says what an
+/// earlier run kept, for those that it pruned are not read; else the observed ones, or all where it does not say what was observed.
 pub fn present_vessels(network: &Network) -> (Vec<bool>, Option<&'static str>) {
-    if network.vessels().any(|(_, vessel)| vessel.kept.is_some()) {
-        let kept: Vec<bool> = network.vessels().map(|(_, vessel)| vessel.kept == Some(true)).collect();
-        let note = kept.contains(&false).then_some("vessels that were not kept do not count");
-        return (kept, note);
-    }
+    let states_kept = network.vessels().any(|(_, vessel)| vessel.kept.is_some());
     let observed: Vec<bool> = network.vessels().map(|(_, vessel)| vessel.origin == Origin::Observed).collect();
-    if observed.contains(&true) && observed.contains(&false) {
+    if !states_kept && observed.contains(&true) && observed.contains(&false) {
         return (observed, Some("candidates do not count: nothing says which were kept"));
     }
     (vec![true; network.vessel_count()], None)

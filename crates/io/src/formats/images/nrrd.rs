@@ -17,6 +17,7 @@ use crate::formats::tables::reader::plural;
 use crate::masks::{Affine, Image, Mask};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
+use willis_core::network::units::LengthUnit;
 
 /// No header is longer; that of a hundred segments has a tenth of it.
 const MOST_HEADER: usize = 1 << 20;
@@ -26,7 +27,7 @@ const MOST_SEGMENTS: usize = 255;
 const PIECE: usize = 1 << 12;
 
 /// The fields of a header, each with its line, the keys of programs with their values, and where the voxels of the same file begin.
-struct Header {
+struct NrrdHeader {
     fields: HashMap<String, (usize, String)>,
     keys: BTreeMap<String, String>,
     end: usize,
@@ -53,7 +54,7 @@ enum Encoding {
 }
 
 /// A segment of 3D Slicer: the voxels of a layer that have its value.
-struct Segment {
+struct SlicerSegment {
     layer: usize,
     value: f64,
     name: String,
@@ -66,7 +67,7 @@ pub(crate) fn is_nrrd(bytes: &[u8]) -> bool {
 
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
-    let header = Header::read(bytes).ok()?;
+    let header = NrrdHeader::read(bytes).ok()?;
     let (_, name) = header.field("data file")?;
     beside(path, name)
 }
@@ -87,7 +88,7 @@ pub fn read_nrrd(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Re
             return voxels.read(stream, level, most);
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
-        let classes = Classes { segments: &segments, layers, voxels: &voxels, unnamed: &unnamed, shared: &shared };
+        let classes = ClassesOfLayers { segments: &segments, layers, voxels: &voxels, unnamed: &unnamed, shared: &shared };
         let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
         let mut mask = as_bytes.read(classes.of(stream), level, most)?;
         if unnamed.get() > 0 {
@@ -119,10 +120,10 @@ fn with_voxels<T>(
     path: &Path,
     bytes: &[u8],
     most: u64,
-    take: impl FnOnce(&Header, Voxels, usize, Box<dyn Read + '_>) -> Result<T, Fault>,
+    take: impl FnOnce(&NrrdHeader, Voxels, usize, Box<dyn Read + '_>) -> Result<T, Fault>,
 ) -> Result<T> {
     let here = |fault: Fault| fault.in_file(path);
-    let header = Header::read(bytes).map_err(here)?;
+    let header = NrrdHeader::read(bytes).map_err(here)?;
     let encoding = header.encoding().map_err(here)?;
     let (voxels, layers) = header.voxels(encoding).map_err(here)?;
     let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
@@ -180,8 +181,8 @@ fn written_numbers(text: &[u8]) -> impl Read {
 }
 
 /// How the values of all layers of a voxel become its class.
-struct Classes<'a> {
-    segments: &'a [Segment],
+struct ClassesOfLayers<'a> {
+    segments: &'a [SlicerSegment],
     layers: usize,
     /// How a value of a layer is stored.
     voxels: &'a Voxels,
@@ -190,7 +191,7 @@ struct Classes<'a> {
     shared: &'a Cell<usize>,
 }
 
-impl<'a> Classes<'a> {
+impl<'a> ClassesOfLayers<'a> {
     /// The class of each voxel as a byte, from the stored values of all its layers, which follow one another.
     fn of(self, mut stored: impl Read + 'a) -> impl Read + 'a {
         let bytes = self.voxels.size * self.layers;
@@ -228,7 +229,7 @@ fn plain(name: &str) -> String {
     name.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-impl Header {
+impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let (mut fields, mut keys, mut at, mut line) = (HashMap::new(), BTreeMap::new(), 0, 0);
         loop {
@@ -426,17 +427,13 @@ impl Header {
     fn unit(&self) -> f64 {
         let words = self.field("space units").or_else(|| self.field("units")).map_or("", |(_, words)| words);
         // The axis of layers has no unit.
-        match words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???") {
-            Some("um" | "µm" | "μm" | "micron" | "microns") => 1e-3,
-            Some("cm") => 10.0,
-            Some("m") => 1e3,
-            _ => 1.0,
-        }
+        let word = words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???");
+        word.and_then(LengthUnit::named).unwrap_or_default().mm()
     }
 
     /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
     /// ones.
-    fn segments(&self, layers: usize) -> Result<Vec<Segment>, Fault> {
+    fn segments(&self, layers: usize) -> Result<Vec<SlicerSegment>, Fault> {
         let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
         let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
         rows.sort_unstable();
@@ -462,7 +459,7 @@ impl Header {
                 Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
             };
             let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
-            Ok(Segment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
+            Ok(SlicerSegment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
         };
         rows.into_iter().map(segment).collect()
     }

@@ -18,6 +18,7 @@ use crate::formats::xml::{Events, Step};
 use crate::masks::{Image, Mask};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
+use willis_core::network::units::LengthUnit;
 
 /// More than the methods of compression can gain: LZW codes up to 4,096 bytes in 12 bits.
 const MOST_GAIN: u64 = 1 << 12;
@@ -244,12 +245,7 @@ impl Stated {
 fn millimetres_of(unit: &str) -> Option<f64> {
     match unit.trim() {
         "nm" => Some(1e-6),
-        // ImageJ writes the sign of micro by its number.
-        "micron" | "microns" | "um" | "µm" | "μm" | "\\u00B5m" | "\\u00b5m" => Some(1e-3),
-        "mm" => Some(1.0),
-        "cm" => Some(10.0),
-        "m" => Some(1e3),
         "inch" | "in" => Some(25.4),
-        _ => None,
+        other => LengthUnit::named(other).map(LengthUnit::mm),
     }
 }

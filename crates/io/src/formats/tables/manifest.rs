@@ -1,9 +1,9 @@
-//! The manifest of a study: a table with a row for each subject, its input and the options that are its own.
+//! The tables of a study: its manifest, with a row for each subject, its input and the options that are its own, and the participants of BIDS.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use super::reader::TableReader;
+use super::reader::{TableReader, is_missing};
 use willis_core::error::Fault;
 use willis_core::support::suggestions::did_you_mean;
 
@@ -33,6 +33,9 @@ const OPTIONS: [(&str, bool); 19] = [
 const NAMES: [&str; 3] = ["subject", "participant_id", "subject_id"];
 const INPUT: &str = "input";
 
+/// What else is said of a subject, by column; empty where that is missing.
+pub type Covariates = Vec<(String, String)>;
+
 /// A row of a manifest.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ManifestRow {
@@ -44,8 +47,8 @@ pub struct ManifestRow {
     pub input: PathBuf,
     /// Its own options, by name and value.
     pub options: Vec<(String, String)>,
-    /// What else is said of it, by column: all columns that are no options.
-    pub covariates: Vec<(String, String)>,
+    /// What else is said of it: all columns that are no options.
+    pub covariates: Covariates,
 }
 
 /// Reads the rows of a manifest, one at least, from a table of comma-, semicolon- or tab-separated values; `None` for a table without
@@ -78,7 +81,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
         covariates.push((at, column.clone()));
     }
     let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
-    let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !text.is_empty() && text != "n/a");
+    let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !is_missing(text));
     let (mut found, mut lines) = (Vec::new(), HashMap::new());
     while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
@@ -104,4 +107,21 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
         return Err(Fault::file("no subject", "expected a row for every subject"));
     }
     Ok(Some(found))
+}
+
+/// Reads `participants.tsv` of BIDS: what is said of each participant.
+///
+/// # Errors
+///
+/// A table without the column `participant_id`, or a row of another length.
+pub fn read_participants(bytes: &[u8]) -> Result<Vec<(String, Covariates)>, Fault> {
+    let mut rows = TableReader::open(bytes)?;
+    let id = rows.column(&[NAMES[1]], "the participant of each row")?;
+    let columns: Vec<(usize, String)> = rows.header().iter().cloned().enumerate().filter(|(at, _)| *at != id).collect();
+    let mut found = Vec::new();
+    while let Some(row) = rows.row()? {
+        let covariates = columns.iter().map(|(at, column)| (column.clone(), row.text(*at).to_owned()));
+        found.push((row.text(id).to_owned(), covariates.collect()));
+    }
+    Ok(found)
 }

@@ -7,12 +7,12 @@ use willis_core::error::Fault;
 use willis_core::network::units::Scale;
 use willis_core::support::geometry::Point;
 
-/// Whether a text states that there is no value: it is empty, NaN, or what R and pandas write.
+/// Whether a text states that there is no value: it is empty, NaN, or what R, pandas and BIDS write.
 ///
 /// One rule for the attributes of all formats of text, and for cells: where this is so, nothing is stated.
 pub(crate) fn is_missing(text: &str) -> bool {
     let word = text.strip_prefix(['-', '+']).unwrap_or(text);
-    text.is_empty() || word.eq_ignore_ascii_case("nan") || ["NA", "N/A", "<NA>"].contains(&text)
+    text.is_empty() || word.eq_ignore_ascii_case("nan") || ["NA", "N/A", "n/a", "<NA>"].contains(&text)
 }
 
 /// A reader of a table whose header has been read.

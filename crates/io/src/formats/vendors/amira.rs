@@ -58,7 +58,7 @@ struct Declared {
 }
 
 /// The header, and where the sections begin.
-struct Header {
+struct AmiraHeader {
     storage: Storage,
     counts: HashMap<String, usize>,
     arrays: Vec<Declared>,
@@ -76,7 +76,7 @@ struct Header {
 ///
 /// A file that is cut, or of another content; vertices that do not exist; radii that are missing where they are not optional.
 pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let header = Header::read(bytes)?;
+    let header = AmiraHeader::read(bytes)?;
     let kind = header.parameter(&[], "ContentType").unwrap_or("HxSpatialGraph");
     if kind != "HxSpatialGraph" {
         return Err(Fault::file(format!("an Amira file of {kind}"), ACCEPTED));
@@ -164,7 +164,7 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     Ok((centerlines(&points, &radii, &links, label), header.notes()))
 }
 
-impl Header {
+impl AmiraHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let head = &bytes[..bytes.len().min(MOST_HEADER)];
         let end = head.windows(2).position(|two| two == b"\n@").map(|at| at + 1);
@@ -217,18 +217,12 @@ impl Header {
         if given.unit != LengthUnit::Millimetre {
             return Ok(*given);
         }
-        let unit = match word {
-            "mm" | "" => LengthUnit::Millimetre,
-            // The sign of micro has two characters, and a third form where a file is not UTF-8.
-            "um" | "µm" | "μm" | "\u{fffd}m" | "micron" | "microns" => LengthUnit::Micrometre,
-            "cm" => LengthUnit::Centimetre,
-            "m" => LengthUnit::Metre,
-            other => {
-                let found = format!("Units: Coordinates \"{}\"", other.escape_debug());
-                return Err(Fault::file(found, "expected mm, um, cm or m, or give `units`"));
-            }
+        let unit = if word.is_empty() { Some(LengthUnit::Millimetre) } else { LengthUnit::named(word) };
+        let unknown = || {
+            let found = format!("Units: Coordinates \"{}\"", word.escape_debug());
+            Fault::file(found, "expected mm, um, cm or m, or give `units`")
         };
-        Ok(Scale { unit, ..*given })
+        Ok(Scale { unit: unit.ok_or_else(unknown)?, ..*given })
     }
 
     /// What a user should know of the unit and the place.

@@ -196,16 +196,9 @@ pub(in crate::formats) fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -
         Some(Value::Array(code)) => code.first().and_then(Value::as_str).unwrap_or_default(),
         Some(code) => code.as_str().unwrap_or_default(),
     };
-    let unit = match code {
-        "mm" | "" => LengthUnit::Millimetre,
-        "um" => LengthUnit::Micrometre,
-        "cm" => LengthUnit::Centimetre,
-        "m" => LengthUnit::Metre,
-        other => {
-            let found = format!("coordinateUnits {}", other.escape_debug());
-            return Err(Fault::item(item(), found, "expected mm, um, cm or m"));
-        }
-    };
+    let unit = if code.is_empty() { Some(LengthUnit::Millimetre) } else { LengthUnit::named(code) };
+    let unknown = || Fault::item(item(), format!("coordinateUnits {}", code.escape_debug()), "expected mm, um, cm or m");
+    let unit = unit.ok_or_else(unknown)?;
     Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
 }
 

@@ -12,6 +12,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::overlap::{COMMON_END, ONE_JUNCTION, arc, without_gaps};
 use super::{Array, Line, Lines, PolyData, Values};
+use crate::formats::tables::reader::plural;
 use willis_core::network::units::millimetres;
 use willis_core::support::geometry::{Point, box_diagonal, distance};
 
@@ -111,21 +112,17 @@ pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
     }
     if !closed.is_empty() {
         let widest = longest(&mut closed.iter().copied());
-        said.push(format!("{} between them closed, of {widest} mm at most", gaps(closed.len())));
+        said.push(format!("{} between them closed, of {widest} mm at most", plural(closed.len(), "gap")));
     }
     if !open.is_empty() {
         let widest = longest(&mut open.values().copied());
-        let count = gaps(open.len());
+        let count = plural(open.len(), "gap");
         said.push(format!("{count} of up to {widest} mm left open, wider than the step between points and {GAP} radii"));
     }
     all.each.retain(|line| !line.points.is_empty());
     all.each.extend(each);
     all.merged = merged;
     Some(said.join("; "))
-}
-
-fn gaps(count: usize) -> String {
-    if count == 1 { "1 gap".to_owned() } else { format!("{count} gaps") }
 }
 
 /// A length with two significant digits.
