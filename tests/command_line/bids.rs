@@ -293,7 +293,7 @@ fn what_cannot_be_meant_is_refused() {
     participant(&here, &[]);
     for (table, wanted) in [
         ("age\n61\n", ["participants.tsv:1: ", "participant_id"]),
-        ("participant_id\tage\nsub-02\n", ["participants.tsv:2: ", "2 "]),
+        ("participant_id\tage\nsub-02\n", ["participants.tsv:2: ", "expected 2, as in the header"]),
     ] {
         fs::write(here.path().join("study/participants.tsv"), table).expect("written");
         refused(&here, &["group"], &wanted);
