@@ -7,7 +7,9 @@
 pub mod pipeline {
     pub use crate::pipeline::*;
 }
-pub use willis_core::{decision, flow, forest_posterior, modulation, network, perturbation, sampling, simulation, support};
+pub use willis_core::{
+    decision, flow, forest_posterior, modulation, morphometry, network, perturbation, sampling, simulation, support,
+};
 pub use willis_io::{formats, masks, output};
 pub use willis_models::{candidates, circle_of_willis, contacts, naming};
 pub use willis_phantom as phantom;

@@ -310,3 +310,17 @@ def test_pulse_is_that_of_the_command(tmp_path):
     assert np.allclose(flow.mean(axis=1), found.edges["flow_mean_mL_per_min"])
     assert willis.simulate(circle).waveforms is None
     assert "pulsatility_index" in willis.simulate(circle, pulse=True).edges
+
+
+def test_measures_are_those_of_the_command():
+    circle = "data/circle-of-willis/complete.graphml"
+    of_file = willis.measure(circle)
+    of_network = willis.measure(willis.read(circle))
+    assert np.array_equal(of_file.vessels["length_mm"], of_network.vessels["length_mm"])
+    assert of_file.vessels["length_mm"].sum() == pytest.approx(willis.read(circle).edges["length_mm"].sum())
+    assert len(of_file.intervals["figure"]) == 0
+    run = willis.infer(BROKEN, samples=10, progress=False)
+    measured = willis.measure(run)
+    assert measured.subjects["length_mm"][0] == pytest.approx(run.topology.edges["length_mm"].sum())
+    assert measured.intervals["low"].shape == (16,)
+    assert willis.measure([circle, BROKEN]).subjects["status"].tolist() == ["ok", "ok"]

@@ -20,13 +20,14 @@ from ._network import (
     read,
 )
 from ._run import Handle, Run, SavedRun, candidates, infer, load
-from ._study import Cohort, Labelled, Phenotype, classify, cohort, label, phantom, train
+from ._study import Cohort, Labelled, Measured, Phenotype, classify, cohort, label, measure, phantom, train
 from ._willis import __version__
 
 __all__ = [
     "Cohort",
     "Handle",
     "Labelled",
+    "Measured",
     "Modulation",
     "Network",
     "Note",
@@ -48,6 +49,7 @@ __all__ = [
     "infer",
     "label",
     "load",
+    "measure",
     "modulate",
     "phantom",
     "read",

@@ -422,7 +422,7 @@ def page_of(folder: Path) -> str:
     return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
 
 
-_TEXT = frozenset({"id", "label", "role", "origin", "subject", "input", "status", "error", "variant"})
+_TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant"})
 _WHOLE = frozenset({"node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 
 

@@ -95,6 +95,54 @@ def label(source: PathLike, *, model: PathLike | None = None) -> Labelled:
         return Labelled(Path(folder))
 
 
+class Measured:
+    """What is measured of vessels: a table each of vessels, bifurcations, ends, subjects, and of how far figures of the whole may lie apart."""
+
+    def __init__(self, folder: Path) -> None:
+        #: The columns of vessels.csv.
+        self.vessels: Table = table_of(folder / "vessels.csv")
+        #: The columns of bifurcations.csv.
+        self.bifurcations: Table = table_of(folder / "bifurcations.csv")
+        #: The columns of ends.csv.
+        self.ends: Table = table_of(folder / "ends.csv")
+        #: The columns of subjects.csv.
+        self.subjects: Table = table_of(folder / "subjects.csv")
+        #: The columns of intervals.csv; without rows where nothing is a run.
+        self.intervals: Table = table_of(folder / "intervals.csv")
+
+    def __repr__(self) -> str:
+        return f"<willis.Measured: {len(self.vessels['vessel'])} vessels, {len(self.bifurcations['degree'])} bifurcations>"
+
+
+def measure(
+    source: Source | Run | SavedRun | Sequence[PathLike],
+    *,
+    smoothing: str | float | None = None,
+    inlets: Sequence[str | int] | None = None,
+) -> Measured:
+    """Measures the vessels of a network, of a run, or of many files: what ``willis measure`` does.
+
+    ``smoothing`` is the length over which courses are smoothed before bends are measured, in mm; by default six radii of each vessel.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = Path(temporary)
+        if isinstance(source, Run):
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore", Note)
+                source.save(folder / "run", dpi=36)
+            inputs: list[PathLike] = [folder / "run"]
+        elif isinstance(source, SavedRun):
+            inputs = [source.folder]
+        elif isinstance(source, Network):
+            source.save(folder / "network.graphml")
+            inputs = [folder / "network.graphml"]
+        else:
+            inputs = [source] if isinstance(source, (str, os.PathLike)) else list(source)
+        made = words({"smoothing": smoothing, "inlet": Repeated(inlets)}, {})
+        _willis.call(["measure", *[os.fspath(path) for path in inputs], "-o", str(folder / "measured"), *made])
+        return Measured(folder / "measured")
+
+
 class Cohort:
     """Many subjects: the folder that ``willis infer`` makes of several inputs."""
 

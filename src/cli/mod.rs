@@ -13,6 +13,7 @@ mod command_line;
 mod convert;
 mod infer;
 mod label;
+mod measure;
 mod merge;
 mod modulate;
 mod phantom;
@@ -70,6 +71,7 @@ enum Command {
     Modulate(Box<modulate::ModulateArgs>),
     Classify(Box<classify::ClassifyArgs>),
     Label(Box<label::LabelArgs>),
+    Measure(Box<measure::MeasureArgs>),
     Convert(Box<convert::ConvertArgs>),
     Skeleton(Box<convert::SkeletonArgs>),
     #[cfg(feature = "train")]
@@ -192,7 +194,7 @@ fn flag(field: &str) -> Option<String> {
 impl Cli {
     /// The parser; options that a command shares but refuses are not in its help.
     pub fn builder() -> clap::Command {
-        const REFUSE: [&str; 5] = ["simulate", "modulate", "classify", "convert", "skeleton"];
+        const REFUSE: [&str; 6] = ["simulate", "modulate", "classify", "measure", "convert", "skeleton"];
         let command = Self::command().mut_subcommands(|command| {
             let refuses = REFUSE.contains(&command.get_name());
             if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
@@ -235,6 +237,7 @@ impl Cli {
             Command::Modulate(args) => args.run(terminal, force),
             Command::Classify(args) => args.run(terminal, force),
             Command::Label(args) => args.run(terminal, force),
+            Command::Measure(args) => args.run(terminal, force),
             Command::Convert(args) => args.run(terminal, force),
             Command::Skeleton(args) => args.run(terminal, force),
             #[cfg(feature = "train")]

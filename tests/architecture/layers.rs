@@ -12,7 +12,7 @@ const LAYERS: &[(&str, &[&[&str]])] = &[
             &["error"],
             &["support"],
             &["network"],
-            &["forest_posterior", "flow"],
+            &["forest_posterior", "flow", "morphometry"],
             &["perturbation"],
             &["sampling", "simulation"],
             &["decision", "modulation"],

@@ -13,6 +13,7 @@ mod decisions;
 mod extremes;
 mod limits;
 mod manifest;
+mod measure;
 mod modulation_folder;
 mod pulse;
 mod real_data;

@@ -20,6 +20,7 @@ mod boundary;
 mod circle_flow;
 mod circuits;
 mod modulation;
+mod morphometry;
 mod peel;
 mod properties;
 mod pulse;

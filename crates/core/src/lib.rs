@@ -7,6 +7,7 @@ pub mod error;
 pub mod flow;
 pub mod forest_posterior;
 pub mod modulation;
+pub mod morphometry;
 pub mod network;
 pub mod perturbation;
 pub mod sampling;

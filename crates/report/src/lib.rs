@@ -7,6 +7,7 @@ pub mod cohort;
 pub mod figures;
 mod inference;
 pub mod modulation;
+mod morphometry;
 pub mod node_blocks;
 pub mod page;
 mod phenotype;
@@ -19,6 +20,7 @@ mod transport;
 
 pub use inference::{ImageCut, Outcome, Segmentation, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
+pub use morphometry::MeasuredSubject;
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };

@@ -10,6 +10,16 @@ pub const EDGES: &str = "edges.csv";
 pub const SUGGESTED_CUTS: &str = "suggested-cuts.csv";
 /// How the vessels at each contact may be paired.
 pub const PAIRINGS: &str = "pairings.csv";
+/// What is measured of vessels.
+pub const VESSELS: &str = "vessels.csv";
+/// What is measured of bifurcations.
+pub const BIFURCATIONS: &str = "bifurcations.csv";
+/// What is measured of ends.
+pub const ENDS: &str = "ends.csv";
+/// How far the figures of whole networks may lie apart.
+pub const INTERVALS: &str = "intervals.csv";
+/// What is measured of whole networks, a row each.
+pub const SUBJECTS: &str = "subjects.csv";
 /// The nodes.
 pub const NODES: &str = "nodes.csv";
 /// The page to open in a browser.

@@ -133,6 +133,21 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     csv.flush()
 }
 
+/// Writes tables of the same columns as one, one below the other.
+///
+/// # Errors
+///
+/// As [`write_csv`].
+pub fn write_stacked(mut out: impl Write, tables: &[&[Column]]) -> io::Result<()> {
+    for (at, columns) in tables.iter().enumerate() {
+        let mut table = Vec::new();
+        write_csv(&mut table, columns)?;
+        let header = table.iter().position(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        out.write_all(&table[if at == 0 { 0 } else { header }..])?;
+    }
+    Ok(())
+}
+
 /// Whether a spreadsheet would take a text for a formula, leading apostrophes aside.
 fn is_formula(text: &str) -> bool {
     text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r', '＝', '＋', '－', '＠'])

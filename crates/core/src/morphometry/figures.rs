@@ -1,0 +1,134 @@
+//! What is measured of a network as a whole.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use petgraph::unionfind::UnionFind;
+
+use super::orders::Orders;
+use super::shape::cones;
+use super::vessel_lines::VesselLine;
+use crate::support::geometry::{Point, distance, lerp};
+
+/// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
+const HALVINGS: [i32; 5] = [2, 3, 4, 5, 6];
+
+/// Figures of a whole network, in SI units; no number where there is nothing to measure.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NetworkFigures {
+    /// Vessels between junctions and ends.
+    pub vessels: usize,
+    /// Nodes where at least three vessels meet.
+    pub bifurcations: usize,
+    /// Ends of vessels where no other begins.
+    pub ends: usize,
+    /// Connected parts.
+    pub parts: usize,
+    /// Independent loops.
+    pub loops: usize,
+    /// The length of all vessels, m.
+    pub length: f64,
+    /// The share of it in the longest part.
+    pub longest_part: f64,
+    /// The volume of all vessels, m³.
+    pub volume: f64,
+    /// Their lateral surface, m².
+    pub surface: f64,
+    /// The mean radius over the length of all vessels, m.
+    pub radius: f64,
+    /// The volume of the box around all points, along the axes, m³.
+    pub boxed: f64,
+    /// The dimension by counting boxes that hold a point of a centerline.
+    pub box_dimension: f64,
+    /// The mean way from the nearest inlet over the length of all vessels that one leads to, m.
+    pub mean_from_inlet: f64,
+    /// The longest such way to an end of a vessel, m.
+    pub most_from_inlet: f64,
+}
+
+/// Measures the lines of a network; `degree` is that of each node.
+pub fn figures_of(lines: &[VesselLine], degree: &[usize], orders: &Orders) -> NetworkFigures {
+    let mut joined = UnionFind::<usize>::new(degree.len());
+    for line in lines {
+        joined.union(line.ends[0], line.ends[1]);
+    }
+    let mut of_part = BTreeMap::<usize, f64>::new();
+    let (mut sums, mut way, mut most) = ([0.0; 4], [0.0; 2], f64::NAN);
+    for line in lines {
+        *of_part.entry(joined.find(line.ends[0])).or_default() += line.length;
+        let [volume, surface] = cones(line);
+        for (sum, x) in sums.iter_mut().zip([line.length, volume, surface, line.length * line.radius()]) {
+            *sum += x;
+        }
+        let [a, b] = line.ends.map(|node| orders.from_inlet[node]);
+        if a.is_finite() {
+            // Where two ways meet within a line, each of its points has the shorter one.
+            let met = 0.5 * (b - a + line.length);
+            way[0] += met * (a + 0.5 * met) + (line.length - met) * (b + 0.5 * (line.length - met));
+            way[1] += line.length;
+            most = most.max(a).max(b);
+        }
+    }
+    let nodes = degree.iter().filter(|degree| **degree > 0).count();
+    let [length, volume, surface, weighted] = sums;
+    NetworkFigures {
+        vessels: lines.len(),
+        bifurcations: degree.iter().filter(|degree| **degree > 2).count(),
+        ends: degree.iter().filter(|degree| **degree == 1).count(),
+        parts: of_part.len(),
+        loops: lines.len() + of_part.len() - nodes,
+        length,
+        longest_part: of_part.values().copied().fold(0.0, f64::max) / length,
+        volume,
+        surface,
+        radius: weighted / length,
+        boxed: box_volume(lines),
+        box_dimension: box_dimension(lines),
+        mean_from_inlet: way[0] / way[1],
+        most_from_inlet: most,
+    }
+}
+
+/// The least and the largest coordinates of all points.
+fn bounds(lines: &[VesselLine]) -> Option<[Point; 2]> {
+    let points = lines.iter().flat_map(|line| line.points.iter().copied());
+    points.fold(None, |found, p| {
+        let [low, high] = found.unwrap_or([p, p]);
+        Some([std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))])
+    })
+}
+
+fn box_volume(lines: &[VesselLine]) -> f64 {
+    bounds(lines).map_or(f64::NAN, |[low, high]| (0..3).map(|k| high[k] - low[k]).product())
+}
+
+/// Minus the slope of ln N over ln of the side of a box, where N boxes hold a part of a line.
+fn box_dimension(lines: &[VesselLine]) -> f64 {
+    let Some([low, high]) = bounds(lines) else { return f64::NAN };
+    let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
+    if side <= 0.0 {
+        return f64::NAN;
+    }
+    let finest = side / 2.0_f64.powi(HALVINGS[HALVINGS.len() - 1]);
+    // Boxes of the finest size, along every line in steps that leave none out but at corners.
+    let mut held: BTreeSet<[i64; 3]> = BTreeSet::new();
+    for line in lines {
+        for pair in line.points.windows(2) {
+            let steps = (4.0 * distance(pair[0], pair[1]) / finest).ceil().max(1.0) as usize;
+            held.extend((0..=steps).map(|i| {
+                let p = lerp(pair[0], pair[1], i as f64 / steps as f64);
+                // The far face belongs to the last box.
+                std::array::from_fn(|k| (((p[k] - low[k]) / finest) as i64).min((1 << HALVINGS[HALVINGS.len() - 1]) - 1))
+            }));
+        }
+    }
+    let mut points = Vec::new();
+    for k in HALVINGS.into_iter().rev() {
+        points.push([f64::from(k) * 2.0_f64.ln(), (held.len() as f64).ln()]);
+        held = held.into_iter().map(|cell| cell.map(|x| x / 2)).collect();
+    }
+    let n = points.len() as f64;
+    let mean = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / n;
+    let [x, y] = [mean(0), mean(1)];
+    let both: f64 = points.iter().map(|p| (p[0] - x) * (p[1] - y)).sum();
+    both / points.iter().map(|p| (p[0] - x).powi(2)).sum::<f64>()
+}

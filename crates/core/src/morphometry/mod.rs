@@ -1,0 +1,122 @@
+//! What is measured of a network of vessels: each vessel between two junctions, each bifurcation, each end, and the whole.
+//!
+//! Nodes at which only two vessels meet divide nothing: the pieces are one vessel, unless their labels differ. So a figure does not
+//! depend on how a file divides its lines.
+
+mod bifurcations;
+mod figures;
+mod orders;
+mod shape;
+mod vessel_lines;
+
+pub use bifurcations::MeasuredBifurcation;
+pub use figures::NetworkFigures;
+pub use shape::{SMOOTHING, Smoothing, VesselShape};
+pub use vessel_lines::VesselLine;
+
+use crate::network::{Network, Role};
+use bifurcations::bifurcations;
+use figures::figures_of;
+use orders::Orders;
+use vessel_lines::vessel_lines;
+
+/// A vessel between two junctions or ends.
+#[derive(Debug, Clone)]
+pub struct MeasuredVessel {
+    /// Its line, from the node that is nearer to an inlet to the other.
+    pub line: VesselLine,
+    /// Lengths, widths and bends.
+    pub shape: VesselShape,
+    /// How many vessels begin or end at its two nodes, itself included.
+    pub degree: [usize; 2],
+    /// How many bifurcations lie between the nearest inlet and it; none where no inlet leads to it.
+    pub generation: Option<usize>,
+    /// Its order after Strahler; none where no inlet leads to it.
+    pub strahler: Option<usize>,
+    /// Its order after Strahler where an order rises only with the diameter (Jiang, Kassab and Fung 1994).
+    pub diameter_strahler: Option<usize>,
+    /// The length of the way from the nearest inlet to where it begins, m; infinite where none leads there.
+    pub from_inlet: f64,
+    /// The product of the probabilities of all connections on that way and within it.
+    pub probability: f64,
+}
+
+/// An end at which no other vessel begins.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MeasuredEnd {
+    /// The row of its node.
+    pub node: usize,
+    /// The row of its vessel.
+    pub vessel: usize,
+    /// The radius of the vessel over its last stretch, m.
+    pub radius: f64,
+    /// The length of the way from the nearest inlet, m; infinite where none leads there.
+    pub from_inlet: f64,
+}
+
+/// All that is measured of a network.
+#[derive(Debug, Clone)]
+pub struct Morphometry {
+    /// Vessel by vessel.
+    pub vessels: Vec<MeasuredVessel>,
+    /// By node, those where at least three vessels meet.
+    pub bifurcations: Vec<MeasuredBifurcation>,
+    /// By node.
+    pub ends: Vec<MeasuredEnd>,
+    /// The whole.
+    pub network: NetworkFigures,
+}
+
+impl Morphometry {
+    /// Measures a network; `role` says of each node whether blood enters or leaves there.
+    pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing) -> Self {
+        let Ways { lines, degree, orders } = Ways::of(network, role);
+        let figures = figures_of(&lines, &degree, &orders);
+        let bifurcations = bifurcations(network, &lines, &degree, &orders);
+        let mut ends: Vec<MeasuredEnd> = Vec::new();
+        for (vessel, line) in lines.iter().enumerate() {
+            for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] == 1) {
+                ends.push(MeasuredEnd { node, vessel, radius: line.end_radius(last), from_inlet: orders.from_inlet[node] });
+            }
+        }
+        ends.sort_by_key(|end| end.node);
+        let measured = |(row, line): (usize, VesselLine)| MeasuredVessel {
+            shape: VesselShape::of(&line, smoothing),
+            degree: line.ends.map(|node| degree[node]),
+            generation: orders.generation[row],
+            strahler: orders.strahler[row],
+            diameter_strahler: orders.diameter_strahler[row],
+            from_inlet: orders.from_inlet[line.ends[0]],
+            probability: orders.probability[row],
+            line,
+        };
+        Self { vessels: lines.into_iter().enumerate().map(measured).collect(), bifurcations, ends, network: figures }
+    }
+}
+
+/// The vessels of a network from the inlets on.
+struct Ways {
+    lines: Vec<VesselLine>,
+    /// By node.
+    degree: Vec<usize>,
+    orders: Orders,
+}
+
+impl Ways {
+    fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
+        let inlets: Vec<usize> = (0..network.node_count()).filter(|node| role(*node) == Role::Inlet).collect();
+        let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
+        let orders = Orders::of(network, &mut lines, &inlets);
+        let mut degree = vec![0; network.node_count()];
+        for node in lines.iter().flat_map(|line| line.ends) {
+            degree[node] += 1;
+        }
+        Self { lines, degree, orders }
+    }
+}
+
+/// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
+pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role) -> NetworkFigures {
+    let Ways { lines, degree, orders } = Ways::of(network, role);
+    figures_of(&lines, &degree, &orders)
+}

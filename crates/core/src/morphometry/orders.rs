@@ -1,0 +1,153 @@
+//! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
+
+use super::vessel_lines::VesselLine;
+use crate::network::Network;
+use crate::network::paths::ShortestPaths;
+
+/// So often orders by diameter are found again at most.
+const MOST_PASSES: usize = 100;
+
+/// The ways from the inlets, and what follows from them. Each vessel is reached by the shortest way; one that closes a loop leads
+/// to no other.
+pub struct Orders {
+    /// By node, the length of the way from the nearest inlet, m; infinite without one.
+    pub from_inlet: Vec<f64>,
+    /// By node, the line by which the way arrives.
+    pub arrives_by: Vec<Option<usize>>,
+    /// By line.
+    pub generation: Vec<Option<usize>>,
+    /// By line.
+    pub strahler: Vec<Option<usize>>,
+    /// By line.
+    pub diameter_strahler: Vec<Option<usize>>,
+    /// By line, the product of the probabilities of all connections on the way to its end.
+    pub probability: Vec<f64>,
+}
+
+impl Orders {
+    /// Finds the ways, and turns every line so that it begins where it is nearer to an inlet.
+    pub fn of(network: &Network, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
+        let nodes = network.node_count();
+        let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes];
+        for (row, line) in lines.iter().enumerate() {
+            let [a, b] = line.ends;
+            at[a].push((row, b, line.length));
+            at[b].push((row, a, line.length));
+        }
+        let mut paths = ShortestPaths::new(nodes);
+        let mut order = Vec::new();
+        paths.search(
+            inlets,
+            f64::INFINITY,
+            |node| at[node].iter().copied(),
+            |_, node| {
+                order.push(node);
+                true
+            },
+        );
+        let from_inlet = paths.lengths().to_vec();
+        let mut arrives_by = vec![None; nodes];
+        for node in &order {
+            arrives_by[*node] = paths.previous(*node).map(|(_, line)| line);
+        }
+        for line in lines.iter_mut() {
+            let [a, b] = line.ends.map(|node| from_inlet[node]);
+            if b < a {
+                line.turn();
+            }
+        }
+        let mut ways = Self {
+            from_inlet,
+            arrives_by,
+            generation: vec![None; lines.len()],
+            strahler: vec![None; lines.len()],
+            diameter_strahler: vec![None; lines.len()],
+            probability: lines.iter().map(|line| probability_within(network, line)).collect(),
+        };
+        let (mut leaving, mut degree) = (vec![Vec::new(); nodes], vec![0; nodes]);
+        for (row, line) in lines.iter().enumerate() {
+            line.ends.into_iter().for_each(|node| degree[node] += 1);
+            if ways.from_inlet[line.ends[0]].is_finite() {
+                leaving[line.ends[0]].push(row);
+            }
+        }
+        for node in &order {
+            let before = ways.arrives_by[*node];
+            let generation = before.map_or(0, |row| ways.generation[row].unwrap_or(0) + usize::from(degree[*node] > 2));
+            for row in &leaving[*node] {
+                ways.generation[*row] = Some(generation);
+                ways.probability[*row] *= before.map_or(1.0, |row| ways.probability[row]);
+            }
+        }
+        // From the farthest vessels back; a line that closes a loop arrives nowhere.
+        let children = |row: usize| -> &[usize] {
+            let end = lines[row].ends[1];
+            if ways.arrives_by[end] == Some(row) { &leaving[end] } else { &[] }
+        };
+        let back: Vec<usize> = order.iter().rev().flat_map(|node| leaving[*node].iter().copied()).collect();
+        let strahler = raised(&back, lines.len(), children, |_, _| true);
+        let by_diameter = by_diameter(&back, lines, children, &strahler);
+        (ways.strahler, ways.diameter_strahler) = (strahler, by_diameter);
+        ways
+    }
+}
+
+/// The product of the probabilities of the connections within a line.
+fn probability_within(network: &Network, line: &VesselLine) -> f64 {
+    let vessels = line.pieces.iter().map(|row| network.vessel(*row)).filter(|vessel| !vessel.certain);
+    vessels.filter_map(|vessel| vessel.evidence).map(|evidence| evidence.probability).product()
+}
+
+/// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and
+/// `rises` says so of the line and that order.
+fn raised<'a>(
+    back: &[usize],
+    lines: usize,
+    children: impl Fn(usize) -> &'a [usize],
+    rises: impl Fn(usize, usize) -> bool,
+) -> Vec<Option<usize>> {
+    let mut order: Vec<Option<usize>> = vec![None; lines];
+    for row in back {
+        let of: Vec<usize> = children(*row).iter().filter_map(|child| order[*child]).collect();
+        let most = of.iter().copied().max();
+        order[*row] = Some(most.map_or(1, |most| {
+            let several = of.iter().filter(|order| **order == most).count() > 1;
+            most + usize::from(several && rises(*row, most))
+        }));
+    }
+    order
+}
+
+/// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
+/// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
+fn by_diameter<'a>(
+    back: &[usize],
+    lines: &[VesselLine],
+    children: impl Fn(usize) -> &'a [usize],
+    strahler: &[Option<usize>],
+) -> Vec<Option<usize>> {
+    let radius: Vec<f64> = lines.iter().map(VesselLine::radius).collect();
+    let mut order = strahler.to_vec();
+    for _ in 0..MOST_PASSES {
+        let spread = |of: usize| {
+            let values: Vec<f64> = order.iter().zip(&radius).filter(|(order, _)| **order == Some(of)).map(|(_, r)| *r).collect();
+            let n = values.len() as f64;
+            let mean = values.iter().sum::<f64>() / n;
+            (n > 0.0).then(|| [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()])
+        };
+        let most = order.iter().flatten().copied().max().unwrap_or(0);
+        let limit: Vec<f64> = (0..=most)
+            .map(|of| match (spread(of), spread(of + 1)) {
+                (Some([mean, deviation]), Some([next, of_next])) => f64::midpoint(mean + deviation, next - of_next),
+                (Some([mean, deviation]), None) => mean + deviation,
+                (None, _) => f64::INFINITY,
+            })
+            .collect();
+        let again = raised(back, lines.len(), &children, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
+        if again == order {
+            break;
+        }
+        order = again;
+    }
+    order
+}

@@ -1,0 +1,155 @@
+//! Vessels between junctions as lines: pieces of a network that meet two by two are one vessel.
+
+use crate::network::{Network, Vessel};
+use crate::support::geometry::{Point, distance, lerp};
+
+/// A vessel between two junctions or ends, as a line of points.
+#[derive(Debug, Clone, PartialEq)]
+pub struct VesselLine {
+    /// The rows of its two nodes.
+    pub ends: [usize; 2],
+    /// The rows of its pieces in the network, in order.
+    pub pieces: Vec<usize>,
+    /// Its name.
+    pub label: String,
+    /// The sum of the lengths of its pieces, m.
+    pub length: f64,
+    /// Its points, m; none where the network has no positions.
+    pub points: Vec<Point>,
+    /// The radius at each point, m.
+    pub radii: Vec<f64>,
+    /// Per point the length of the line up to it, m: so long as the pieces say that they are.
+    pub at: Vec<f64>,
+}
+
+/// A stretch at an end whose radius is that of the end, in radii.
+const END_RADII: f64 = 4.0;
+
+impl VesselLine {
+    /// The same line from its last point to its first.
+    pub fn turn(&mut self) {
+        self.ends.reverse();
+        self.pieces.reverse();
+        self.points.reverse();
+        self.radii.reverse();
+        self.at.reverse();
+        self.at.iter_mut().for_each(|at| *at = self.length - *at);
+    }
+
+    /// The place on the line at a length from its beginning, or from its end, m.
+    pub fn place(&self, length: f64, from_end: bool) -> Option<Point> {
+        let wanted = if from_end { self.length - length } else { length };
+        let next = self.at.partition_point(|at| *at < wanted).clamp(1, self.points.len().checked_sub(1)?);
+        let [a, b] = [next - 1, next];
+        let step = self.at[b] - self.at[a];
+        let share = if step > 0.0 { ((wanted - self.at[a]) / step).clamp(0.0, 1.0) } else { 0.0 };
+        Some(lerp(self.points[a], self.points[b], share))
+    }
+
+    /// The mean radius over its length, m.
+    pub fn radius(&self) -> f64 {
+        self.radius_between(0.0, self.length)
+    }
+
+    /// The mean radius over the first or last four radii, m.
+    pub fn end_radius(&self, last: bool) -> f64 {
+        let stretch = (END_RADII * self.radius()).min(self.length);
+        if last { self.radius_between(self.length - stretch, self.length) } else { self.radius_between(0.0, stretch) }
+    }
+
+    /// The mean radius over a stretch of it, m; that at its beginning for a stretch of no length.
+    pub fn radius_between(&self, from: f64, to: f64) -> f64 {
+        let (mut sum, mut length) = (0.0, 0.0);
+        for (at, radii) in self.at.windows(2).zip(self.radii.windows(2)) {
+            let [low, high] = [at[0].max(from), at[1].min(to)];
+            if low < high {
+                let radius = |s: f64| radii[0] + (radii[1] - radii[0]) * (s - at[0]) / (at[1] - at[0]);
+                sum += (high - low) * radius(f64::midpoint(low, high));
+                length += high - low;
+            }
+        }
+        if length > 0.0 { sum / length } else { self.radii.first().copied().unwrap_or(f64::NAN) }
+    }
+}
+
+/// The vessels of a network as lines; none goes on beyond a node that `stops` it.
+pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
+    let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate() {
+        ends.into_iter().for_each(|node| at[node].push(row));
+    }
+    let passes = |node: usize| match *at[node] {
+        [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
+        _ => false,
+    };
+    let mut done = vec![false; network.vessel_count()];
+    let mut follow = |from: usize, row: usize| {
+        let mut line = VesselLine::from(from, &network.vessel(row).label);
+        let (mut node, mut row) = (from, row);
+        while !std::mem::replace(&mut done[row], true) {
+            node = line.add(network, row, node);
+            match at[node].iter().find(|next| **next != row) {
+                Some(next) if passes(node) => row = *next,
+                _ => break,
+            }
+        }
+        line
+    };
+    let mut lines = Vec::new();
+    for node in (0..network.node_count()).filter(|node| !passes(*node)) {
+        for row in &at[node] {
+            lines.extend(Some(follow(node, *row)).filter(|line| !line.pieces.is_empty()));
+        }
+    }
+    // Rings without a junction.
+    for node in 0..network.node_count() {
+        lines.extend(at[node].first().map(|row| follow(node, *row)).filter(|line| !line.pieces.is_empty()));
+    }
+    lines.sort_by_key(|line| line.pieces.iter().min().copied());
+    lines
+}
+
+impl VesselLine {
+    fn from(node: usize, label: &str) -> Self {
+        let (pieces, points, radii, at) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+        Self { ends: [node; 2], pieces, label: label.to_owned(), length: 0.0, points, radii, at }
+    }
+
+    /// Adds a piece that begins or ends at `node`; the node at its other side.
+    fn add(&mut self, network: &Network, row: usize, node: usize) -> usize {
+        let (ends, vessel) = (network.ends(row), network.vessel(row));
+        let forward = ends[0] == node;
+        let other = if forward { ends[1] } else { ends[0] };
+        let mut piece = points_of(network, ends, vessel);
+        if !forward {
+            piece.reverse();
+        }
+        let steps: Vec<f64> = piece.windows(2).map(|pair| distance(pair[0].0, pair[1].0)).collect();
+        let drawn: f64 = steps.iter().sum();
+        let scale = if drawn > 0.0 { vessel.length / drawn } else { 0.0 };
+        let mut so_far = self.length;
+        for (i, (point, radius)) in piece.into_iter().enumerate() {
+            so_far += if i > 0 { scale * steps[i - 1] } else { 0.0 };
+            if self.points.last() != Some(&point) {
+                self.points.push(point);
+                self.radii.push(radius);
+                self.at.push(so_far);
+            }
+        }
+        self.length += vessel.length;
+        self.ends[1] = other;
+        self.pieces.push(row);
+        other
+    }
+}
+
+/// The points of a piece with their radii, its nodes included; none without positions.
+fn points_of(network: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<(Point, f64)> {
+    let [Some(a), Some(b)] = ends.map(|node| network.node(node).position) else { return Vec::new() };
+    let radius = |last: bool| {
+        let at = if last { vessel.path.last() } else { vessel.path.first() };
+        at.map_or(vessel.radius, |point| point.radius)
+    };
+    let inner = vessel.path.iter().map(|point| (point.position, point.radius));
+    std::iter::once((a, radius(false))).chain(inner).chain([(b, radius(true))]).collect()
+}

@@ -1,0 +1,221 @@
+//! The tables of what is measured: vessels.csv, bifurcations.csv, ends.csv, intervals.csv, and the row of a subject in subjects.csv.
+
+use std::collections::BTreeMap;
+
+use serde_json::{Value, json};
+
+use super::cohort::Figures;
+use willis_core::morphometry::{Morphometry, NetworkFigures};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Network, Role};
+use willis_core::support::geometry::Point;
+use willis_io::formats::Column;
+
+const MM2: f64 = 1e6;
+const MM3: f64 = 1e9;
+/// The sides of a body in the names of arteries.
+const SIDES: [&str; 2] = ["L-", "R-"];
+
+/// What was measured of a subject, and of which network.
+#[derive(Debug, Clone, Copy)]
+pub struct MeasuredSubject<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// The vessels.
+    pub network: &'a Network,
+    /// What was measured of them.
+    pub measured: &'a Morphometry,
+}
+
+impl MeasuredSubject<'_> {
+    fn id(&self, node: usize) -> String {
+        self.network.node(node).id.clone()
+    }
+
+    fn subject(&self, rows: usize) -> Column {
+        Column::text("subject", std::iter::repeat_n(self.name.to_owned(), rows))
+    }
+
+    fn places(&self, nodes: &[usize]) -> [Column; 3] {
+        let axis = |k: usize| move |position: Option<Point>| position.map_or(f64::NAN, |p| millimetres(p[k]));
+        [("x_mm", 0), ("y_mm", 1), ("z_mm", 2)]
+            .map(|(name, k)| Column::real(name, nodes.iter().map(|node| axis(k)(self.network.node(*node).position))))
+    }
+
+    /// The columns of vessels.csv.
+    pub fn vessels(&self) -> Vec<Column> {
+        let vessels = &self.measured.vessels;
+        let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..vessels.len()).map(of));
+        let shape = |row: usize| &vessels[row].shape;
+        let order = |of: Option<usize>| of.map_or(f64::NAN, |n| n as f64);
+        let per_mm = 1e-3;
+        vec![
+            self.subject(vessels.len()),
+            Column::whole("vessel", 0..vessels.len()),
+            Column::text("label", vessels.iter().map(|v| v.line.label.clone())),
+            Column::text("id_a", vessels.iter().map(|v| self.id(v.line.ends[0]))),
+            Column::text("id_b", vessels.iter().map(|v| self.id(v.line.ends[1]))),
+            Column::whole("degree_a", vessels.iter().map(|v| v.degree[0])),
+            Column::whole("degree_b", vessels.iter().map(|v| v.degree[1])),
+            real("length_mm", &|row| millimetres(vessels[row].line.length)),
+            real("chord_mm", &|row| millimetres(shape(row).chord)),
+            real("radius_mm", &|row| millimetres(shape(row).radius)),
+            real("radius_min_mm", &|row| millimetres(shape(row).least_radius)),
+            real("taper", &|row| shape(row).taper),
+            real("volume_mm3", &|row| MM3 * shape(row).volume),
+            real("surface_mm2", &|row| MM2 * shape(row).surface),
+            real("distance_metric", &|row| shape(row).distance_metric),
+            real("inflection_count_metric", &|row| shape(row).inflection_count_metric),
+            real("sum_of_angles_rad_per_mm", &|row| per_mm * shape(row).sum_of_angles_metric),
+            real("curvature_per_mm", &|row| per_mm * shape(row).curvature),
+            real("torsion_per_mm", &|row| per_mm * shape(row).torsion),
+            real("generation", &|row| order(vessels[row].generation)),
+            real("strahler", &|row| order(vessels[row].strahler)),
+            real("strahler_by_diameter", &|row| order(vessels[row].diameter_strahler)),
+            real("from_inlet_mm", &|row| finite(millimetres(vessels[row].from_inlet))),
+            real("probability", &|row| vessels[row].probability),
+        ]
+    }
+
+    /// The columns of bifurcations.csv.
+    pub fn bifurcations(&self) -> Vec<Column> {
+        let found = &self.measured.bifurcations;
+        let nodes: Vec<usize> = found.iter().map(|b| b.node).collect();
+        let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..found.len()).map(of));
+        let degrees = |name, of: &dyn Fn(usize) -> f64| real(name, &|row| of(row).to_degrees());
+        let mut columns = vec![self.subject(found.len()), Column::text("id", nodes.iter().map(|node| self.id(*node)))];
+        columns.extend(self.places(&nodes));
+        columns.extend([
+            Column::whole("degree", found.iter().map(|b| b.degree)),
+            Column::whole("parent", found.iter().map(|b| b.parent)),
+            Column::whole("child_1", found.iter().map(|b| b.children[0])),
+            Column::whole("child_2", found.iter().map(|b| b.children[1])),
+            real("radius_parent_mm", &|row| millimetres(found[row].radii[0])),
+            real("radius_child_1_mm", &|row| millimetres(found[row].radii[1])),
+            real("radius_child_2_mm", &|row| millimetres(found[row].radii[2])),
+            degrees("angle_deg", &|row| found[row].angle),
+            degrees("bend_child_1_deg", &|row| found[row].bends[0]),
+            degrees("bend_child_2_deg", &|row| found[row].bends[1]),
+            degrees("elevation_deg", &|row| found[row].elevation),
+            real("asymmetry", &|row| found[row].asymmetry),
+            real("area_ratio", &|row| found[row].area_ratio),
+            real("murray_exponent", &|row| found[row].murray.unwrap_or(f64::NAN)),
+        ]);
+        columns
+    }
+
+    /// The columns of ends.csv; `role` says what a node is to the flow.
+    pub fn ends(&self, role: impl Fn(usize) -> Role) -> Vec<Column> {
+        let ends = &self.measured.ends;
+        let nodes: Vec<usize> = ends.iter().map(|end| end.node).collect();
+        let mut columns = vec![self.subject(ends.len()), Column::text("id", nodes.iter().map(|node| self.id(*node)))];
+        columns.extend(self.places(&nodes));
+        columns.extend([
+            Column::text("label", nodes.iter().map(|node| self.network.node(*node).label.clone())),
+            Column::text("role", nodes.iter().map(|node| role(*node).name().to_owned())),
+            Column::whole("vessel", ends.iter().map(|end| end.vessel)),
+            Column::real("radius_mm", ends.iter().map(|end| millimetres(end.radius))),
+            Column::real("from_inlet_mm", ends.iter().map(|end| finite(millimetres(end.from_inlet)))),
+        ]);
+        columns
+    }
+
+    /// The columns of intervals.csv: the figures of the whole, as kept and over topologies that were drawn, with their weights.
+    pub fn intervals(&self, plausible: &[(NetworkFigures, f64)]) -> Vec<Column> {
+        let rows = if plausible.is_empty() { &[] } else { &OF_NETWORK[..] };
+        let spreads: Vec<[f64; 3]> = rows
+            .iter()
+            .map(|(_, of)| spread(&plausible.iter().map(|(figures, weight)| (of(figures), *weight)).collect::<Vec<_>>()))
+            .collect();
+        let end = |name, at: usize| Column::real(name, spreads.iter().map(move |spread| spread[at]));
+        vec![
+            self.subject(rows.len()),
+            Column::text("figure", rows.iter().map(|(name, _)| (*name).to_owned())),
+            Column::real("value", rows.iter().map(|(_, of)| finite(of(&self.measured.network)))),
+            end("mean", 0),
+            end("low", 1),
+            end("high", 2),
+        ]
+    }
+
+    /// The figures of its row in subjects.csv: of the whole, then of every label.
+    pub fn figures(&self) -> Figures {
+        let mut row: Figures = OF_NETWORK.iter().map(|(name, of)| ((*name).into(), number(of(&self.measured.network)))).collect();
+        let murray: Vec<f64> = self.measured.bifurcations.iter().filter_map(|b| b.murray).collect();
+        let median = willis_core::support::statistics::median(&murray).unwrap_or(f64::NAN);
+        row.push(("murray_exponent_median".into(), number(median)));
+        let artery = self.arteries();
+        for (label, [length, diameter]) in &artery {
+            row.push((format!("{label}_length_mm").into(), number(millimetres(*length))));
+            row.push((format!("{label}_diameter_mm").into(), number(millimetres(*diameter))));
+        }
+        for (left, [_, diameter]) in &artery {
+            let Some(name) = left.strip_prefix(SIDES[0]) else { continue };
+            let Some([_, right]) = artery.get(&format!("{}{name}", SIDES[1])) else { continue };
+            row.push((format!("{name}_asymmetry").into(), number(2.0 * (diameter - right) / (diameter + right))));
+        }
+        row
+    }
+
+    /// By label, the length of the vessels and their mean diameter over it, m.
+    fn arteries(&self) -> BTreeMap<String, [f64; 2]> {
+        let mut found: BTreeMap<String, [f64; 2]> = BTreeMap::new();
+        for vessel in self.measured.vessels.iter().filter(|vessel| !vessel.line.label.is_empty()) {
+            let sums = found.entry(vessel.line.label.clone()).or_default();
+            sums[0] += vessel.line.length;
+            sums[1] += 2.0 * vessel.shape.radius * vessel.line.length;
+        }
+        for sums in found.values_mut() {
+            sums[1] /= sums[0];
+        }
+        found
+    }
+}
+
+/// The columns of subjects.csv that are of a whole network.
+type OfNetwork = (&'static str, fn(&NetworkFigures) -> f64);
+
+const OF_NETWORK: [OfNetwork; 16] = [
+    ("vessels", |of| of.vessels as f64),
+    ("bifurcations", |of| of.bifurcations as f64),
+    ("ends", |of| of.ends as f64),
+    ("parts", |of| of.parts as f64),
+    ("loops", |of| of.loops as f64),
+    ("length_mm", |of| millimetres(of.length)),
+    ("longest_part", |of| of.longest_part),
+    ("volume_mm3", |of| MM3 * of.volume),
+    ("surface_mm2", |of| MM2 * of.surface),
+    ("radius_mm", |of| millimetres(of.radius)),
+    ("box_mm3", |of| MM3 * of.boxed),
+    ("length_density_per_mm2", |of| of.length / of.boxed / MM2),
+    ("volume_density", |of| of.volume / of.boxed),
+    ("box_dimension", |of| of.box_dimension),
+    ("from_inlet_mean_mm", |of| millimetres(of.mean_from_inlet)),
+    ("from_inlet_max_mm", |of| millimetres(of.most_from_inlet)),
+];
+
+/// The weighted mean, and the weighted quantiles of .025 and .975: the least values that so much of the weight does not exceed.
+fn spread(values: &[(f64, f64)]) -> [f64; 3] {
+    let mut known: Vec<(f64, f64)> = values.iter().copied().filter(|(x, _)| !x.is_nan()).collect();
+    known.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let total: f64 = known.iter().map(|(_, weight)| weight).sum();
+    let mean = known.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
+    let quantile = |share: f64| {
+        let mut so_far = 0.0;
+        let at = known.iter().find(|(_, weight)| {
+            so_far += weight;
+            so_far >= share * total
+        });
+        at.or(known.last()).map_or(f64::NAN, |(x, _)| *x)
+    };
+    [mean, quantile(0.025), quantile(0.975)]
+}
+
+fn finite(x: f64) -> f64 {
+    if x.is_finite() { x } else { f64::NAN }
+}
+
+/// A number of a row; missing where it is none.
+fn number(x: f64) -> Value {
+    json!(finite(x))
+}

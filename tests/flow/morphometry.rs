@@ -1,0 +1,264 @@
+//! What is measured of vessels: closed forms (line, cone, circle, helix, a bifurcation), trees by hand, and what must change nothing.
+
+use std::f64::consts::PI;
+use std::fmt::Write as _;
+
+use willis::internals::morphometry::{MeasuredVessel, Morphometry, Smoothing};
+use willis::internals::network::{Network, Role};
+use willis::{ReadOptions, read_bytes};
+
+/// Lines of SWC: points in mm, a radius each, and the number of the point from which a line begins.
+#[derive(Default)]
+struct Swc {
+    text: String,
+    points: usize,
+}
+
+impl Swc {
+    /// Adds a line, and gives the number of its last point.
+    fn line(&mut self, points: impl IntoIterator<Item = ([f64; 3], f64)>, from: Option<usize>) -> usize {
+        let mut parent = from.map_or(-1, |from| from as i64);
+        for ([x, y, z], radius) in points {
+            self.points += 1;
+            writeln!(self.text, "{} 0 {x:.12} {y:.12} {z:.12} {radius:.12} {parent}", self.points).expect("text");
+            parent = self.points as i64;
+        }
+        self.points
+    }
+
+    fn network(&self) -> Network {
+        read_bytes("drawn.swc".as_ref(), self.text.as_bytes(), &ReadOptions::default()).expect("SWC").network
+    }
+}
+
+/// Points at a parameter from 0 to 1, in so many steps.
+fn curve(steps: usize, at: impl Fn(f64) -> ([f64; 3], f64)) -> Vec<([f64; 3], f64)> {
+    (0..=steps).map(|i| at(i as f64 / steps as f64)).collect()
+}
+
+/// Blood enters at the node with this id.
+fn measured(network: &Network, inlet: &str) -> Morphometry {
+    let role = |node: usize| if network.node(node).id == inlet { Role::Inlet } else { Role::Inner };
+    Morphometry::of(network, role, Smoothing::default())
+}
+
+fn one(points: Vec<([f64; 3], f64)>) -> Morphometry {
+    let mut swc = Swc::default();
+    swc.line(points, None);
+    measured(&swc.network(), "1")
+}
+
+fn close(got: f64, wanted: f64, within: f64, what: &str) {
+    assert!((got - wanted).abs() <= within * wanted.abs(), "{what}: {got} for {wanted}");
+}
+
+const MM: f64 = 1e-3;
+
+#[test]
+fn a_cone_has_its_volume_surface_and_taper() {
+    for steps in [1, 7, 100] {
+        let cone = one(curve(steps, |t| ([30.0 * t, 40.0 * t, 0.0], 2.0 - t)));
+        let [vessel] = &*cone.vessels else { panic!("one vessel") };
+        let shape = vessel.shape;
+        close(vessel.line.length, 50.0 * MM, 1e-9, "length");
+        close(shape.chord, 50.0 * MM, 1e-9, "chord");
+        close(shape.radius, 1.5 * MM, 1e-9, "radius");
+        close(shape.least_radius, 1.0 * MM, 1e-9, "least radius");
+        close(shape.taper, 1.0 / 50.0, 1e-6, "taper");
+        close(shape.volume, PI / 3.0 * 50.0 * (4.0 + 2.0 + 1.0) * MM.powi(3), 1e-9, "volume");
+        close(shape.surface, PI * 3.0 * 50.0_f64.hypot(1.0) * MM.powi(2), 1e-9, "surface");
+        close(shape.distance_metric, 1.0, 1e-9, "distance metric");
+        close(shape.inflection_count_metric, 1.0, 1e-9, "no inflection");
+        assert!(shape.curvature * MM < 1e-6 && shape.torsion == 0.0, "{shape:?}");
+    }
+}
+
+#[test]
+fn circles_and_helices_have_their_curvature_and_torsion_at_any_spacing() {
+    for spacing in [0.25, 0.5, 1.0] {
+        let turn = 1.5 * PI;
+        let circle =
+            one(curve((8.0 * turn / spacing) as usize, |t| ([8.0 * (turn * t).cos(), 8.0 * (turn * t).sin(), 0.0], 1.0)));
+        let shape = circle.vessels[0].shape;
+        close(shape.curvature * MM, 1.0 / 8.0, 0.01, "curvature of a circle");
+        close(shape.sum_of_angles_metric * MM, 1.0 / 8.0, 0.01, "sum of angles of a circle");
+        close(shape.distance_metric, 8.0 * turn / (8.0 * 2.0_f64.sqrt()), 0.01, "distance metric of a circle");
+
+        let (a, b) = (5.0_f64, 2.0_f64);
+        let square = a * a + b * b;
+        let turn = 60.0 / square.sqrt();
+        let helix = one(curve((60.0 / spacing) as usize, |t| ([a * (turn * t).cos(), a * (turn * t).sin(), b * turn * t], 0.6)));
+        let shape = helix.vessels[0].shape;
+        close(helix.vessels[0].line.length, 60.0 * MM, 0.01, "length of a helix");
+        close(shape.curvature * MM, a / square, 0.01, "curvature of a helix");
+        // The third derivative of a fit of fourth degree.
+        close(shape.torsion * MM, b / square, 0.03, "torsion of a helix");
+        close(shape.sum_of_angles_metric * MM, 1.0 / square.sqrt(), 0.01, "sum of angles of a helix");
+        close(shape.inflection_count_metric, shape.distance_metric, 1e-12, "a helix has no inflection");
+    }
+}
+
+#[test]
+fn a_sine_bends_the_other_way_at_each_zero_between_its_ends() {
+    for steps in [40, 160] {
+        let sine = one(curve(steps, |t| ([40.0 * t, 5.0 * (4.0 * PI * t).sin(), 0.0], 0.6)));
+        let shape = sine.vessels[0].shape;
+        close(shape.inflection_count_metric / shape.distance_metric, 4.0, 1e-9, "inflections and one");
+        assert_eq!(shape.torsion, 0.0);
+    }
+}
+
+/// A trunk along x, and two children at these angles (degrees) in the plane of x and y, or lifted out of it.
+fn fork(radii: [f64; 3], angles: [f64; 2], lifted: f64) -> Morphometry {
+    let mut swc = Swc::default();
+    let end = swc.line(curve(60, |t| ([30.0 * t, 0.0, 0.0], radii[0])), None);
+    for (angle, radius) in angles.into_iter().zip(&radii[1..]) {
+        let (angle, up) = (f64::to_radians(angle), f64::to_radians(lifted));
+        let to = [angle.cos() * up.cos(), angle.sin() * up.cos(), up.sin()];
+        let child = curve(50, |t| ([30.0 + 25.0 * t * to[0], 25.0 * t * to[1], 25.0 * t * to[2]], *radius));
+        swc.line(child.into_iter().skip(1), Some(end));
+    }
+    measured(&swc.network(), "1")
+}
+
+#[test]
+fn a_fork_has_its_angles_and_the_exponent_of_murray() {
+    for k in [2.0, 2.7, 3.0] {
+        let narrow = (2.0_f64.powf(k) - 1.7_f64.powf(k)).powf(1.0 / k);
+        let found = fork([2.0, 1.7, narrow], [40.0, -30.0], 0.0);
+        let [fork] = &*found.bifurcations else { panic!("one bifurcation") };
+        close(fork.angle.to_degrees(), 70.0, 1e-6, "angle");
+        close(fork.bends[0].to_degrees(), 40.0, 1e-6, "bend of the wider child");
+        close(fork.bends[1].to_degrees(), 30.0, 1e-6, "bend of the narrower child");
+        assert!(fork.elevation.abs() < 1e-6, "flat: {}", fork.elevation);
+        close(fork.murray.expect("an exponent"), k, 1e-6, "Murray's exponent");
+        close(fork.asymmetry, narrow / 1.7, 1e-6, "asymmetry");
+        close(fork.area_ratio, (1.7 * 1.7 + narrow * narrow) / 4.0, 1e-6, "area ratio");
+    }
+    let wide = fork([1.0, 1.0, 0.5], [40.0, -30.0], 0.0);
+    assert_eq!(wide.bifurcations[0].murray, None, "no exponent fits a child as wide as the parent");
+    // Both children 20 degrees above the x-y plane, 45 to either side: the plane through them holds x only lifted by atan(tan 20 / cos 45).
+    let lifted = fork([2.0, 1.5, 1.4], [45.0, -45.0], 20.0);
+    let wanted = (20.0_f64.to_radians().tan() / 45.0_f64.to_radians().cos()).atan().to_degrees();
+    close(lifted.bifurcations[0].elevation.to_degrees(), wanted, 1e-6, "elevation");
+}
+
+/// A tree: the trunk forks into a vessel without children and one that forks again.
+///
+/// ```text
+/// 1 ----- + ----- leaf
+///          \----- + --- leaf
+///                  \--- leaf
+/// ```
+#[test]
+fn a_tree_has_its_generations_and_orders() {
+    let mut swc = Swc::default();
+    let straight = |from: [f64; 3], to: [f64; 3], radius: f64| {
+        curve(20, move |t| (std::array::from_fn(|k| from[k] + t * (to[k] - from[k])), radius))
+    };
+    let root = swc.line(straight([0.0; 3], [20.0, 0.0, 0.0], 2.0), None);
+    swc.line(straight([20.0, 0.0, 0.0], [40.0, 10.0, 0.0], 1.0).into_iter().skip(1), Some(root));
+    let fork = swc.line(straight([20.0, 0.0, 0.0], [40.0, -10.0, 0.0], 1.5).into_iter().skip(1), Some(root));
+    swc.line(straight([40.0, -10.0, 0.0], [60.0, -5.0, 0.0], 0.9).into_iter().skip(1), Some(fork));
+    swc.line(straight([40.0, -10.0, 0.0], [60.0, -15.0, 0.0], 0.9).into_iter().skip(1), Some(fork));
+    let found = measured(&swc.network(), "1");
+    let by_radius = |radius: f64| {
+        let near = |v: &&MeasuredVessel| (v.line.end_radius(true) / MM - radius).abs() < 0.05;
+        found.vessels.iter().find(near).unwrap_or_else(|| panic!("{radius}"))
+    };
+    let orders = |radius: f64| {
+        let vessel = by_radius(radius);
+        (vessel.generation, vessel.strahler)
+    };
+    assert_eq!(orders(2.0), (Some(0), Some(2)));
+    assert_eq!(orders(1.0), (Some(1), Some(1)));
+    assert_eq!(orders(1.5), (Some(1), Some(2)), "two children of order 1");
+    assert_eq!(orders(0.9), (Some(2), Some(1)));
+    let whole = found.network;
+    assert_eq!((whole.vessels, whole.bifurcations, whole.ends, whole.parts, whole.loops), (5, 2, 4, 1, 0));
+    let branch = 500.0_f64.sqrt();
+    close(whole.length, (20.0 + 2.0 * branch + 2.0 * 425.0_f64.sqrt()) * MM, 1e-9, "length");
+    close(whole.most_from_inlet, (20.0 + branch + 425.0_f64.sqrt()) * MM, 1e-9, "the longest way");
+    assert_eq!(found.ends.iter().filter(|end| end.from_inlet == 0.0).count(), 1, "the inlet is an end");
+}
+
+/// Where blood comes from two sides, each point of a ring is reached by the shorter way.
+#[test]
+fn a_ring_has_a_loop_and_no_end() {
+    let steps = 100;
+    let mut swc = Swc::default();
+    let turn = |t: f64| ([10.0 * (2.0 * PI * t).cos(), 10.0 * (2.0 * PI * t).sin(), 0.0], 1.0);
+    let last = swc.line(curve(steps, turn).into_iter().take(steps), None);
+    // SWC cannot close it: the last point goes back to where the first lies.
+    swc.line([turn(0.0)], Some(last));
+    let whole = measured(&swc.network(), "none").network;
+    assert_eq!((whole.vessels, whole.bifurcations, whole.ends, whole.parts, whole.loops), (1, 0, 0, 1, 1));
+    close(whole.length, 2.0 * PI * 10.0 * MM, 0.001, "length");
+    assert!(whole.most_from_inlet.is_nan(), "nothing says where blood enters");
+}
+
+/// A line fills one dimension, a dense grid of lines in a plane two.
+#[test]
+fn boxes_count_the_dimension() {
+    let line = one(curve(500, |t| ([37.0 * t, 23.0 * t, 11.0 * t], 1.0))).network;
+    close(line.box_dimension, 1.0, 0.05, "a line");
+    let mut swc = Swc::default();
+    for row in 0..65 {
+        swc.line(curve(64, |t| ([64.0 * t, f64::from(row), 0.0], 0.2)), None);
+    }
+    close(measured(&swc.network(), "1").network.box_dimension, 2.0, 0.02, "a plane");
+}
+
+/// How a file divides, orders and spaces its points changes no figure by more than spacing does.
+#[test]
+fn dividing_turning_and_resampling_change_little() {
+    let at = |t: f64| ([30.0 * t, 4.0 * (5.0 * t).sin(), 3.0 * (4.0 * t).cos()], 1.2 - 0.4 * t);
+    let whole = one(curve(200, at));
+    let figures = |found: &Morphometry| {
+        let shape = found.vessels[0].shape;
+        [
+            found.vessels[0].line.length,
+            shape.radius,
+            shape.volume,
+            shape.surface,
+            shape.distance_metric,
+            shape.inflection_count_metric,
+            shape.curvature,
+            shape.sum_of_angles_metric,
+        ]
+    };
+    let wanted = figures(&whole);
+    let same = |found: &Morphometry, within: f64, what: &str| {
+        assert_eq!(found.vessels.len(), 1, "{what}");
+        for (got, wanted) in figures(found).into_iter().zip(wanted) {
+            close(got, wanted, within, what);
+        }
+    };
+    same(&one(curve(100, at)), 0.01, "every other point");
+    same(&one(curve(700, at)), 0.01, "more points");
+    same(&one(curve(200, |t| at(1.0 - t))), 1e-9, "turned");
+    // The same points as vessels of a graph, one for every ten of them, every other one turned.
+    let points = curve(200, at);
+    let mut graph = String::from("node_a,node_b,length_mm,radius_mm,points\n");
+    let mut nodes = String::from("node,x_mm,y_mm,z_mm\n");
+    for (i, part) in points.chunks(10).take(20).enumerate() {
+        let part: Vec<_> = part.iter().copied().chain([points[10 * i + 10]]).collect();
+        let length: f64 = part.windows(2).map(|p| (0..3).map(|k| (p[0].0[k] - p[1].0[k]).powi(2)).sum::<f64>().sqrt()).sum();
+        let mut listed: Vec<String> = part.iter().map(|([x, y, z], r)| format!("{x:.12} {y:.12} {z:.12} {r:.12}")).collect();
+        let mut ends = [i, i + 1];
+        if i % 2 == 1 {
+            listed.reverse();
+            ends.reverse();
+        }
+        writeln!(graph, "{},{},{length:.12},1,{}", ends[0], ends[1], listed.join(";")).expect("text");
+    }
+    for (i, ([x, y, z], _)) in points.iter().step_by(10).enumerate() {
+        writeln!(nodes, "{i},{x:.12},{y:.12},{z:.12}").expect("text");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("edges.csv"), graph).expect("written");
+    std::fs::write(folder.path().join("nodes.csv"), nodes).expect("written");
+    let divided = willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network;
+    assert_eq!(divided.vessel_count(), 20);
+    same(&measured(&divided, "0"), 1e-6, "divided");
+}
