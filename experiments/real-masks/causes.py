@@ -104,7 +104,8 @@ def cause_of_fusion(graph, rows, kept, fusion, voxel):
     if contacts:
         near = {number for x in graph.kd.query_ball_point(fusion["place"], min(fusion["reach"], AROUND)) for _, number in graph.next[x]}
         gone = {number for number in near | set(contacts) if rows[number]["origin"] == "contact"}
-        loop = graph.connected(~np.isin(graph.of, sorted(gone)), steps[0][0], steps[-1][0])
+        course = graph.steps[graph.of == min(contacts, key=lambda number: rows[number]["p"])]
+        loop = graph.connected(~np.isin(graph.of, sorted(gone)), course[0, 0], course[-1, 1])
         return "left, contact given back, " + ("loop opened elsewhere" if loop else "only way")
     middle = [x for x, _ in steps[1:-1] if np.linalg.norm(graph.xyz[x] - fusion["place"]) < MIDDLE] or [steps[len(steps) // 2][0]]
     loop = graph.connected(~np.isin(graph.steps, middle).any(1), steps[0][0], steps[-1][0])
