@@ -235,7 +235,7 @@ struct Judged<'a> {
 fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>) -> Judged<'a> {
     let scores = e.table.scores(model);
     let (probability, pairs) = match of {
-        Some(of) => (e.table.probabilities_in(model, &scores, &of.image), &of.image.pairs),
+        Some(of) => (of.image.probabilities(&e.table, model, &scores), &of.image.pairs),
         None => (e.table.probabilities(model, &scores), &e.table.pairs),
     };
     let ends: Vec<[Option<usize>; 2]> =

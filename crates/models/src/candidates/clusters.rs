@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use super::NetworkPoint;
+use super::network_point::NetworkPoint;
 use willis_core::network::{Network, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
 

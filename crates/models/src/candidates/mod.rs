@@ -5,11 +5,15 @@ pub mod features;
 pub mod joins;
 pub mod kind;
 pub mod model;
+mod network_point;
+mod options;
 mod over_connected;
+mod recognise_kind;
 pub mod resample;
 pub mod search;
 
-use serde::{Deserialize, Serialize};
+pub use network_point::NetworkPoint;
+pub use options::{Attach, CandidateOptions, CandidateRadius, NEAREST};
 
 use clusters::{Cluster, clusters};
 use joins::JoinTable;
@@ -22,9 +26,8 @@ use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
 use resample::Resampled;
 use search::{Candidate, SearchOptions, search, search_nearest};
-use willis_core::error::{Error, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Evidence, Network, RadiusRule};
+use willis_core::error::Result;
+use willis_core::network::{Evidence, Network};
 use willis_core::support::geometry::distance;
 use willis_io::masks::{Scene, Unseen, View};
 
@@ -33,89 +36,8 @@ const LEAST_PROBABLE: f64 = 1e-3;
 /// ... and loops less probable than this.
 const LEAST_PROBABLE_LOOP: f64 = 1e-2;
 
-/// Where a candidate may end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Attach {
-    /// On the centerline of any vessel, split there, or on a free end.
-    #[default]
-    Centerline,
-    /// On free ends only.
-    Ends,
-}
-
-/// How a candidate's radius comes from the radii at its two ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CandidateRadius {
-    /// The smaller one.
-    #[default]
-    Min,
-    /// Their mean.
-    Mean,
-}
-
 /// An image as it was measured, or why it says nothing of the vessels.
 pub type Looked = Result<Scene, Unseen>;
-
-/// How candidates are built.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CandidateOptions {
-    /// How many of the nearest branches and free ends each free end is joined to, at least 1; by default 6, and with evidence 5 branches and
-    /// four free ends beside them.
-    pub k: Option<usize>,
-    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach, twice as far straight ahead of an end on
-    /// masks and skeletons.
-    #[serde(rename = "max_gap_m")]
-    pub max_gap: Option<f64>,
-    /// Where a candidate may end.
-    pub attach: Attach,
-    /// How a candidate's radius comes from those at its ends.
-    #[serde(rename = "candidate_radius")]
-    pub radius: CandidateRadius,
-    /// The largest radius of a candidate, m, positive.
-    #[serde(rename = "max_candidate_radius_m")]
-    pub max_radius: Option<f64>,
-    /// The radius rule of the observed vessels, for the parts of a vessel that is split.
-    pub radius_rule: RadiusRule,
-}
-
-/// [`CandidateOptions::k`] without evidence, where none is given.
-pub const NEAREST: usize = 6;
-
-impl CandidateOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    ///
-    /// Names the option, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        if self.k == Some(0) {
-            return Err(Error::parameter("k", 0, "expected at least 1"));
-        }
-        for (name, value) in [("max_gap", self.max_gap), ("max_candidate_radius", self.max_radius)] {
-            if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
-                return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A point of a network: a node, or a point along a vessel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum NetworkPoint {
-    /// A node, by row.
-    Node(usize),
-    /// A point of a vessel's path.
-    Along {
-        /// The vessel's row.
-        vessel: usize,
-        /// The point's place in its path.
-        point: usize,
-    },
-}
 
 /// Joins every free end of the observed vessels to its nearest branches and free ends by candidate vessels.
 ///
@@ -257,7 +179,7 @@ fn found_by_joins(
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
     let image = scene.map(|scene| InImage::new(&table, scene, Some(&scores.second)));
     let (candidates, pairs, probabilities) = match &image {
-        Some(image) => (&image.candidates, &image.pairs, table.probabilities_in(model, &scores, image)),
+        Some(image) => (&image.candidates, &image.pairs, image.probabilities(&table, model, &scores)),
         None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
     };
     let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {

@@ -4,9 +4,10 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::clusters::Cluster;
 use super::features::extraction::Extraction;
+use super::network_point::NetworkPoint;
+use super::options::{CandidateOptions, CandidateRadius};
 use super::resample::Resampled;
 use super::search::Candidate;
-use super::{CandidateOptions, CandidateRadius, NetworkPoint};
 use willis_core::network::path_places::PathPlace;
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};

@@ -4,12 +4,13 @@
 //! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a `MeasuredCandidate` and a row of
 //! [`FEATURES`]: that is all it takes to add or drop one.
 
+pub(crate) mod branch_graph;
 pub mod candidate_features;
 pub(crate) mod extraction;
 pub(crate) mod feedback;
 mod fragment;
 pub(crate) mod measured_candidate;
-pub(crate) mod path_lengths;
+mod orientation;
 pub(crate) mod root_features;
 pub(crate) mod smoothing;
 mod tangent;

@@ -2,10 +2,12 @@
 
 use ndarray::{Array2, Axis, Slice, concatenate};
 
+use super::features::join_features;
 use super::image::ahead::Ahead;
 use super::image::features::ImageTable;
+use super::model::JoinModel;
 use super::rivals::{Pairs, second_features};
-use super::{JoinTable, Scores, join_features};
+use super::table::{JoinTable, Scores};
 use crate::candidates::search::Candidate;
 use willis_core::support::boosted_trees::{Boosted, stored};
 use willis_io::masks::Scene;
@@ -48,6 +50,19 @@ impl InImage {
         all.extend(second.scores(&features));
         let more = self.pairs.mean(&all).split_off(scores.second.len());
         scores.second.iter().copied().chain(more).collect()
+    }
+
+    /// Per pair its probability: by what the image shows where it decides, else by shape.
+    pub fn probabilities(&self, table: &JoinTable, model: &JoinModel, scores: &Scores) -> Vec<f64> {
+        let scores = self.scores(table, model.passes.each_ref(), scores);
+        let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
+        if let Some(pass) = &model.image {
+            let seen = pass.trees.scores(&self.features(table, &scores));
+            for (pair, score) in seen.into_iter().enumerate().filter(|(pair, _)| self.between.is_seen(*pair, scores[*pair])) {
+                probability[pair] = pass.probability(score);
+            }
+        }
+        probability
     }
 
     /// The features of the third pass, given the scores by shape: a row a pair.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
-use super::weights::Pass;
+use super::pass::Pass;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::features;
 use crate::candidates::features::root_features::root_features;

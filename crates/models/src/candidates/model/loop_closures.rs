@@ -6,8 +6,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::feature_table::CandidateTable;
-use super::posterior::known_or_likely_inlets;
-use super::weights::Pass;
+use super::likely_inlets::known_or_likely_inlets;
+use super::pass::Pass;
 use crate::candidates::features::candidate_features;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::measured_candidate::{MeasuredCandidate, measured};

@@ -3,10 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::pass::Pass;
 use super::usual::Usual;
-use crate::candidates::features::FEATURES;
-use crate::candidates::features::feedback::FEEDBACK_FEATURES;
-use crate::candidates::features::root_features::ROOT_FEATURES;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::Marginals;
 use willis_core::support::calibration::Calibration;
@@ -16,27 +14,6 @@ use willis_core::support::model_provenance::ModelProvenance;
 const SHIPPED: &str = include_str!("weights.toml");
 /// Those for tubes.
 const TUBES: &str = include_str!("tubes.toml");
-
-/// One pass over the candidates.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Pass {
-    /// Per feature of a candidate, as [`Pass::candidate_features`] orders them.
-    pub candidate: Vec<f64>,
-    /// Per feature of a root, as [`ROOT_FEATURES`] orders them.
-    pub root: Vec<f64>,
-}
-
-impl Pass {
-    /// The names of a candidate's features in the pass of a number, counted from 0: feedback comes with the second.
-    pub fn candidate_features(number: usize) -> impl Iterator<Item = &'static str> {
-        FEATURES.iter().map(|(name, _)| *name).chain(FEEDBACK_FEATURES.iter().copied().filter(move |_| number > 0))
-    }
-
-    /// The names of a root's features.
-    pub fn root_features() -> impl Iterator<Item = &'static str> {
-        ROOT_FEATURES.iter().map(|(name, _)| *name)
-    }
-}
 
 /// What is fitted to cases whose connections are known.
 #[derive(Debug, Clone, PartialEq)]

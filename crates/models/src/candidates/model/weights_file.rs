@@ -6,8 +6,9 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::pass::Pass;
 use super::usual::{FIGURES, Usual};
-use super::weights::{Fold, HeldOutScores, Pass, Weights};
+use super::weights::{Fold, HeldOutScores, Weights};
 use willis_core::error::Fault;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::suggestions::did_you_mean;

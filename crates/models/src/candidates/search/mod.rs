@@ -12,7 +12,7 @@ pub use point_index::join_nearest;
 use std::collections::BTreeMap;
 
 use super::features::extraction::Extraction;
-use super::{Attach, CandidateOptions, NEAREST};
+use super::options::{Attach, CandidateOptions, NEAREST};
 use free_ends::FreeEnd;
 use limits::SearchBudget;
 use meeting_points::{least_bent, snapped};
