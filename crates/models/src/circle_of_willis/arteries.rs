@@ -62,6 +62,30 @@ pub const RING: [Artery; 7] = [
 pub const FENESTRATED: [Artery; 5] =
     [Artery::A1(Side::Left), Artery::AComm, Artery::A1(Side::Right), Artery::P1(Side::Left), Artery::P1(Side::Right)];
 
+/// The arteries that feed a circle, which are closed one at a time.
+pub const FEEDERS: [Artery; 3] = [Artery::Ica(Side::Left), Artery::Ica(Side::Right), Artery::Ba];
+
+/// The territories of the brain, by the arteries that lead to them.
+pub const TERRITORIES: [Artery; 6] = [
+    Artery::A2(Side::Left),
+    Artery::A2(Side::Right),
+    Artery::M1(Side::Left),
+    Artery::M1(Side::Right),
+    Artery::P2(Side::Left),
+    Artery::P2(Side::Right),
+];
+
+/// The vessels of the arteries of a circle, as rows of its network.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ArteryVessels {
+    /// For each feeder of [`FEEDERS`] the vessels by which it enters.
+    pub feeders: [Vec<usize>; 3],
+    /// For each segment of [`RING`] vessels along it; empty where it is missing.
+    pub segments: [Vec<usize>; 7],
+    /// For each territory of [`TERRITORIES`] vessels that lead to it; empty where it is not seen.
+    pub territories: [Vec<usize>; 6],
+}
+
 impl Side {
     /// Left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];

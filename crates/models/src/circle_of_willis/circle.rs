@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::{Artery, Side};
-use super::collaterals::ArteryVessels;
+use super::arteries::{Artery, ArteryVessels, Side};
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
 use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
 use super::segments_by_labels;

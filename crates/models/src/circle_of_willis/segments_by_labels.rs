@@ -7,8 +7,7 @@
 //! Where the carotid does not lead to M1 (because it is occluded or was not traced), A1 and PComm have no origin. They are then present
 //! when the vessels of their label are connected to the arteries at their other end, from which they fill.
 
-use super::arteries::{Artery, FENESTRATED, RING, Side};
-use super::collaterals::{ArteryVessels, TERRITORIES};
+use super::arteries::{Artery, ArteryVessels, FENESTRATED, RING, Side, TERRITORIES};
 use super::shortest_path::{Marks, Path, shortest};
 use super::variant::Variant;
 use willis_core::network::Network;

@@ -4,8 +4,7 @@
 //! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
 //! connection through both segments that meet there.
 
-use super::arteries::{Artery, FENESTRATED, Side};
-use super::collaterals::ArteryVessels;
+use super::arteries::{Artery, ArteryVessels, FENESTRATED, Side};
 use super::segments_by_labels::is_wider;
 use super::shortest_path::{Marks, Path, marks, shortest};
 use super::variant::Variant;

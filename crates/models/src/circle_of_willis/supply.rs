@@ -1,9 +1,8 @@
 //! Who feeds what in a circle, and how late: the share of each territory's and outlet's blood by feeder, and the time since it entered,
 //! over the topologies that are plausible.
 
-use super::arteries::Artery;
+use super::arteries::{Artery, FEEDERS, TERRITORIES};
 use super::circle::Circle;
-use super::collaterals::{FEEDERS, TERRITORIES};
 use willis_core::flow::Boundary;
 use willis_core::network::{Network, Role};
 use willis_core::simulation::simulate;

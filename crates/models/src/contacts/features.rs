@@ -98,6 +98,11 @@ pub fn pairs_of(branches: &Branches) -> Vec<Pair> {
     out
 }
 
+/// Two values, the lower first.
+pub fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// The median of what is there, or another value.
 fn median_or(values: &[f64], other: f64) -> f64 {
     median(values).unwrap_or(other)
@@ -285,8 +290,7 @@ impl Table {
     pub fn margins(&self, [i, j]: [usize; 2], alone: f64) -> [f64; 2] {
         let others = || (0..self.size).filter(|q| *q != i && *q != j);
         let best = |end: usize| others().map(|q| self.get(end, q)).reduce(f64::max).unwrap_or(alone);
-        let (a, b) = (self.get(i, j) - best(i), self.get(i, j) - best(j));
-        [a.min(b), a.max(b)]
+        sorted([i, j].map(|end| self.get(i, j) - best(end)))
     }
 
     /// What pairing these two, and the best two of the rest, gains on the best pairing that parts them; zero with fewer than four ends.
@@ -422,8 +426,7 @@ impl Here {
         let core = self.core.max(f64::MIN_POSITIVE);
         let radii = ends.map(|end| self.radius[end].ln());
         let widest = self.radius.iter().copied().fold(0.0, f64::max).ln();
-        let [thin, wide] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
-        let sorted = |x: [f64; 2]| [x[0].min(x[1]), x[0].max(x[1])];
+        let [thin, wide] = sorted(radii);
         let lengths = sorted(ends.map(|end| (self.length[end] / core + 0.1).ln()));
         let beyond = sorted(ends.map(|end| (self.beyond[end] / core + 0.1).ln()));
         let around = self.around.get(i, j);

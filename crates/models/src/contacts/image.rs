@@ -2,8 +2,8 @@
 //!
 //! Contrast is brightness above the background near the cluster, as a share of that of the dimmer end where nothing else is said.
 
-use super::evidence::{Arm, Tube, sorted};
-use super::features::{Pair, Table};
+use super::features::{Pair, Table, sorted};
+use super::lumen::{Arm, Tube};
 use super::sections::across;
 use willis_core::support::geometry::{Point, distance};
 use willis_core::support::statistics::median;
@@ -94,7 +94,7 @@ pub fn image_features(scene: &Scene, voxel: f64, centre: Point, arms: &[Arm], tu
         let m = dimmer(pair);
         let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
         let gain = |table: &Table| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
-        let [low, high] = sorted(a, b);
+        let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend(shown.values);
         out.extend([shown.saddle, shown.saddle * m / level.noise]);

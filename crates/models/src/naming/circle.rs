@@ -6,7 +6,7 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{BA, LABELS, Label, OTHER, Sided, side_of, states_of};
+use super::states::{BA, LABELS, Label, OTHER, Sided, label_of_segment, side_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, Circle, LabelScheme, Posterior, RING, Side, VariantFrequencies, artery_of_label, identify_landmarks,
@@ -206,7 +206,7 @@ impl Names {
 
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
     fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
-        let states = states_of(super::presence::label_of_segment(segment));
+        let states = states_of(label_of_segment(segment));
         let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
         (0..3).all(|k| {
             let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
@@ -217,7 +217,7 @@ impl Names {
     /// The mean diameter of each segment by the probability of its name, m, where half a millimetre of it is seen.
     fn diameters(&self) -> [Option<f64>; 7] {
         std::array::from_fn(|segment| {
-            let label = super::presence::label_of_segment(segment);
+            let label = label_of_segment(segment);
             let (mut sum, mut total) = (0.0, 0.0);
             for (n, p) in self.labels.iter().enumerate() {
                 let w = p[label] * self.nodes.weight[n];

@@ -1,9 +1,8 @@
 //! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
 
-use super::TEMPER;
 use super::atlas::{Atlas, all_states, arteries};
 use super::belief::Forest;
-use super::emission::{Parts, Pose, emission, radius_fit};
+use super::emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use super::nodes::Nodes;
 use super::pose::{Pulls, Scored, Search};
 use willis_core::support::geometry::{distance, dot, sub};

@@ -52,6 +52,8 @@ impl Parts {
     pub const REFINE: Self = Self { position: 1.0, direction: 1.0, radius: 1.0 };
 }
 
+/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
+pub const TEMPER: f64 = 0.3;
 /// Degrees of freedom of Student's t for the position: outliers are no proof.
 pub const POSITION_FREEDOM: f64 = 8.0;
 /// Those for the log radius.

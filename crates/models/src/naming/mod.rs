@@ -36,17 +36,15 @@ pub use nodes::Nodes;
 pub use states::{LABELS, Label, OTHER, name_of};
 
 use belief::{Beliefs, Forest};
-use emission::{Parts, Pose, emission, radius_fit};
+use emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use exclusion::exclusion;
 use model::logistic_probability;
 use pieces::{label_probabilities, piece_features};
 use pose::{Scored, Search};
 use presence::Seen;
-use states::STATES;
+use states::{STATES, label_of_segment, states_of};
 use willis_core::network::{Frame, Network};
 
-/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
-pub(crate) const TEMPER: f64 = 0.3;
 /// Rounds in which pieces of arteries that are taken twice settle.
 const ROUNDS: usize = 3;
 /// A name that fewer nodes than this are expected to have has no evidence.
@@ -270,7 +268,7 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
 fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
-    let states: [_; 7] = std::array::from_fn(|segment| states::states_of(presence::label_of_segment(segment)));
+    let states: [_; 7] = std::array::from_fn(|segment| states_of(label_of_segment(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
         let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
@@ -284,7 +282,7 @@ fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
 impl Names {
     /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
     pub fn seen_length(&self, segment: usize) -> f64 {
-        self.seen.length[presence::label_of_segment(segment)]
+        self.seen.length[label_of_segment(segment)]
     }
 
     /// The share of the length that is an artery of the circle.

@@ -3,11 +3,10 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::TEMPER;
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
 use super::belief::Forest;
-use super::emission::{Parts, Pose, emission};
+use super::emission::{Parts, Pose, TEMPER, emission};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
 use super::single::Single;

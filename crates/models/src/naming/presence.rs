@@ -2,7 +2,7 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
+use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided, label_of_segment};
 use super::ways::{Way, ways};
 use crate::circle_of_willis::{Artery, RING, Side};
 
@@ -22,16 +22,6 @@ pub fn kind_of(segment: usize) -> usize {
         Artery::AComm => 1,
         Artery::PComm(_) => 2,
         _ => 3,
-    }
-}
-
-/// The label of a segment of [`RING`].
-pub fn label_of_segment(segment: usize) -> Label {
-    match RING[segment] {
-        Artery::A1(side) => Sided::A1.on(side),
-        Artery::PComm(side) => Sided::PComm.on(side),
-        Artery::P1(side) => Sided::P1.on(side),
-        _ => ACOMM,
     }
 }
 

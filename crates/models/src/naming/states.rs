@@ -1,6 +1,6 @@
 //! The labels of arteries and the states of the atlas: 4 mm pieces along each artery, and one state for what is no artery of the circle.
 
-use crate::circle_of_willis::Side;
+use crate::circle_of_willis::{Artery, RING, Side};
 
 /// An artery of the circle, or [`OTHER`]: sided arteries left then right, then the basilar and the anterior communicating artery.
 pub type Label = usize;
@@ -93,6 +93,16 @@ impl Sided {
     /// Its label on a side.
     pub const fn on(self, side: Side) -> Label {
         2 * self as usize + side as usize
+    }
+}
+
+/// The label of a segment of [`RING`].
+pub fn label_of_segment(segment: usize) -> Label {
+    match RING[segment] {
+        Artery::A1(side) => Sided::A1.on(side),
+        Artery::PComm(side) => Sided::PComm.on(side),
+        Artery::P1(side) => Sided::P1.on(side),
+        _ => ACOMM,
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, Sided};
+use super::states::{ACOMM, BA, LABELS, Label, Sided, label_of_segment};
 use crate::circle_of_willis::{Artery, RING, Side};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::distance;
@@ -47,7 +47,7 @@ fn ends(segment: usize) -> [Vec<Label>; 2] {
 }
 
 fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: usize, paths: &mut ShortestPaths) -> Way {
-    let own = super::presence::label_of_segment(segment);
+    let own = label_of_segment(segment);
     let of =
         |arteries: Vec<Label>| -> Vec<f64> { labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect() };
     let [from, to] = ends(segment).map(of);

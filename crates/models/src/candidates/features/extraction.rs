@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
+use super::branch_graph::BranchGraph;
 use super::fragment::{Fragment, Largest};
 use super::orientation::set_orientations;
-use super::branch_graph::BranchGraph;
 use super::smoothing::{SmoothPoints, smooth};
 use super::tangent::{BranchShape, branch_shapes};
 use crate::candidates::network_point::NetworkPoint;
