@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{InferOptions, SourceFile};
+use super::options::InferOptions;
 use super::prior::LoadedPrior;
+use super::source_file::SourceFile;
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Network, Origin};
 use willis_core::support::geometry::Point;

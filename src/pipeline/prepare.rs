@@ -3,9 +3,10 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::arteries::{self, ArterySource, FoundArteries};
+use super::arteries::{self, FoundArteries};
+use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
-use super::decisions::{self, ConnectionDecision, DecisionList};
+use super::decisions::{DecisionList, decide_on};
 use super::picture::{Picture, pictures};
 use super::prepared::{Prepared, Records};
 use super::prior::{LoadedPrior, Prior};
@@ -107,7 +108,11 @@ impl<'a> Loaded<'a> {
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
         let kind = Kind::of(&input.network, input.format.is_some_and(Format::is_mask));
-        let cuts = Cuts::load(&options.cut, options.mask.as_deref(), input, kind)?;
+        let cuts = if is_fragments {
+            Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind)?
+        } else {
+            None
+        };
         let notes = unused::refuse(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
         let chosen = options.prior.as_ref().unwrap_or(&usual);
@@ -130,7 +135,7 @@ impl<'a> Loaded<'a> {
             is_fragments,
             outlets: options.boundary.found_outlets.unwrap_or(input.usual_outlets()),
             inlets_by_labels: input.inlets_by_labels(),
-            arteries: options.arteries.as_ref().map(|source| source.resolved(input)),
+            arteries: options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow)),
             prior,
             building,
             cuts,
@@ -289,16 +294,6 @@ fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
     };
     let said = format!("{these}, as stated; the paper has outlets at ground only");
     (preset == Preset::Paper && outlets > 0).then_some(said)
-}
-
-/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
-/// so from then on the vessels' own priors count, which are set to 1.
-pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
-    if uniform_prior && !made.is_empty() {
-        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
-    }
-    decisions::apply(graph, made)?;
-    Ok(uniform_prior && made.is_empty())
 }
 
 /// That there is no candidate, and what may help.

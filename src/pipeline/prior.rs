@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{ModelSource, SourceFile, ending, of_word};
+use super::source_file::{ModelSource, SourceFile, ending, of_word};
 use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Given;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::arteries::{ArterySource, FoundArteries};
+use super::arteries::FoundArteries;
+use super::artery_options::ArterySource;
 use super::options::RunOptions;
 use willis_core::error::{Fault, Result};
 use willis_io::formats::{is_there, open_regular};

@@ -16,7 +16,8 @@ use willis_models::candidates::features::Feedback;
 use willis_models::candidates::model::Usual;
 use willis_models::candidates::model::loop_closures::{Closure, closures};
 use willis_models::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
-use willis_models::candidates::model::weights::{Pass, Weights, input_features};
+use willis_models::candidates::model::pass::Pass;
+use willis_models::candidates::model::weights::{Weights, input_features};
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
