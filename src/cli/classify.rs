@@ -13,9 +13,9 @@ use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
 use clap::Args;
 use serde_json::Value;
 
-use super::Command;
 use super::args::arteries::{ArteryArgs, for_input};
 use super::args::reading::ReadingArgs;
+use super::at_work::parsed;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
 use super::command_line::command_line;
@@ -105,9 +105,8 @@ fn name_of(input: &Path) -> String {
 }
 
 impl Work for ClassifyArgs {
-    fn of(command: Command) -> Result<Option<Self>> {
-        let Command::Classify(own) = command else { return Ok(None) };
-        Ok(Some(*own))
+    fn of(words: &[String]) -> Result<Self> {
+        parsed(words)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {

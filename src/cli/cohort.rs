@@ -19,21 +19,21 @@ use crate::internals::report::cohort::{About, Figures, Row, infer_figures, write
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::at_work::with_flags;
 use super::command_line::command_line;
 use super::print::notes::{counted, say_notes};
 use super::print::{Terminal, plural};
 use super::shell::print_json;
 use super::signals::{is_stopped, listen};
 use super::subjects::Subject;
-use super::{Command, with_flags};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;
 
 /// What a command does with each subject.
 pub trait Work: Sync + Sized {
-    /// The same by the options that a subject has of its own.
-    fn of(command: Command) -> Result<Option<Self>>;
+    /// The same by the words of a command line.
+    fn of(words: &[String]) -> Result<Self>;
 
     /// The files besides the input that go into it.
     fn files(&self, input: &Path) -> Vec<PathBuf>;
@@ -203,7 +203,7 @@ impl Cohort<'_> {
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
         let own = subjects.iter().map(|subject| {
-            let own = subject.command()?.map(W::of).transpose().map_err(|error| subject.fault(error))?.flatten();
+            let own = subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error))?;
             own.as_ref().unwrap_or(work).check().map_err(|error| subject.fault(error))?;
             Ok(own)
         });

@@ -23,6 +23,7 @@ use super::args::figures::whole;
 use super::args::reading::ReadingArgs;
 use super::args::sampling::SamplingArgs;
 use super::args::{boundary_for, file_of};
+use super::at_work::{parsed, with_flags};
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Failure, Work};
 use super::command_line::command_line;
@@ -32,7 +33,6 @@ use super::print::inference::say_outcome;
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
-use super::{Command, with_flags};
 
 /// Infer the plausible topology of centerlines or of a candidate graph
 #[derive(Debug, Args)]
@@ -289,9 +289,8 @@ impl Inferences {
 }
 
 impl Work for Inferences {
-    fn of(command: Command) -> Result<Option<Self>> {
-        let Command::Infer(own) = command else { return Ok(None) };
-        Self::new(own.inference).map(Some)
+    fn of(words: &[String]) -> Result<Self> {
+        Self::new(parsed::<InferArgs>(words)?.inference)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {

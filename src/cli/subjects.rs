@@ -11,8 +11,8 @@ use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD}
 use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
+use super::at_work::is_option;
 use super::command_line::{line_of_words, words_of_row};
-use super::{Cli, Command, command_of};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -41,7 +41,7 @@ pub struct Row {
     /// Its own options, by name and value.
     pub options: Vec<(String, String)>,
     /// The words of the command for it alone.
-    pub words: Vec<String>,
+    words: Vec<String>,
     /// What else the manifest says of it.
     pub covariates: Covariates,
 }
@@ -57,14 +57,9 @@ impl Subject {
         }
     }
 
-    /// The command with options of its own, where it has any.
-    ///
-    /// # Errors
-    ///
-    /// An option that the command does not have, or a value that it does not take.
-    pub(super) fn command(&self) -> Result<Option<Command>> {
-        let row = self.row.as_ref().filter(|row| !row.options.is_empty());
-        row.map(|row| command_of(&row.words)).transpose().map_err(|error| self.fault(error))
+    /// The words of the command for it alone, where it has options of its own.
+    pub fn own_words(&self) -> Option<&[String]> {
+        self.row.as_ref().filter(|row| !row.options.is_empty()).map(|row| &row.words[..])
     }
 
     /// Its own options, as they would be typed.
@@ -183,9 +178,7 @@ fn check_folder(path: &Path) -> Result<()> {
 fn check_word(path: &Path) -> Result<()> {
     let Some(word) = path.to_str().filter(|_| !path.exists()) else { return Ok(()) };
     let refused = |accepted: String| Err(Error::parameter("INPUT", format!("\"{word}\""), accepted));
-    let command = Cli::builder();
-    let mut options = command.get_subcommands().flat_map(clap::Command::get_arguments);
-    if options.any(|option| option.get_long() == Some(word)) {
+    if is_option(word) {
         return refused(format!("no such file; did you mean --{word}?"));
     }
     match word.parse::<f64>() {

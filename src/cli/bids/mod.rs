@@ -17,6 +17,7 @@ use crate::internals::report::cohort::{Row, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
+use super::at_work::with_flags;
 use super::cohort::{Cohort, Each, Entry, Failure, Ledger, Work, check_files, failed, gather, say_notes_of};
 use super::command_line::command_line_of_mask;
 use super::infer::{InferenceArgs, Inferences};
@@ -24,7 +25,6 @@ use super::print::{Terminal, plural};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::Subject;
-use super::with_flags;
 use dataset::{Choice, Dataset, Mask, check_labels, listed};
 use derivative::Derivative;
 

@@ -19,7 +19,7 @@ use crate::internals::support::printable::printable;
 use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use crate::cli::flags_in;
+use crate::cli::at_work::flags_in;
 use crate::cli::signals::{listen, stops};
 
 /// Prints facts on standard error, so that standard output stays free for data.
