@@ -45,8 +45,8 @@ pub mod internals {
     pub use super::bids::dataset::{Filter, Named, parse_filter};
     pub use super::cohort::relative;
     pub use super::command_line::{infer_words, quoted, row_words};
-    pub use super::print::notes::counted;
     pub use super::parser;
+    pub use super::print::notes::counted;
     pub use super::subjects::{LONGEST, named};
 }
 

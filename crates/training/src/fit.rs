@@ -15,8 +15,8 @@ use willis_core::support::model_provenance::ModelProvenance;
 use willis_models::candidates::features::Feedback;
 use willis_models::candidates::model::Usual;
 use willis_models::candidates::model::loop_closures::{Closure, closures};
-use willis_models::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
 use willis_models::candidates::model::pass::Pass;
+use willis_models::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
 use willis_models::candidates::model::weights::{Weights, input_features};
 
 /// Pairs no more probable than this are left out of calibration and scores.

@@ -15,7 +15,7 @@ use crate::internals::training::{
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Output, TrainArgs, or_none, save, summary};
+use super::args::{Output, TrainArgs, or_none, save, summary};
 use crate::cli::command_line::command_line;
 use crate::cli::print::notes::say_notes;
 use crate::cli::print::{Terminal, count, plural};
@@ -89,7 +89,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     })?;
     terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
     if args.json {
-        summary(&read.cases, &names, &json!(figures))?;
+        summary(read.cases.len(), &names, &json!(figures))?;
     }
     Ok(())
 }
@@ -114,7 +114,7 @@ pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal
     *made_by = format!("{fit}{CALIBRATION}willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
     let names = save(output, std::iter::once(model), |model, out| model.write(out))?;
     terminal.say("written", names.join(", "));
-    if args.json { summary(&read.cases, &names, &json!([])) } else { Ok(()) }
+    if args.json { summary(read.cases.len(), &names, &json!([])) } else { Ok(()) }
 }
 
 impl TreeModel for JoinModel {
