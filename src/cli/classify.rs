@@ -20,7 +20,7 @@ use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
 use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 
@@ -51,7 +51,7 @@ pub struct ClassifyArgs {
 }
 
 impl ClassifyArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.reading.refuse_candidates("classify")?;
         let input = match expand(&self.inputs, true)? {
             Inputs::One(input) => input,
@@ -86,7 +86,7 @@ impl ClassifyArgs {
         &self.arteries.phenotypes
     }
 
-    fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
+    fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
         let input = self.reading.read_run(path, command, terminal)?;
         let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
@@ -122,7 +122,7 @@ impl Work for ClassifyArgs {
         self.reading.shared().map(drop)
     }
 
-    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         self.phenotype(&subject.input, subject.line.clone(), terminal)?.write(&folder.path(), &subject.name)
     }
 

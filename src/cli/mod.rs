@@ -37,12 +37,12 @@ use crate::error::{Error, Result};
 use args::figures::whole;
 use at_work::{CommandLine, with_flags};
 use parser_error::as_error;
-use print::Terminal;
+use print::TextTerminal;
 pub use signals::ask_to_stop;
 
 /// What the tests of this project call. Nothing here is stable.
 pub mod internals {
-    pub use super::bids::dataset::{Filter, Named, parse_filter};
+    pub use super::bids::dataset::{BidsName, Filter, parse_filter};
     pub use super::cohort::relative;
     pub use super::command_line::{infer_words, quoted, row_words};
     pub use super::parser;
@@ -174,7 +174,7 @@ impl Cli {
             // Inside of another program there may be threads already, which do as well.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
-        let terminal = Terminal::new(self.common.quiet, self.common.verbose);
+        let terminal = TextTerminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),

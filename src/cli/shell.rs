@@ -8,7 +8,7 @@ use crate::internals::output::StagedFiles;
 use crate::internals::support::printable::printable_json;
 use clap::Args;
 
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 
 /// Print shell completions
 #[derive(Debug, Args)]
@@ -42,7 +42,7 @@ pub struct ManArgs {
 }
 
 impl ManArgs {
-    pub fn run(self, mut parser: clap::Command, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, mut parser: clap::Command, terminal: TextTerminal, force: bool) -> Result<()> {
         parser.build();
         // The overview, then a page for each subcommand.
         let mut pages = Vec::new();

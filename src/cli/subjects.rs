@@ -30,12 +30,12 @@ pub struct Subject {
     /// The command line that repeats its run.
     pub line: String,
     /// Its row in a manifest, where it has one.
-    pub row: Option<Row>,
+    pub row: Option<SubjectRow>,
 }
 
 /// The row of a subject in a manifest.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct SubjectRow {
     /// The manifest, and the line in it, from 1.
     place: (PathBuf, usize),
     /// Its own options, by name and value.
@@ -50,7 +50,7 @@ impl Subject {
     /// An error of its options, with their place.
     pub fn fault(&self, error: Error) -> Error {
         match (error, &self.row) {
-            (Error::Parameter { name, value, accepted }, Some(Row { place: (path, line), .. })) => {
+            (Error::Parameter { name, value, accepted }, Some(SubjectRow { place: (path, line), .. })) => {
                 Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
             }
             (other, _) => other,
@@ -150,7 +150,7 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
         let words = words_of_row(&input, given, &options);
-        let row = Row { place: (path.to_owned(), line), options, words: words.clone(), covariates };
+        let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
     names.into_iter().zip(manifest).map(with_row).collect()

@@ -121,12 +121,12 @@ impl PhenotypeOptions {
     }
 
     /// The prior that they mean.
-    pub(crate) fn prior(&self) -> Result<naming::Prior> {
+    pub(crate) fn prior(&self) -> Result<naming::CirclePrior> {
         let frequencies = match &self.frequencies {
             Some(path) => VariantFrequencies::of_file(path)?,
             None => VariantFrequencies::published()?,
         };
-        Ok(naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
+        Ok(naming::CirclePrior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
     }
 }
 

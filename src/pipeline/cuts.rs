@@ -13,7 +13,7 @@ use willis_core::network::Network;
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground, Scene};
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::contacts::model::ContactModel;
 use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
@@ -97,11 +97,11 @@ impl Cuts {
         mask: Option<&Path>,
         network: &Network,
         lumen: Option<&Foreground>,
-        kind: Kind,
+        kind: CenterlineKind,
     ) -> Result<Option<Self>> {
         let wanted = match cut {
             Cut::Never => false,
-            Cut::Auto => kind == Kind::Skeleton,
+            Cut::Auto => kind == CenterlineKind::Skeleton,
             Cut::Always | Cut::File(_) => true,
         };
         if !wanted || !network.has_positions() {

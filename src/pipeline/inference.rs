@@ -53,20 +53,20 @@ struct Stored {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    solver: Solver,
+    solver: StoredMethod,
     time: Value,
 }
 
 /// How the samples were computed.
 #[derive(Serialize, Deserialize)]
-struct Solver {
+struct StoredMethod {
     flow: String,
     size: usize,
     forest: String,
     forest_joins: Option<usize>,
 }
 
-impl Solver {
+impl StoredMethod {
     fn of(method: Method) -> Self {
         let Method { solver, solver_size, forest, forest_joins, .. } = method;
         Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
@@ -287,7 +287,7 @@ impl Inference {
             prepared: self.prepared.clone(),
             sampling: self.sampling.clone(),
             likelihood: self.likelihood.clone(),
-            solver: Solver::of(self.method),
+            solver: StoredMethod::of(self.method),
             time: self.time.clone(),
         };
         serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))

@@ -39,13 +39,13 @@ pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
 }
 
 /// Where an image was read from.
-pub(crate) struct Picture {
+pub(crate) struct ImageSource {
     source: SourceFile,
     appearance: Appearance,
     is_probability: bool,
 }
 
-impl Picture {
+impl ImageSource {
     /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the
     /// spacing of NumPy's arrays goes by. `None` where none is given.
     ///

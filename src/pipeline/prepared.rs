@@ -33,7 +33,7 @@ pub struct Prepared {
     pub options: RunOptions,
     /// What found outlets are.
     pub(crate) outlets: FoundOutlets,
-    pub(crate) records: Records,
+    pub(crate) records: SourceRecords,
     /// What it shows along doubtful vessels.
     pub(crate) image_cuts: Vec<ImageCut>,
     /// The segmentation that the vessels were found in, where they were.
@@ -51,7 +51,7 @@ pub struct Prepared {
 
 /// What was done with which file, for run.json.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Records {
+pub(crate) struct SourceRecords {
     pub(crate) prior: ModelSource,
     /// What opened contacts.
     pub(crate) cut: Option<CutRecord>,

@@ -24,7 +24,7 @@ use willis_report::end_name;
 
 /// What one inlet is driven by.
 #[derive(Debug, Clone)]
-enum Source {
+enum WaveSource {
     Table { waveform: Waveform, file: SourceFile },
     Shape(Typical),
 }
@@ -32,7 +32,7 @@ enum Source {
 /// The waveforms of the inlets, which change the steady conditions too.
 #[derive(Debug)]
 pub struct Waves {
-    sources: Vec<(usize, Source)>,
+    sources: Vec<(usize, WaveSource)>,
     period: f64,
     coefficients: Vec<Vec<Complex64>>,
 }
@@ -43,7 +43,7 @@ impl Waves {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet).collect();
         let usual = ["typical".to_owned()];
         let texts = if options.waveforms.is_empty() { &usual[..] } else { &options.waveforms };
-        let mut by_inlet: Vec<Option<(bool, Source)>> = vec![None; network.node_count()];
+        let mut by_inlet: Vec<Option<(bool, WaveSource)>> = vec![None; network.node_count()];
         for text in texts {
             let refused = |why: String| Error::parameter("pulse", format!("\"{text}\""), why);
             let whole = is_word(text) || Path::new(text).is_file();
@@ -60,8 +60,8 @@ impl Waves {
             let table = if is_word(name) { None } else { Some(table(name, progress)?) };
             for node in nodes {
                 let source = match &table {
-                    Some((waveform, file)) => Source::Table { waveform: waveform.clone(), file: file.clone() },
-                    None => Source::Shape(shape(name, &end_name(network, node))),
+                    Some((waveform, file)) => WaveSource::Table { waveform: waveform.clone(), file: file.clone() },
+                    None => WaveSource::Shape(shape(name, &end_name(network, node))),
                 };
                 match &by_inlet[node] {
                     Some((true, _)) if !is_own => {}
@@ -75,7 +75,8 @@ impl Waves {
                 }
             }
         }
-        let sources: Vec<(usize, Source)> = by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
+        let sources: Vec<(usize, WaveSource)> =
+            by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
         if sources.is_empty() {
             return Err(Error::parameter("pulse", "has no inlet", "expected one that a waveform can drive"));
         }
@@ -83,7 +84,7 @@ impl Waves {
         let mut all = Vec::new();
         for (_, source) in &sources {
             all.push(source.coefficients(period, options)?);
-            if let (Source::Table { waveform, file }, Some(c)) = (source, all.last()) {
+            if let (WaveSource::Table { waveform, file }, Some(c)) = (source, all.last()) {
                 let left = beyond(waveform, period, c);
                 if left > LEFT_OUT {
                     let percent = 100.0 * left;
@@ -128,9 +129,9 @@ impl Waves {
             })
             .sum()
         };
-        let drive = |((node, source), c): (&(usize, Source), &Vec<Complex64>)| match source {
-            Source::Table { waveform, .. } => Drive { node: *node, quantity: waveform.quantity, coefficients: c.clone() },
-            Source::Shape(_) => {
+        let drive = |((node, source), c): (&(usize, WaveSource), &Vec<Complex64>)| match source {
+            WaveSource::Table { waveform, .. } => Drive { node: *node, quantity: waveform.quantity, coefficients: c.clone() },
+            WaveSource::Shape(_) => {
                 let mean = inflow(*node);
                 Drive { node: *node, quantity: Quantity::Flow, coefficients: c.iter().map(|c| c * mean).collect() }
             }
@@ -167,9 +168,11 @@ fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)
 }
 
 /// The one period of all waveforms, s.
-fn period(sources: &[(usize, Source)], options: &PulseOptions) -> Result<f64> {
+fn period(sources: &[(usize, WaveSource)], options: &PulseOptions) -> Result<f64> {
     let tables = || {
-        sources.iter().filter_map(|(_, s)| if let Source::Table { waveform, file } = s { Some((waveform, file)) } else { None })
+        sources
+            .iter()
+            .filter_map(|(_, s)| if let WaveSource::Table { waveform, file } = s { Some((waveform, file)) } else { None })
     };
     let first = tables().next().map(|(waveform, file)| (waveform.own_period(), file));
     let period = options.period.or(first.map(|(period, _)| period)).unwrap_or(typical::PERIOD);
@@ -187,7 +190,7 @@ fn period(sources: &[(usize, Source)], options: &PulseOptions) -> Result<f64> {
     Ok(period)
 }
 
-impl Source {
+impl WaveSource {
     /// What its mean prescribes; nothing where only the shape is known.
     fn prescribes_the_mean(&self) -> Option<Quantity> {
         match self {
@@ -272,11 +275,11 @@ impl Waves {
         let inlets = self.sources.iter().map(|(node, source)| {
             let mut value = json!({ "node": node, "id": network.node(*node).id });
             match source {
-                Source::Table { waveform, file } => {
+                WaveSource::Table { waveform, file } => {
                     value["quantity"] = json!(if waveform.quantity == Quantity::Pressure { "pressure" } else { "flow" });
                     value["file"] = json!(file);
                 }
-                Source::Shape(typical) => {
+                WaveSource::Shape(typical) => {
                     value["quantity"] = json!("flow");
                     value["shape"] = json!(if *typical == Typical::Carotid { "carotid" } else { "vertebral" });
                 }

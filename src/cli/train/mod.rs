@@ -22,10 +22,10 @@ use args::{ModelKind, Output, or_none, save, summary};
 
 use crate::cli::command_line::command_line;
 use crate::cli::print::notes::say_notes;
-use crate::cli::print::{Terminal, count, plural};
+use crate::cli::print::{TextTerminal, count, plural};
 
 impl TrainArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force };
         StagedFiles::check(&output.paths[0], &output.paths[1..], force)?;
@@ -47,7 +47,7 @@ impl TrainArgs {
     }
 
     /// Fits the weights of tracings.
-    fn fit_tracings(&self, params: &TrainParams, output: &Output, terminal: Terminal) -> Result<()> {
+    fn fit_tracings(&self, params: &TrainParams, output: &Output, terminal: TextTerminal) -> Result<()> {
         let began = Instant::now();
         let read = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &read.notes, "case");
@@ -97,7 +97,7 @@ impl TrainArgs {
 }
 
 /// What was read, by data set.
-fn say_cases(terminal: Terminal, examples: &[Example]) {
+fn say_cases(terminal: TextTerminal, examples: &[Example]) {
     for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
         let subjects: BTreeSet<&str> = of_set.iter().map(|e| e.case.subject.as_str()).collect();
         let sum = |of: &dyn Fn(&Example) -> usize| of_set.iter().map(of).sum::<usize>();
@@ -118,13 +118,13 @@ fn say_cases(terminal: Terminal, examples: &[Example]) {
     }
 }
 
-fn say_step(terminal: Terminal, heading: &str, step: &Step) {
+fn say_step(terminal: TextTerminal, heading: &str, step: &Step) {
     let [before, after] = step.objective;
     let Step { pass, evaluations, .. } = step;
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 
-fn say_figures(terminal: Terminal, figures: &HeldOutScores) {
+fn say_figures(terminal: TextTerminal, figures: &HeldOutScores) {
     terminal.say(
         "held out",
         format!(

@@ -8,10 +8,10 @@ use serde_json::json;
 
 use super::args::{Output, TrainArgs, save, summary};
 use crate::cli::command_line::command_line;
-use crate::cli::print::{Terminal, plural};
+use crate::cli::print::{TextTerminal, plural};
 
 /// Fits the model and those of its folds, and writes them.
-pub(super) fn run(args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+pub(super) fn run(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
     let began = Instant::now();
     let cases = read_labelled_cases(&args.cases)?;
     terminal.say("read", plural(cases.len(), "case"));

@@ -2,7 +2,7 @@
 
 /// How centerlines came about.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum CenterlineKind {
     /// A person traced trees of vessels in an image, one point after the other.
     Tracing,
     /// A person drew vessel by vessel, each from within the lumen of the one it leaves, as in TubeTK.

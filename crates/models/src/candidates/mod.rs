@@ -15,17 +15,17 @@ pub mod search;
 pub use network_point::NetworkPoint;
 pub use options::{Attach, CandidateOptions, CandidateRadius, NEAREST};
 
-use clusters::{Cluster, clusters};
+use clusters::{FragmentCluster, clusters};
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
-use kind::Kind;
+use kind::CenterlineKind;
 use model::Usual;
-use model::posterior::{Posterior, posterior};
+use model::posterior::{ForestPosterior, posterior};
 use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
 use resample::Resampled;
-use search::{Candidate, SearchOptions, search, search_nearest};
+use search::{EndCandidate, SearchOptions, search, search_nearest};
 use willis_core::error::Result;
 use willis_core::network::{Evidence, Network};
 use willis_core::support::geometry::distance;
@@ -52,7 +52,7 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
     options.validate()?;
     let mut found = Vec::new();
     for cluster in clusters(network, &[]) {
-        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+        let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
         let e = resampled.extraction(&[])?;
         found.extend(search_nearest(&e, options)?.into_iter().map(|candidate| {
             let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
@@ -104,11 +104,11 @@ type Roots = Vec<(NetworkPoint, f64)>;
 
 /// The candidates of a cluster that the evidence allows, how probably the fragment of each place is a root, and what the fragments are like.
 fn found_by_evidence(
-    cluster: &Cluster,
+    cluster: &FragmentCluster,
     options: &CandidateOptions,
     weights: &Weights,
 ) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
-    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+    let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
     let e = resampled.extraction(&cluster.inlets)?;
     let mut candidates = search(
         &e,
@@ -125,7 +125,7 @@ fn found_by_evidence(
     found.extend(loops.map(|(candidate, p)| {
         (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
     }));
-    let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
+    let new_vessel = |(candidate, evidence): (EndCandidate, Evidence)| {
         let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
         let radii = [e.ends[candidate.end].radius, there];
         NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
@@ -153,7 +153,7 @@ pub fn build_joins(
     options.validate()?;
     let branches = options.k.unwrap_or(SearchOptions::default().branches);
     // An image shows all of them alike.
-    let whole = Cluster::whole(network, &[]);
+    let whole = FragmentCluster::whole(network, &[]);
     let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
     let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
     for cluster in parts {
@@ -166,7 +166,7 @@ pub fn build_joins(
 
 /// The candidates of a cluster that the join model allows, and the image as it was measured.
 fn found_by_joins(
-    cluster: &Cluster,
+    cluster: &FragmentCluster,
     options: &CandidateOptions,
     model: &JoinModel,
     view: Option<View>,
@@ -204,9 +204,9 @@ fn found_by_joins(
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
 /// represents both.
-fn probable(posterior: &Posterior) -> Vec<(Candidate, Evidence)> {
+fn probable(posterior: &ForestPosterior) -> Vec<(EndCandidate, Evidence)> {
     let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
-    let mut found: Vec<(Candidate, f64, Evidence)> = Vec::new();
+    let mut found: Vec<(EndCandidate, f64, Evidence)> = Vec::new();
     for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
         let p = posterior.marginals.edges[row];
         let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());

@@ -1,6 +1,6 @@
 //! Which kind centerlines are: by where they come from, their loops, and where their pieces begin.
 
-use super::kind::Kind;
+use super::kind::CenterlineKind;
 use super::resample::Resampled;
 use super::search::point_index::PointIndex;
 use willis_core::network::{Network, Origin, Vessel, cycles, fragments};
@@ -14,7 +14,7 @@ const LEAST_VESSELS: usize = 4;
 /// A lumen is looked for within so many radii of an end, for a branch is hardly thinner than its parent over this.
 const REACH: f64 = 4.0;
 
-impl Kind {
+impl CenterlineKind {
     /// The kind of observed vessels: a skeleton where they come from a mask or have more loops than arteries have, which come where vessels
     /// touch; tubes where two thirds of the pieces have a free end inside the lumen of another piece; else a tracing.
     pub fn of(network: &Network, from_mask: bool) -> Self {
@@ -33,7 +33,7 @@ fn begin_in_lumens(network: &Network) -> bool {
     if observed.count < LEAST_VESSELS || !network.has_positions() {
         return false;
     }
-    let resampled = Resampled::new(network, Kind::Tubes).network;
+    let resampled = Resampled::new(network, CenterlineKind::Tubes).network;
     let degree = resampled.degrees(|vessel| vessel.origin == Origin::Observed);
     let (mut points, mut piece, mut radius, mut free) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     // A vessel of a ready graph may have no course.

@@ -16,7 +16,7 @@ mod sides;
 pub mod supply;
 mod variant;
 
-pub use arteries::{Artery, FEEDERS, FENESTRATED, RING, Side, TERRITORIES};
+pub use arteries::{Artery, BodySide, FEEDERS, FENESTRATED, RING, TERRITORIES};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, collaterals};
 pub use frequencies::VariantFrequencies;

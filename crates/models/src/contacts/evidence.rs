@@ -4,9 +4,9 @@
 
 use super::branches::Branches;
 use super::courses::Courses;
-use super::features::{Pair, Table, sorted};
+use super::features::{Pair, PairTable, sorted};
 use super::image::image_features;
-use super::lumen::{Arm, HALF_WIDTH, INNER, Tube};
+use super::lumen::{HALF_WIDTH, INNER, LumenArm, LumenTube};
 use super::sections::{Section, across, principal, section};
 use willis_core::support::geometry::{Point, cross, distance, dot, lerp, norm, sub};
 use willis_core::support::in_order;
@@ -101,7 +101,7 @@ struct OfTube {
 }
 
 impl OfTube {
-    fn new(field: &Field, a: &Arm, b: &Arm, tube: &Tube) -> Self {
+    fn new(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> Self {
         let w = sub(b.middle, a.middle);
         let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
         let (miss_a, miss_b) = (off(a.along), off(b.along));
@@ -159,7 +159,7 @@ impl OfTube {
 }
 
 /// The depths along the way from one end over the core to the other: least and most over a radius, the deepest dip, the number of dips.
-fn along_the_way(field: &Field, arms: [&Arm; 2], core: &[Point]) -> [f64; 4] {
+fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4] {
     let [a, b] = arms;
     let mut depth: Vec<f64> = a.depths.iter().rev().copied().collect();
     depth.extend(core.iter().map(|p| field.depth(*p)));
@@ -197,7 +197,7 @@ struct Around {
 }
 
 impl Around {
-    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[Arm]) -> Self {
+    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[LumenArm]) -> Self {
         let c = &branches.clusters[cluster];
         let (centre, rho) = (c.centre(), 1.5 * c.radius);
         let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
@@ -218,7 +218,7 @@ impl Around {
     }
 
     /// Per place whether a tube covers it.
-    fn covered(&self, tube: &Tube, voxel: f64) -> Vec<bool> {
+    fn covered(&self, tube: &LumenTube, voxel: f64) -> Vec<bool> {
         let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
         self.places.iter().map(near).collect()
     }
@@ -233,7 +233,7 @@ fn share(a: &[bool], b: &[bool]) -> f64 {
 const MOST_PAIRS: usize = 15;
 
 /// Cover by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
-fn covers(around: &Around, pairs: &[Pair], tubes: &[Tube], voxel: f64) -> Vec<[f64; 3]> {
+fn covers(around: &Around, pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
     let covered: Vec<Vec<bool>> = tubes.iter().map(|tube| around.covered(tube, voxel)).collect();
     let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
     let mut two: Vec<(usize, usize, f64)> = Vec::new();
@@ -274,14 +274,14 @@ pub fn mask_features(
 fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
-    let arms: Vec<Arm> = (0..c.ends.len()).map(|end| Arm::new(field, branches, courses, cluster, end)).collect();
-    let tubes: Vec<Tube> = pairs.iter().map(|p| Tube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
+    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, courses, cluster, end)).collect();
+    let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
     let found: Vec<OfTube> =
         pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let around = Around::new(field, branches, cluster, &arms);
     let cover = covers(&around, pairs, &tubes, field.voxel());
     let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
-    let table = |f: &dyn Fn(&OfTube) -> f64| Table::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
+    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
     let straight = table(&|t| -t.miss[1]);
     let signed = table(&|t| t.signed[1]);
     let far = table(&|t| t.far[0]);
@@ -310,7 +310,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         let far_margin = far.margins(ends, 0.0);
         let own = fit.get(ends[0], ends[1]);
         let behind = sorted(ends.map(|end| better(end, own)));
-        let gain = |table: &Table| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
+        let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
         let way = way_through(&core, a.root, b.root);
         let way = along_the_way(field, [a, b], &way);
         let normal = sorted([a, b].map(|arm| dot(arm.along, around.normal).abs()));

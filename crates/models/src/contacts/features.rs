@@ -264,12 +264,12 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
 }
 
 /// A symmetric table of the pairs of a cluster's ends; `nothing` on the diagonal.
-pub struct Table {
+pub struct PairTable {
     size: usize,
     values: Vec<f64>,
 }
 
-impl Table {
+impl PairTable {
     /// The table of a function of two ends.
     pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut values = vec![nothing; size * size];
@@ -346,13 +346,13 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
 struct Here {
     core: f64,
     typical: f64,
-    near: Table,
-    far: Table,
+    near: PairTable,
+    far: PairTable,
     radius: Vec<f64>,
     length: Vec<f64>,
     free: Vec<bool>,
     beyond: Vec<f64>,
-    around: Table,
+    around: PairTable,
     ways: f64,
     murray: f64,
     /// Per pair the way inside the core (m) and the least radius on it.
@@ -371,12 +371,12 @@ impl Here {
         let c = &branches.clusters[cluster];
         let ends = ends_of(branches, courses, cluster);
         let count = c.ends.len();
-        let near = Table::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
-        let far = Table::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
+        let near = PairTable::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
+        let far = PairTable::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
         let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
         let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
             c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
-        let around = Table::of(count, f64::INFINITY, |i, j| {
+        let around = PairTable::of(count, f64::INFINITY, |i, j| {
             if c.ends[i].branch == c.ends[j].branch {
                 return length[i];
             }

@@ -18,7 +18,7 @@ const LEAST_SECTIONS: usize = 3;
 pub const INNER: usize = 9;
 
 /// The lumen near the core along a branch end.
-pub struct Arm {
+pub struct LumenArm {
     /// The middle of its axis.
     pub middle: Point,
     /// The axis, away from the core.
@@ -37,7 +37,7 @@ pub struct Arm {
     pub centres: Vec<Point>,
 }
 
-impl Arm {
+impl LumenArm {
     /// That of an end of a cluster.
     pub fn new(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, end: usize) -> Self {
         let c = &branches.clusters[cluster];
@@ -97,7 +97,7 @@ fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
 }
 
 /// A tube between two arms: inner points, tangents, radii.
-pub struct Tube {
+pub struct LumenTube {
     /// Points.
     pub points: Vec<Point>,
     /// Unit vectors along it.
@@ -110,9 +110,9 @@ pub struct Tube {
     pub length: f64,
 }
 
-impl Tube {
+impl LumenTube {
     /// That between two arms.
-    pub fn new(a: &Arm, b: &Arm) -> Self {
+    pub fn new(a: &LumenArm, b: &LumenArm) -> Self {
         let curve = hermite([a.root, a.along], [b.root, b.along]);
         let far = hermite([a.middle, a.along], [b.middle, b.along]);
         let inner = 1..=INNER;

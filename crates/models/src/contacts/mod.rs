@@ -30,10 +30,10 @@ use branches::Branches;
 use courses::Courses;
 use crowding::Crowding;
 use evidence::mask_features;
-use features::{Pair, Table, pairs_of, skeleton_features};
+use features::{Pair, PairTable, pairs_of, skeleton_features};
 use loops::without_narrow_loops;
 use model::ContactModel;
-use partition::{Blocks, PartitionWeights, Together, most_probable};
+use partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
 use split::{Opened, split};
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
@@ -68,8 +68,8 @@ impl ContactTable {
     }
 
     /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
-    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<Table>> {
-        let mut out: Vec<Option<Table>> = self.branches.clusters.iter().map(|_| None).collect();
+    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<PairTable>> {
+        let mut out: Vec<Option<PairTable>> = self.branches.clusters.iter().map(|_| None).collect();
         let mut from = 0;
         for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
             let own = &scores[from..from + pairs.len()];
@@ -80,16 +80,16 @@ impl ContactTable {
                 let [i, j] = pair.ends;
                 values[i * ends + j] = next.next().copied().unwrap_or(0.0);
             }
-            out[pairs[0].cluster] = Some(Table::of(ends, 0.0, |i, j| values[i * ends + j]));
+            out[pairs[0].cluster] = Some(PairTable::of(ends, 0.0, |i, j| values[i * ends + j]));
             from += pairs.len();
         }
         out
     }
 
     /// The most probable blocks of each cluster, given the scores of its pairs.
-    pub fn blocks(&self, tables: &[Option<Table>], weights: &PartitionWeights) -> Vec<Blocks> {
-        let of = |(table, cluster): (&Option<Table>, &branches::Cluster)| match table {
-            Some(table) => most_probable(table, cluster.ends.len(), weights, Together::ANY),
+    pub fn blocks(&self, tables: &[Option<PairTable>], weights: &PartitionWeights) -> Vec<Blocks> {
+        let of = |(table, cluster): (&Option<PairTable>, &branches::Cluster)| match table {
+            Some(table) => most_probable(table, cluster.ends.len(), weights, JoinableEnds::ANY),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
         tables.iter().zip(&self.branches.clusters).map(of).collect()

@@ -1,6 +1,6 @@
 //! How well each node fits each state of the atlas at a pose: position, direction and radius.
 
-use super::algebra::{Matrix, Symmetric, times, trace_of_product, turned};
+use super::algebra::{Matrix3, Symmetric, times, trace_of_product, turned};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
 use super::states::{NOWHERE, STATES};
@@ -10,7 +10,7 @@ use willis_core::support::geometry::{Point, sub};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// R.
-    pub turn: Matrix,
+    pub turn: Matrix3,
     /// t, mm.
     pub shift: Point,
     /// The logarithm of the scale.

@@ -22,7 +22,7 @@ pub use root_features::{ROOT_FEATURES, root_features};
 
 use ndarray::Array2;
 
-use super::search::Candidate;
+use super::search::EndCandidate;
 use measured_candidate::MeasuredCandidate;
 
 /// A feature of a candidate.
@@ -69,7 +69,7 @@ pub const FEATURES: &[(&str, Feature)] = &[
 ///
 /// Rank, margin and mutual choice compare the candidates given, so these should be all of a search. [`Feedback`] measures what the
 /// posterior of these features says of the other candidates.
-pub fn features(extraction: &Extraction, candidates: &[Candidate]) -> Array2<f64> {
+pub fn features(extraction: &Extraction, candidates: &[EndCandidate]) -> Array2<f64> {
     let measured = measured(extraction, candidates);
     Array2::from_shape_fn((measured.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&measured[row]))
 }

@@ -17,7 +17,7 @@ const JUNCTIONS: usize = 12;
 const MOST: f64 = 1.5;
 
 /// A branch at a junction.
-struct Arm {
+struct JunctionArm {
     branch: usize,
     /// The node at its other end.
     other: usize,
@@ -33,14 +33,14 @@ pub fn set_orientations(ends: &mut [FreeEnd], graph: &BranchGraph, lines: &[Vec<
         let headings = graph.headings(lines, node);
         if headings.len() > 2 { arms(node, &headings, smooth, spacing) } else { Vec::new() }
     };
-    let arms: Vec<Vec<Arm>> = (0..graph.nodes()).map(of_node).collect();
+    let arms: Vec<Vec<JunctionArm>> = (0..graph.nodes()).map(of_node).collect();
     let mut paths = ShortestPaths::new(graph.nodes());
     for end in ends {
         let (mut sum, mut count, mut last) = (0.0, 0, 0.0);
         graph.search(&[end.point], f64::INFINITY, &mut paths, |length, node| {
             let away = steady(length[node] / spacing);
-            let by = |arm: &Arm| (steady((length[arm.other] + graph.length[arm.branch]) / spacing), arm.preference);
-            let order = |a: &Arm, b: &Arm| by(a).0.total_cmp(&by(b).0).then(by(a).1.total_cmp(&by(b).1));
+            let by = |arm: &JunctionArm| (steady((length[arm.other] + graph.length[arm.branch]) / spacing), arm.preference);
+            let order = |a: &JunctionArm, b: &JunctionArm| by(a).0.total_cmp(&by(b).0).then(by(a).1.total_cmp(&by(b).1));
             if count >= JUNCTIONS && away > last {
                 return false;
             }
@@ -53,7 +53,7 @@ pub fn set_orientations(ends: &mut [FreeEnd], graph: &BranchGraph, lines: &[Vec<
     }
 }
 
-fn arms(junction: usize, headings: &[Heading], smooth: &SmoothPoints, spacing: f64) -> Vec<Arm> {
+fn arms(junction: usize, headings: &[Heading], smooth: &SmoothPoints, spacing: f64) -> Vec<JunctionArm> {
     let steps = steps(ARM_RADII, ARM_POINTS, smooth.radius[junction], spacing);
     let position = |point: usize| smooth.position[point];
     let directions: Vec<_> =
@@ -62,7 +62,7 @@ fn arms(junction: usize, headings: &[Heading], smooth: &SmoothPoints, spacing: f
     let forwards: Vec<f64> = (0..headings.len())
         .map(|own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min))
         .collect();
-    let arm = |(own, heading): (usize, &Heading)| Arm {
+    let arm = |(own, heading): (usize, &Heading)| JunctionArm {
         branch: heading.branch,
         other: heading.walk(usize::MAX / 2),
         preference: forwards[own] - others(own).map(|other| forwards[other]).fold(f64::NEG_INFINITY, f64::max),

@@ -20,7 +20,7 @@ const CURVED_RADII: f64 = 6.0;
 const RIDGE: f64 = 0.02;
 
 /// What is measured along the course of a free end. Lengths in m.
-pub struct Course {
+pub struct EndCourse {
     /// Unit vectors out of the vessel, by [`SCALES`].
     pub directions: [Point; 4],
     /// The unit vector out of the vessel at its end, by a parabola.
@@ -41,7 +41,7 @@ pub struct Course {
     pub wiggle: f64,
 }
 
-impl Course {
+impl EndCourse {
     /// The course of a free end of an extraction, by its row.
     pub fn new(extraction: &Extraction, row: usize) -> Self {
         let end = &extraction.ends[row];

@@ -7,15 +7,15 @@ use super::image::ahead::Ahead;
 use super::image::features::ImageTable;
 use super::model::JoinModel;
 use super::rivals::{Pairs, second_features};
-use super::table::{JoinTable, Scores};
-use crate::candidates::search::Candidate;
+use super::table::{JoinTable, ShapeScores};
+use crate::candidates::search::EndCandidate;
 use willis_core::support::boosted_trees::{Boosted, stored};
 use willis_io::masks::Scene;
 
 /// The candidates of a skeleton in an image.
 pub struct InImage {
     /// Those of the table, then those that only the image shows.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<EndCandidate>,
     /// The candidates as pairs of points; those of the table come first.
     pub pairs: Pairs,
     /// What lies between the points of each pair.
@@ -29,7 +29,7 @@ impl InImage {
     pub fn new(table: &JoinTable, scene: &Scene, scores: Option<&[f64]>) -> Self {
         let e = &table.extraction;
         let ahead = Ahead::new(scene, e);
-        let (more, ways): (Vec<Candidate>, Vec<_>) = ahead.candidates(e, &table.candidates).into_iter().unzip();
+        let (more, ways): (Vec<EndCandidate>, Vec<_>) = ahead.candidates(e, &table.candidates).into_iter().unzip();
         let candidates = [table.candidates.clone(), more].concat();
         let pairs = Pairs::new(e, &candidates);
         let all = join_features(e, &table.courses, &candidates);
@@ -39,7 +39,7 @@ impl InImage {
     }
 
     /// Per pair its score by shape: those of the table have theirs, the others are compared with them and with one another.
-    pub fn scores(&self, table: &JoinTable, [first, second]: [&Boosted; 2], scores: &Scores) -> Vec<f64> {
+    pub fn scores(&self, table: &JoinTable, [first, second]: [&Boosted; 2], scores: &ShapeScores) -> Vec<f64> {
         let known = table.candidates.len();
         let firsts = [scores.first.clone(), first.scores(&self.more)].concat();
         let features = second_features(&table.extraction, &self.candidates, &self.pairs, &firsts);
@@ -53,7 +53,7 @@ impl InImage {
     }
 
     /// Per pair its probability: by what the image shows where it decides, else by shape.
-    pub fn probabilities(&self, table: &JoinTable, model: &JoinModel, scores: &Scores) -> Vec<f64> {
+    pub fn probabilities(&self, table: &JoinTable, model: &JoinModel, scores: &ShapeScores) -> Vec<f64> {
         let scores = self.scores(table, model.passes.each_ref(), scores);
         let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
         if let Some(pass) = &model.image {

@@ -14,4 +14,4 @@ pub mod rivals;
 pub mod search;
 pub mod table;
 
-pub use table::{JoinTable, Scores};
+pub use table::{JoinTable, ShapeScores};

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::Array2;
 
-use super::course::Course;
+use super::course::EndCourse;
 use crate::candidates::features::Extraction;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
 use willis_core::support::geometry::{dot, norm_squared, sub};
 use willis_core::support::statistics::sigmoid;
@@ -51,7 +51,7 @@ pub struct Pairs {
 
 impl Pairs {
     /// The pairs, in the order of their first candidates.
-    pub fn new(e: &Extraction, candidates: &[Candidate]) -> Self {
+    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
         let mut number = BTreeMap::new();
         let mut this = Self { of: Vec::with_capacity(candidates.len()), points: Vec::new(), first: Vec::new() };
         for (row, c) in candidates.iter().enumerate() {
@@ -78,7 +78,7 @@ impl Pairs {
     }
 }
 
-fn fragments(e: &Extraction, c: &Candidate) -> [usize; 2] {
+fn fragments(e: &Extraction, c: &EndCandidate) -> [usize; 2] {
     [e.ends[c.end].fragment, e.fragment[c.point]]
 }
 
@@ -92,7 +92,7 @@ fn site(e: &Extraction, point: usize) -> f64 {
 }
 
 /// Compares the candidates of one search by their costs.
-pub fn rivals(e: &Extraction, courses: &[Course], candidates: &[Candidate], costs: &[f64]) -> Vec<Rivals> {
+pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<Rivals> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
     let mut out = vec![Rivals::default(); candidates.len()];
     let mut of_end = vec![Vec::new(); e.ends.len()];
@@ -150,7 +150,7 @@ pub fn rivals(e: &Extraction, courses: &[Course], candidates: &[Candidate], cost
 }
 
 /// Free ends of other fragments that are nearer than the candidate's point and no further off the child's course.
-fn in_cone(e: &Extraction, course: &Course, c: &Candidate) -> usize {
+fn in_cone(e: &Extraction, course: &EndCourse, c: &EndCandidate) -> usize {
     let end = &e.ends[c.end];
     let across = sub(e.position[c.point], e.position[end.point]);
     let gap = norm_squared(across).sqrt();
@@ -190,10 +190,10 @@ const LEAST_STEP: f64 = 0.02;
 const LEAST_TWO_STEPS: f64 = 1e-3;
 
 /// The features of the second pass that come from the scores (log-odds) of the first: a row a candidate, a column one of [`SECOND_FEATURES`].
-pub fn second_features(e: &Extraction, candidates: &[Candidate], pairs: &Pairs, scores: &[f64]) -> Array2<f64> {
+pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pairs, scores: &[f64]) -> Array2<f64> {
     let score = pairs.mean(scores);
     let p: Vec<f64> = score.iter().map(|s| sigmoid(*s)).collect();
-    let firsts: Vec<&Candidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
+    let firsts: Vec<&EndCandidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
     let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut between: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     let mut of_fragment = vec![0.0; e.fragments.len()];

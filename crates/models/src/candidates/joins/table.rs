@@ -2,15 +2,15 @@
 
 use ndarray::{Array2, Axis, concatenate};
 
-use super::course::Course;
+use super::course::EndCourse;
 use super::features::join_features;
 use super::model::JoinModel;
 use super::rivals::{Pairs, second_features};
 use super::search::search_joins;
 use crate::candidates::features::Extraction;
-use crate::candidates::kind::Kind;
+use crate::candidates::kind::CenterlineKind;
 use crate::candidates::resample::Resampled;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
@@ -22,9 +22,9 @@ pub struct JoinTable {
     /// Its points.
     pub extraction: Extraction,
     /// The course of each free end.
-    pub courses: Vec<Course>,
+    pub courses: Vec<EndCourse>,
     /// The candidates, by free end.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<EndCandidate>,
     /// The candidates as pairs of points.
     pub pairs: Pairs,
     /// Features: a row a candidate, a column one of [`join_feature_names`](super::features::join_feature_names).
@@ -38,9 +38,9 @@ impl JoinTable {
     ///
     /// A node without position or with more than 1000 vessels, or points that are crowded.
     pub fn new(network: &Network, branches: usize) -> Result<Self> {
-        let resampled = Resampled::new(network, Kind::Skeleton);
+        let resampled = Resampled::new(network, CenterlineKind::Skeleton);
         let extraction = resampled.extraction(&[])?;
-        let courses: Vec<Course> = (0..extraction.ends.len()).map(|end| Course::new(&extraction, end)).collect();
+        let courses: Vec<EndCourse> = (0..extraction.ends.len()).map(|end| EndCourse::new(&extraction, end)).collect();
         let candidates = search_joins(&extraction, &courses, branches)?;
         let features = join_features(&extraction, &courses, &candidates).mapv(stored);
         let pairs = Pairs::new(&extraction, &candidates);
@@ -55,21 +55,21 @@ impl JoinTable {
     }
 
     /// The scores of both passes.
-    pub fn scores(&self, model: &JoinModel) -> Scores {
+    pub fn scores(&self, model: &JoinModel) -> ShapeScores {
         let first = model.passes[0].scores(&self.features);
         let second = self.pairs.mean(&model.passes[1].scores(&self.second(&first)));
-        Scores { first, second }
+        ShapeScores { first, second }
     }
 
     /// Per pair its probability by shape.
-    pub fn probabilities(&self, model: &JoinModel, scores: &Scores) -> Vec<f64> {
+    pub fn probabilities(&self, model: &JoinModel, scores: &ShapeScores) -> Vec<f64> {
         scores.second.iter().map(|score| model.probability(*score)).collect()
     }
 }
 
 /// Scores (log-odds) of the two passes over shape.
 #[derive(Debug, Clone)]
-pub struct Scores {
+pub struct ShapeScores {
     /// Per candidate that of the first pass.
     pub first: Vec<f64>,
     /// Per pair the mean of its candidates in the second pass.

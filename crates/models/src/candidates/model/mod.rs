@@ -16,7 +16,7 @@ pub mod weights;
 pub(crate) mod weights_file;
 
 pub use loop_closures::CLOSURE_FEATURES;
-pub use pass::Pass;
+pub use pass::PassWeights;
 pub use posterior::posterior;
 pub use usual::Usual;
 pub use weights::{Fold, HeldOutScores, Weights};

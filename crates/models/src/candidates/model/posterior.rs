@@ -6,14 +6,14 @@ use super::loop_closures::closures;
 use super::weights::{FEW, Weights};
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::feedback::Feedback;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use willis_core::support::calibration::Calibration;
 
 /// The posterior over how the fragments of an extraction are connected.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Posterior {
+pub struct ForestPosterior {
     /// The candidates with their features; those between fragments are the edges of the forests, in their order.
     pub table: CandidateTable,
     /// The weights of the last pass.
@@ -25,7 +25,7 @@ pub struct Posterior {
     /// Per fragment the score of leaving it a root then.
     pub root_scores: Vec<f64>,
     /// The candidates within a fragment with the probability that they close a loop that is there.
-    pub closures: Vec<(Candidate, f64)>,
+    pub closures: Vec<(EndCandidate, f64)>,
 }
 
 /// The posterior that `weights` give the candidates of an extraction, which should be all of a search.
@@ -33,7 +33,7 @@ pub struct Posterior {
 /// # Errors
 ///
 /// Weights without a pass, or of other features than this program measures; fragments in a tangle.
-pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &Weights) -> Result<Posterior> {
+pub fn posterior(extraction: &Extraction, candidates: &[EndCandidate], weights: &Weights) -> Result<ForestPosterior> {
     weights.validate()?;
     let table = CandidateTable::new(extraction, candidates)?;
     let (forests, marginals) = last_pass(extraction, &table, weights)?;
@@ -48,7 +48,7 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
         let found = closures(extraction, &table, &weights.passes[0], &marginals, &kept);
         found.iter().map(|c| (c.candidate, c.probability(&weights.closure))).collect()
     };
-    Ok(Posterior { table, forests, marginals, probability, root_scores, closures })
+    Ok(ForestPosterior { table, forests, marginals, probability, root_scores, closures })
 }
 
 /// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
-use super::pass::Pass;
+use super::pass::PassWeights;
 use super::usual::Usual;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::Marginals;
@@ -19,7 +19,7 @@ const TUBES: &str = include_str!("tubes.toml");
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<PassWeights>,
     /// [`Calibration`] of the last pass.
     pub calibration: [f64; 3],
     /// How much the calibration is moved by the [`input_features`] of an extraction; zeros where too few cases were seen.
@@ -118,8 +118,8 @@ impl Weights {
         }
         for (number, pass) in self.passes.iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);
-            check(&place("bridge"), &pass.candidate, Pass::candidate_features(number).collect())?;
-            check(&place("root"), &pass.root, Pass::root_features().collect())?;
+            check(&place("bridge"), &pass.candidate, PassWeights::candidate_features(number).collect())?;
+            check(&place("root"), &pass.root, PassWeights::root_features().collect())?;
         }
         if !self.closure.is_empty() {
             check("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;

@@ -55,7 +55,7 @@ impl Default for SearchOptions {
 
 /// A connection that may exist, from a free end to a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Candidate {
+pub struct EndCandidate {
     /// The free end it leaves, a row of [`Extraction::ends`].
     pub end: usize,
     /// The point it reaches.
@@ -73,7 +73,7 @@ pub struct Candidate {
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<Candidate>> {
+pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<EndCandidate>> {
     from_each_end(extraction, |end, paths| {
         let around = Neighbourhood::new(extraction, end, reach(extraction.spacing, end.radius));
         let mut points = around.other_fragments(options);
@@ -89,7 +89,7 @@ pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<Ca
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<Candidate>> {
+pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<EndCandidate>> {
     from_each_end(extraction, |end, _| {
         let reach = reach(extraction.spacing, end.mean_radius);
         let around = Neighbourhood::new(extraction, end, options.max_gap.map_or(reach, |most| reach.min(most)));
@@ -106,7 +106,7 @@ pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
 fn from_each_end(
     extraction: &Extraction,
     choose: impl Fn(&FreeEnd, &mut ShortestPaths) -> (Vec<usize>, usize) + Sync,
-) -> Result<Vec<Candidate>> {
+) -> Result<Vec<EndCandidate>> {
     let budget = SearchBudget::new(extraction.ends.len());
     let parts: Vec<&[FreeEnd]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
@@ -122,7 +122,7 @@ fn from_each_end(
             let (mut points, looked_at) = choose(end, &mut paths);
             points.retain(|point| !extraction.at_border[*point]);
             let within = |point: usize| extraction.fragment[point] == end.fragment;
-            candidates.extend(points.into_iter().map(|point| Candidate { end: row, point, within: within(point) }));
+            candidates.extend(points.into_iter().map(|point| EndCandidate { end: row, point, within: within(point) }));
             budget.spend(looked_at);
         }
         candidates
