@@ -28,7 +28,6 @@ use resample::Resampled;
 use search::{EndCandidate, SearchOptions, search, search_nearest};
 use willis_core::error::Result;
 use willis_core::network::{Evidence, Network};
-use willis_core::support::geometry::distance;
 use willis_io::masks::{Scene, Unseen, View};
 
 /// Connections between fragments that are less probable than this are left out ...
@@ -115,9 +114,8 @@ fn found_by_evidence(
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
     )?;
     candidates.retain(|c| {
-        let gap = distance(e.position[e.ends[c.end].point], e.position[c.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
-        options.max_gap.is_none_or(|most| gap <= most) && may_end
+        options.max_gap.is_none_or(|most| c.gap(&e) <= most) && may_end
     });
     let posterior = posterior(&e, &candidates, weights)?;
     let mut found = probable(&posterior);
@@ -126,8 +124,7 @@ fn found_by_evidence(
         (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
     }));
     let new_vessel = |(candidate, evidence): (EndCandidate, Evidence)| {
-        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        let radii = [e.ends[candidate.end].radius, there];
+        let radii = candidate.points(&e).map(|point| e.radius_at(point));
         NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
     };
     let vessels = found.into_iter().map(new_vessel).collect();
@@ -184,13 +181,12 @@ fn found_by_joins(
     };
     let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
         let candidate = candidates[*row];
-        let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
+        let gap = candidate.gap(e);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        let reach = [e.ends[candidate.end].fragment, e.fragment[candidate.point]].map(|row| e.fragments[row].reach());
+        let reach = candidate.fragments(e).map(|row| e.fragments[row].reach());
         let within = options.max_gap.into_iter().chain(reach).all(|most| gap <= most);
         let stays = probability > LEAST_PROBABLE && may_end && within;
-        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        let radii = [e.ends[candidate.end].radius, there];
+        let radii = candidate.points(e).map(|point| e.radius_at(point));
         let course = image.as_ref().filter(|_| model.image.is_some());
         stays.then(|| NewVessel {
             evidence: Some(Evidence::undirected(probability)),

@@ -44,7 +44,7 @@ impl NewVessel {
         resampled: &Resampled,
         cluster: &FragmentCluster,
     ) -> Self {
-        let ends = [e.ends[candidate.end].point, candidate.point].map(|point| {
+        let ends = candidate.points(e).map(|point| {
             let on_path = match e.place[point] {
                 NetworkPoint::Along { vessel, point } => Some(resampled.place(vessel, point)),
                 NetworkPoint::Node(_) => None,

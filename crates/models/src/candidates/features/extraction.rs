@@ -70,6 +70,11 @@ impl Extraction {
         Centerlines { position: &self.position, radius: &self.smooth.radius, lines: &self.lines, spacing: self.spacing }
     }
 
+    /// The radius (m) at a point that the evidence measures with: that of the free end there, else the averaged one.
+    pub fn radius_at(&self, point: usize) -> f64 {
+        self.end_at[point].map_or(self.smooth.radius[point], |end| self.ends[end].radius)
+    }
+
     /// The points of a network's observed vessels; `inlets` are nodes where blood is known to enter.
     ///
     /// # Errors

@@ -108,7 +108,7 @@ fn without_rivals(extraction: &Extraction, candidate: EndCandidate) -> MeasuredC
         point: candidate.point,
         gap: distance(from, to).max(LEAST_GAP * extraction.spacing),
         across: unit(sub(to, from)),
-        parent_radius: parent_end.map_or(extraction.smooth.radius[candidate.point], |end| end.radius),
+        parent_radius: extraction.radius_at(candidate.point),
         rank: 0,
         rival_gap: 0.0,
         mutual: false,

@@ -248,7 +248,7 @@ fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidat
         let ends = near.iter().filter(|(_, point)| is_end(point)).count();
         (ends as f64, near.len() as f64)
     };
-    let places: BTreeSet<usize> = candidates.iter().flat_map(|c| [e.ends[c.end].point, c.point]).collect();
+    let places: BTreeSet<usize> = candidates.iter().flat_map(|c| c.points(e)).collect();
     let places: Vec<usize> = places.into_iter().collect();
     let near = in_order(&places, |_, point| ends_within(*point, NEARBY * h));
     let near: BTreeMap<usize, (f64, f64)> = places.into_iter().zip(near).collect();
@@ -256,7 +256,7 @@ fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidat
     let crowd: Vec<f64> = e.ends.iter().map(|end| ends_within(end.point, CROWD * h).0.ln_1p()).collect();
     let whole = of_extraction(e, courses);
     let of = |c: &EndCandidate| {
-        let [child, parent] = [e.ends[c.end].point, c.point].map(|point| near[&point]);
+        let [child, parent] = c.points(e).map(|point| near[&point]);
         Surroundings { crowd: crowd[c.end], ends: [rate(child), rate(parent)], points: child.1.ln(), extraction: whole }
     };
     candidates.iter().map(of).collect()

@@ -55,8 +55,7 @@ impl Pairs {
         let mut number = BTreeMap::new();
         let mut this = Self { of: Vec::with_capacity(candidates.len()), points: Vec::new(), first: Vec::new() };
         for (row, c) in candidates.iter().enumerate() {
-            let ends = [e.ends[c.end].point, c.point];
-            let points = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            let points = unordered(c.points(e));
             let pair = *number.entry(points).or_insert_with(|| {
                 this.points.push(points);
                 this.first.push(row);
@@ -78,17 +77,12 @@ impl Pairs {
     }
 }
 
-fn fragments(e: &Extraction, c: &EndCandidate) -> [usize; 2] {
-    [e.ends[c.end].fragment, e.fragment[c.point]]
-}
-
 fn unordered([a, b]: [usize; 2]) -> [usize; 2] {
     [a.min(b), a.max(b)]
 }
 
 fn site(e: &Extraction, point: usize) -> f64 {
-    let radius = e.end_at[point].map_or(e.smooth.radius[point], |end| e.ends[end].radius);
-    SITE_SPACINGS * e.spacing + radius
+    SITE_SPACINGS * e.spacing + e.radius_at(point)
 }
 
 /// Compares the candidates of one search by their costs.
@@ -121,12 +115,12 @@ pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]
     let sites = PointIndex::new(candidates.iter().map(|c| e.position[c.point]).collect());
     let mut by_fragments: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     for (row, c) in candidates.iter().enumerate() {
-        by_fragments.entry(unordered(fragments(e, c))).or_default().push(row);
+        by_fragments.entry(unordered(c.fragments(e))).or_default().push(row);
         let own_branch = e.ends[c.end].branch;
         let there = e.end_at[c.point].and_then(|end| preferred[end]);
         out[row].mutual = there == Some(own_branch) && preferred[c.end] == Some(e.branch[c.point]);
         let near = sites.around(e.position[c.point], site(e, c.point)).into_iter().map(|(_, other)| other);
-        let [child, parent] = fragments(e, c);
+        let [child, parent] = c.fragments(e);
         let rivals: Vec<usize> =
             near.filter(|o| e.fragment[candidates[*o].point] == parent && e.ends[candidates[*o].end].fragment != child).collect();
         let cheaper = rivals.iter().filter(|o| costs[**o] < costs[row]).map(|o| e.ends[candidates[*o].end].fragment);
@@ -200,7 +194,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
     let mut steps: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); e.fragments.len()];
     for (pair, c) in firsts.iter().enumerate() {
         pairs.points[pair].iter().for_each(|point| at.entry(*point).or_default().push(pair));
-        let [a, b] = fragments(e, c);
+        let [a, b] = c.fragments(e);
         between.entry(unordered([a, b])).or_default().push(pair);
         of_fragment[a] += p[pair];
         of_fragment[b] += p[pair];
@@ -227,7 +221,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
             at[&from].iter().copied().filter(|pair| e.branch[other_place(pair, from)] != e.branch[to]).collect()
         };
         let at_child = best_and_sum(&elsewhere(child, c.point));
-        let [own, parent] = fragments(e, c);
+        let [own, parent] = c.fragments(e);
         let at_parent = if e.end_at[c.point].is_some() {
             best_and_sum(&elsewhere(c.point, child))
         } else {

@@ -12,7 +12,6 @@ use crate::candidates::search::EndCandidate;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Edge, Forests, MOST_PAIRS, is_tangle};
 use willis_core::network::units::millimetres;
-use willis_core::support::geometry::distance;
 
 /// Log weights are cut at ±25, so that one odd feature does not decide everything.
 const MOST_LOG_WEIGHT: f64 = 25.0;
@@ -54,10 +53,10 @@ impl CandidateTable {
         let mut pair = Vec::with_capacity(candidates.len());
         let mut fragments = Vec::with_capacity(candidates.len());
         for candidate in &candidates {
-            let points = [extraction.ends[candidate.end].point, candidate.point];
+            let points = candidate.points(extraction);
             let next = pairs.len();
             pair.push(*pairs.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
-            fragments.push(points.map(|point| extraction.fragment[point]));
+            fragments.push(candidate.fragments(extraction));
         }
         let (pairs, root_features) = (pairs.len(), root_features(extraction));
         Ok(Self { candidates, within, within_features, fragments, pair, pairs, features, root_features })
@@ -101,16 +100,14 @@ impl CandidateTable {
 /// More than 500 million pairs of fragments meet when they are eliminated one after another.
 fn check_tangle(extraction: &Extraction, candidates: &[EndCandidate]) -> Result<()> {
     let between = || candidates.iter().filter(|candidate| !candidate.within);
-    let fragments = |c: &EndCandidate| [extraction.ends[c.end].fragment, extraction.fragment[c.point]];
-    let mut links: Vec<[usize; 2]> = between().map(fragments).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let mut links: Vec<[usize; 2]> = between().map(|c| c.fragments(extraction)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
     links.sort_unstable();
     links.dedup();
     let count = extraction.fragments.len();
     if !is_tangle(count, &links) {
         return Ok(());
     }
-    let gap = |c: &EndCandidate| distance(extraction.position[extraction.ends[c.end].point], extraction.position[c.point]);
-    let mut gaps: Vec<f64> = between().map(gap).collect();
+    let mut gaps: Vec<f64> = between().map(|c| c.gap(extraction)).collect();
     gaps.sort_unstable_by(f64::total_cmp);
     let found = format!(
         "{count}, of which {} pairs may be joined: by way of others, more than {MOST_PAIRS} pairs depend on one another",

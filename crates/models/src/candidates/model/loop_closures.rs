@@ -54,12 +54,11 @@ pub fn closures(
     marginals: &Marginals,
     kept: &[Option<usize>],
 ) -> Vec<Closure> {
-    let points = |c: &EndCandidate| [extraction.ends[c.end].point, c.point];
-    let kept: Vec<[usize; 2]> = kept.iter().flatten().map(|row| points(&table.candidates[*row])).collect();
+    let kept: Vec<[usize; 2]> = kept.iter().flatten().map(|row| table.candidates[*row].points(extraction)).collect();
     let used: BTreeSet<usize> = kept.iter().flatten().copied().collect();
     let mut claimed = vec![0.0; extraction.position.len()];
     for (candidate, p) in table.candidates.iter().zip(&marginals.edges) {
-        for point in points(candidate) {
+        for point in candidate.points(extraction) {
             claimed[point] += p;
         }
     }

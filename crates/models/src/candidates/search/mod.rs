@@ -64,6 +64,24 @@ pub struct EndCandidate {
     pub within: bool,
 }
 
+impl EndCandidate {
+    /// Its two points, that of its free end first.
+    pub fn points(self, e: &Extraction) -> [usize; 2] {
+        [e.ends[self.end].point, self.point]
+    }
+
+    /// Their fragments: the child and the parent.
+    pub fn fragments(self, e: &Extraction) -> [usize; 2] {
+        self.points(e).map(|point| e.fragment[point])
+    }
+
+    /// The distance between them, m.
+    pub fn gap(self, e: &Extraction) -> f64 {
+        let [from, to] = self.points(e).map(|point| e.position[point]);
+        distance(from, to)
+    }
+}
+
 /// The candidates of an extraction, by free end, other fragments first.
 ///
 /// From each free end to the nearest branches and the nearest free ends of other fragments within 20 spacings + 5 diameters,

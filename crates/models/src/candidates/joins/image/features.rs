@@ -182,7 +182,7 @@ fn see(
 ) -> (Option<PairSeen>, Option<CheapestPath>) {
     let h = e.spacing;
     let ends = points.map(|p| e.position[p]);
-    let radius = points.map(|p| e.end_at[p].map_or(e.smooth.radius[p], |end| e.ends[end].radius));
+    let radius = points.map(|p| e.radius_at(p));
     let gap = distance(ends[0], ends[1]);
     let own = points.map(|p| scene.contrast[p]);
     let dimmer = own[0].min(own[1]);
