@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use willis::error::Fault;
 use willis::internals::candidates::features::features;
-use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::kind::CenterlineKind;
 use willis::internals::candidates::resample::Resampled;
 use willis::internals::candidates::search::{MeetingPoints, SearchOptions, search};
 use willis::internals::network::units::Scale;
@@ -59,7 +59,7 @@ fn main() -> Result<()> {
     let inlets: Vec<usize> =
         inlets.lines().filter_map(|l| nearest_node(&network, parse_position(l)?, |_| true)).map(|found| found.node).collect();
     let began = Instant::now();
-    let extraction = Resampled::new(&network, Kind::Tracing).extraction(&inlets).map_err(Error::other)?;
+    let extraction = Resampled::new(&network, CenterlineKind::Tracing).extraction(&inlets).map_err(Error::other)?;
     let bridges = search(&extraction, &params).map_err(Error::other)?;
     let columns = features(&extraction, &bridges);
     let took = began.elapsed();

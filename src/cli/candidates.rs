@@ -15,7 +15,7 @@ use super::args::candidates::CandidateArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 
 /// Build the over-connected candidate graph and stop
@@ -42,7 +42,7 @@ pub struct CandidatesArgs {
 }
 
 impl CandidatesArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("graphml")) {
             return Err(Error::parameter("output", self.output.display(), "expected an ending .graphml"));
         }

@@ -12,7 +12,7 @@ use crate::internals::sampling::PartialRun;
 use crate::{Follow, Progress, Step};
 use serde::{Deserialize, Serialize};
 
-use super::print::{CountProgress, Terminal, count, say_step};
+use super::print::{CountProgress, TextTerminal, count, say_step};
 
 /// Between the beginning and the first time that something is kept, and between two of them, where nobody says otherwise.
 const FIRST: Duration = Duration::from_mins(1);
@@ -37,14 +37,14 @@ pub fn parse_interval(text: &str) -> Result<Interval, String> {
 
 /// What is kept, for people.
 #[derive(Serialize, Deserialize)]
-struct About {
+struct CheckpointNote {
     willis: String,
     command: String,
 }
 
 /// Follows one run.
 pub struct Follower<'a> {
-    terminal: Terminal,
+    terminal: TextTerminal,
     bar: Option<CountProgress>,
     keeper: Option<Keeper<'a>>,
     /// Samples that are finished, and all that there are to be.
@@ -54,12 +54,12 @@ pub struct Follower<'a> {
 
 impl<'a> Follower<'a> {
     /// Shows progress and keeps nothing.
-    pub fn new(terminal: Terminal) -> Self {
+    pub fn new(terminal: TextTerminal) -> Self {
         Self { terminal, bar: None, keeper: None, samples: (0, 0), part: None }
     }
 
     /// Keeps what is finished in the folder where the output is being made.
-    pub fn keeping(terminal: Terminal, interval: Interval, folder: &'a StagedFolder, command: &str) -> Self {
+    pub fn keeping(terminal: TextTerminal, interval: Interval, folder: &'a StagedFolder, command: &str) -> Self {
         let keeper = Keeper {
             interval,
             terminal,
@@ -76,7 +76,7 @@ impl<'a> Follower<'a> {
     }
 
     /// Shows the progress of something else than samples.
-    pub fn counting(terminal: Terminal, doing: &'static str, things: &'static str, total: u64) -> Self {
+    pub fn counting(terminal: TextTerminal, doing: &'static str, things: &'static str, total: u64) -> Self {
         Self { bar: Some(terminal.progress(doing, things, total)), ..Self::new(terminal) }
     }
 
@@ -144,7 +144,7 @@ impl Follow for Follower<'_> {
 /// Keeps the finished part of one run.
 struct Keeper<'a> {
     interval: Interval,
-    terminal: Terminal,
+    terminal: TextTerminal,
     folder: &'a StagedFolder,
     file: PathBuf,
     /// The command of the run.
@@ -184,7 +184,8 @@ impl Keeper<'_> {
     fn note_others(&self) {
         let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
-            let about: Option<About> = regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            let about: Option<CheckpointNote> =
+                regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
             if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
                 let place = self.folder.checkpoint_folder().display();
                 let whose = if about.command == self.command { " on another graph or by another version" } else { "" };
@@ -231,7 +232,7 @@ impl Keeper<'_> {
     fn sign(&self) {
         let file = self.file.with_extension("json");
         if !file.exists() {
-            let about = About { willis: env!("CARGO_PKG_VERSION").to_owned(), command: self.command.clone() };
+            let about = CheckpointNote { willis: env!("CARGO_PKG_VERSION").to_owned(), command: self.command.clone() };
             let _ = replace_file(&file, |out| Ok(serde_json::to_writer(out, &about)?));
         }
     }

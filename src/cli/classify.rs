@@ -13,14 +13,14 @@ use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
 use clap::Args;
 use serde_json::Value;
 
-use super::Command;
 use super::args::arteries::{ArteryArgs, for_input};
 use super::args::reading::ReadingArgs;
+use super::at_work::parsed;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
 use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
 
@@ -51,7 +51,7 @@ pub struct ClassifyArgs {
 }
 
 impl ClassifyArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.reading.refuse_candidates("classify")?;
         let input = match expand(&self.inputs, true)? {
             Inputs::One(input) => input,
@@ -86,7 +86,7 @@ impl ClassifyArgs {
         &self.arteries.phenotypes
     }
 
-    fn phenotype(&self, path: &Path, command: String, terminal: Terminal) -> Result<Phenotype> {
+    fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
         let input = self.reading.read_run(path, command, terminal)?;
         let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
@@ -105,9 +105,8 @@ fn name_of(input: &Path) -> String {
 }
 
 impl Work for ClassifyArgs {
-    fn of(command: Command) -> Result<Option<Self>> {
-        let Command::Classify(own) = command else { return Ok(None) };
-        Ok(Some(*own))
+    fn of(words: &[String]) -> Result<Self> {
+        parsed(words)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
@@ -123,7 +122,7 @@ impl Work for ClassifyArgs {
         self.reading.shared().map(drop)
     }
 
-    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         self.phenotype(&subject.input, subject.line.clone(), terminal)?.write(&folder.path(), &subject.name)
     }
 

@@ -19,21 +19,21 @@ use crate::internals::report::cohort::{About, Figures, Row, infer_figures, write
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
+use super::at_work::with_flags;
 use super::command_line::command_line;
 use super::print::notes::{counted, say_notes};
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::signals::{is_stopped, listen};
 use super::subjects::Subject;
-use super::{Command, with_flags};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;
 
 /// What a command does with each subject.
 pub trait Work: Sync + Sized {
-    /// The same by the options that a subject has of its own.
-    fn of(command: Command) -> Result<Option<Self>>;
+    /// The same by the words of a command line.
+    fn of(words: &[String]) -> Result<Self>;
 
     /// The files besides the input that go into it.
     fn files(&self, input: &Path) -> Vec<PathBuf>;
@@ -42,7 +42,7 @@ pub trait Work: Sync + Sized {
     fn check(&self) -> Result<()>;
 
     /// Writes all files of a subject, run.json among them, into a folder.
-    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()>;
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()>;
 
     /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
     fn figures(&self, record: &Value) -> Figures;
@@ -72,12 +72,12 @@ pub struct Ledger {
     /// What all subjects share: every option that changes a result.
     parameters: Value,
     /// The subjects in order.
-    subjects: Vec<Entry>,
+    subjects: Vec<LedgerEntry>,
 }
 
 /// With what a subject was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Entry {
+pub struct LedgerEntry {
     /// The name of its folder.
     subject: String,
     /// Its input.
@@ -89,7 +89,7 @@ pub struct Entry {
     options: Vec<String>,
 }
 
-impl Entry {
+impl LedgerEntry {
     /// The entry of a subject as the files are now: its input, those that are read beside it, and `others`.
     pub fn of(subject: &Subject, others: Vec<PathBuf>) -> Self {
         let input = file_of(subject);
@@ -133,7 +133,7 @@ pub fn check_files(subject: &Subject, others: Vec<PathBuf>) -> Result<()> {
 }
 
 impl Ledger {
-    pub fn new(command: &str, parameters: &Value, subjects: Vec<Entry>) -> Self {
+    pub fn new(command: &str, parameters: &Value, subjects: Vec<LedgerEntry>) -> Self {
         Self { willis: env!("CARGO_PKG_VERSION").into(), command: command.into(), parameters: parameters.clone(), subjects }
     }
 
@@ -154,7 +154,7 @@ impl Ledger {
         if let Some(which) = self.other_parameters(earlier) {
             return refused(format!("holds a cohort made with other parameters ({which})"));
         }
-        let stays = |old: &&Entry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
+        let stays = |old: &&LedgerEntry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
         match earlier.subjects.iter().find(|old| !stays(old)) {
             Some(old) => refused(format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input)),
             None => Ok(()),
@@ -197,13 +197,13 @@ impl Cohort<'_> {
     /// # Errors
     ///
     /// A folder that is not that of such a cohort, or cannot be written; subjects that failed, once all else is written; a stop.
-    pub fn run<W: Work>(&self, subjects: &[Subject], work: &W, terminal: Terminal) -> Result<()> {
+    pub fn run<W: Work>(&self, subjects: &[Subject], work: &W, terminal: TextTerminal) -> Result<()> {
         if let Some(pattern) = ["{}", "{dir}"].iter().find(|pattern| self.output.to_string_lossy().contains(*pattern)) {
             let accepted = format!("{pattern} stands for an input in `landmarks`, `bc` and `loops`; expected one folder for all");
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
         let own = subjects.iter().map(|subject| {
-            let own = subject.command()?.map(W::of).transpose().map_err(|error| subject.fault(error))?.flatten();
+            let own = subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error))?;
             own.as_ref().unwrap_or(work).check().map_err(|error| subject.fault(error))?;
             Ok(own)
         });
@@ -216,7 +216,8 @@ impl Cohort<'_> {
                 .say("note", format!("columns of the manifest that are no options go into cohort.csv: {}", columns.join(", ")));
         }
         listen(2);
-        let entries = subjects.iter().enumerate().map(|(at, subject)| Entry::of(subject, work_of(at).files(&subject.input)));
+        let entries =
+            subjects.iter().enumerate().map(|(at, subject)| LedgerEntry::of(subject, work_of(at).files(&subject.input)));
         let ledger = Ledger::new(self.command, &self.parameters, entries.collect());
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
@@ -287,7 +288,7 @@ impl Cohort<'_> {
         Ok(())
     }
 
-    fn subject(&self, subject: &Subject, work: &impl Work, terminal: Terminal) -> Result<()> {
+    fn subject(&self, subject: &Subject, work: &impl Work, terminal: TextTerminal) -> Result<()> {
         terminal.say("subject", &subject.name);
         check_files(subject, work.files(&subject.input))?;
         let folder = StagedFolder::new(&self.output.join(&subject.name), false)?;
@@ -319,7 +320,7 @@ impl Each<'_> {
     /// # Errors
     ///
     /// A stop.
-    pub fn make(&self, make: impl Fn(usize) -> Result<()> + Sync, terminal: Terminal) -> Result<Vec<Option<String>>> {
+    pub fn make(&self, make: impl Fn(usize) -> Result<()> + Sync, terminal: TextTerminal) -> Result<Vec<Option<String>>> {
         let (subjects, total) = (self.subjects, self.subjects.len());
         let open: Vec<usize> = (0..total).filter(|at| !self.done[*at]).collect();
         let skipped = total - open.len();
@@ -373,7 +374,7 @@ pub fn failed(failed: usize, total: usize) -> Result<()> {
 }
 
 /// Says the notes of many runs, those that are alike once.
-pub fn say_notes_of(records: &[Value], terminal: Terminal) {
+pub fn say_notes_of(records: &[Value], terminal: TextTerminal) {
     let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
     // Where the landmarks of each lie is said nowhere but there.
     say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
@@ -458,7 +459,7 @@ pub fn gather(
     cohort: &Cohort<'_>,
     name: impl FnOnce(&[PathBuf]) -> Vec<String>,
     covariates: impl Fn(&str) -> Covariates,
-    terminal: Terminal,
+    terminal: TextTerminal,
 ) -> Result<Vec<Row>> {
     let output = cohort.output;
     let runs = folders.iter().map(|folder| SeparateRun::read(folder)).collect::<Result<Vec<_>>>()?;
@@ -476,7 +477,7 @@ pub fn gather(
         figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
     });
     let rows: Vec<Row> = rows.collect();
-    let entries = runs.iter().zip(&names).map(|(run, name)| Entry {
+    let entries = runs.iter().zip(&names).map(|(run, name)| LedgerEntry {
         subject: name.clone(),
         input: run.input.path.clone(),
         files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),

@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::at_work;
+
 /// Options that change no result, with whether a value follows.
 const IMMATERIAL: [(&str, bool); 15] = [
     ("-o", true),
@@ -27,13 +29,13 @@ const CHOICES: [&str; 5] = ["--participant-label", "--participant_label", "--ses
 /// This process's command line without the options that change no result, quoted for a shell, with `-o` and an output that is called
 /// `again`, where that is not empty: it repeats the run as it stands.
 pub fn command_line(again: &str) -> String {
-    line_of_words(given_words(), again)
+    line_of_words(at_work::words(), again)
 }
 
 /// The words of this process's command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
 /// in the place of those of all.
 pub fn words_of_row(input: &Path, given: &[PathBuf], options: &[(String, String)]) -> Vec<String> {
-    row_words(given_words(), input, given, options)
+    row_words(at_work::words(), input, given, options)
 }
 
 /// The same of the words `all`.
@@ -61,7 +63,7 @@ pub fn row_words(
 
 /// The line of `willis infer` that makes the run of one mask that `willis bids` makes.
 pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
-    line_of_words(infer_words(given_words(), &input.to_string_lossy(), places).into_iter(), "again")
+    line_of_words(infer_words(at_work::words(), &input.to_string_lossy(), places).into_iter(), "again")
 }
 
 /// The words of `willis infer` for one mask of those that `willis bids` was given; `places` are the words that say which dataset, where to
@@ -85,11 +87,6 @@ pub fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[S
         }
     }
     words
-}
-
-/// The words of this process's command line.
-fn given_words() -> impl Iterator<Item = String> {
-    super::GIVEN.read().map(|given| given.words.clone()).unwrap_or_default().into_iter()
 }
 
 /// The command line of these words, of which those count that change a result.

@@ -13,7 +13,7 @@ use serde_json::json;
 
 use super::args::reading::InputArgs;
 use super::command_line::command_line;
-use super::print::{Terminal, plural, say_read};
+use super::print::{TextTerminal, plural, say_read};
 use super::shell::print_json;
 
 /// Convert centerlines or a graph into another format, saying what is lost
@@ -58,18 +58,18 @@ pub struct SkeletonArgs {
 }
 
 impl SkeletonArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let Self { input, output, to, json } = self;
         ConvertArgs { input, output, to, json }.write("skeleton", terminal, force)
     }
 }
 
 impl ConvertArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.write("convert", terminal, force)
     }
 
-    fn write(self, command: &str, terminal: Terminal, force: bool) -> Result<()> {
+    fn write(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
         self.input.reading.refuse_candidates(command)?;
         let target = Target::new(&self.output, self.to.as_deref())?;
         check(&target, force)?;
@@ -112,7 +112,7 @@ pub fn check(target: &Target, force: bool) -> Result<()> {
 }
 
 /// Writes the files of a target, says what is lost, and returns their names and what is lost.
-pub fn put(network: &Network, target: &Target, terminal: Terminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
+pub fn put(network: &Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
     put_into(StagedFiles::new(&target.path, force)?, network, target, terminal)
 }
 
@@ -121,7 +121,7 @@ pub fn put_into(
     mut staged: StagedFiles,
     network: &Network,
     target: &Target,
-    terminal: Terminal,
+    terminal: TextTerminal,
 ) -> Result<(Vec<String>, Vec<String>)> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;

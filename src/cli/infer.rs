@@ -23,16 +23,16 @@ use super::args::figures::whole;
 use super::args::reading::ReadingArgs;
 use super::args::sampling::SamplingArgs;
 use super::args::{boundary_for, file_of};
+use super::at_work::{parsed, with_flags};
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Failure, Work};
 use super::command_line::command_line;
-use super::print::Terminal;
+use super::print::TextTerminal;
 use super::print::arteries::say_variant;
 use super::print::inference::say_outcome;
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
-use super::{Command, with_flags};
 
 /// Infer the plausible topology of centerlines or of a candidate graph
 #[derive(Debug, Args)]
@@ -99,7 +99,7 @@ pub struct Inferences {
 }
 
 impl InferArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let work = Inferences::new(self.inference)?;
         let input = match expand(&self.inputs, false)? {
@@ -203,7 +203,7 @@ impl Inferences {
     }
 
     /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.
-    fn prepared(&self, input: &Path, command: String, terminal: Terminal) -> Result<Arc<Prepared>> {
+    fn prepared(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Arc<Prepared>> {
         if input.is_dir() {
             let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
             return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
@@ -213,7 +213,7 @@ impl Inferences {
     }
 
     /// The output folder of one input.
-    fn one(&self, input: &Path, output: &Path, terminal: Terminal, force: bool) -> Result<Vec<Summary>> {
+    fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<Summary>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen(1);
         let folder = StagedFolder::new(output, force)?;
@@ -223,7 +223,7 @@ impl Inferences {
     }
 
     /// Writes the folder of an input, or one in it for each of several occlusion probabilities.
-    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: Terminal) -> Result<Vec<Summary>> {
+    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: TextTerminal) -> Result<Vec<Summary>> {
         let path = folder.path();
         // Before the first of several looks at what is there.
         for options in &self.runs {
@@ -289,9 +289,8 @@ impl Inferences {
 }
 
 impl Work for Inferences {
-    fn of(command: Command) -> Result<Option<Self>> {
-        let Command::Infer(own) = command else { return Ok(None) };
-        Self::new(own.inference).map(Some)
+    fn of(words: &[String]) -> Result<Self> {
+        Self::new(parsed::<InferArgs>(words)?.inference)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
@@ -314,7 +313,7 @@ impl Work for Inferences {
         self.args.reading.shared().map(drop)
     }
 
-    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: Terminal) -> Result<()> {
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         let prepared = self.prepared(&subject.input, self.line_of(subject), terminal)?;
         self.write(&prepared, folder, terminal).map(drop)
     }

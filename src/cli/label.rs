@@ -13,7 +13,7 @@ use super::args::candidates::CandidateArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 
 /// Name the arteries of a Circle of Willis from their geometry alone, each name with a probability
@@ -42,7 +42,7 @@ pub struct LabelArgs {
 }
 
 impl LabelArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let target = Target::new(&self.output, None)?;
         Labelled::check(&target, force)?;
         let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };

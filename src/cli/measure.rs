@@ -21,7 +21,7 @@ use super::args::reading::ReadingArgs;
 use super::checkpoint::Follower;
 use super::cohort::{Each, failed};
 use super::command_line::command_line;
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::{Inputs, Subject, expand};
@@ -56,7 +56,7 @@ pub struct MeasureArgs {
 }
 
 impl MeasureArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.reading.refuse_candidates("measure")?;
         self.reading.shared()?;
         StagedFolder::check(&self.output, force)?;
@@ -76,7 +76,7 @@ impl MeasureArgs {
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
         }
         let measured = Mutex::new((0..subjects.len()).map(|_| None).collect::<Vec<Option<Measurement>>>());
-        let one = |at: usize, terminal: Terminal| -> Result<()> {
+        let one = |at: usize, terminal: TextTerminal| -> Result<()> {
             let found = self.measure(&subjects[at], terminal)?;
             measured.lock().unwrap_or_else(PoisonError::into_inner)[at] = Some(found);
             Ok(())
@@ -101,12 +101,12 @@ impl MeasureArgs {
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
     }
 
-    fn measure(&self, subject: &Subject, terminal: Terminal) -> Result<Measurement> {
+    fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<Measurement> {
         let path = &subject.input;
         let input = self.reading.read(path, subject.line.clone(), terminal)?;
         // Beside its plausible topology all that a run finds plausible.
         let run =
-            path.is_dir().then(|| self.reading.read_run(path, subject.line.clone(), Terminal::new(true, false))).transpose()?;
+            path.is_dir().then(|| self.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false))).transpose()?;
         let found = measure(&subject.name, &input, run.as_ref(), &self.options(path), &mut Follower::new(terminal))?;
         for note in &found.notes {
             terminal.say("note", note);

@@ -10,7 +10,7 @@ use clap::Args;
 use serde_json::Value;
 
 use super::cohort::{Cohort, Failure, gather};
-use super::print::Terminal;
+use super::print::TextTerminal;
 use super::subjects::{named, paths};
 
 /// Make a cohort of runs of many subjects that were made separately
@@ -32,7 +32,7 @@ pub struct MergeArgs {
 }
 
 impl MergeArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         StagedFolder::check(&self.output, force)?;
         let is_run = |path: &Path| is_there(&path.join(RECORD)) || Failure::is_in(path);
         let folders = paths(&self.folders, "folder of a run", is_run)?;

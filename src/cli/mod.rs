@@ -4,6 +4,7 @@
 //! options mean.
 
 mod args;
+mod at_work;
 mod bids;
 mod candidates;
 mod checkpoint;
@@ -16,6 +17,7 @@ mod label;
 mod measure;
 mod merge;
 mod modulate;
+mod parser_error;
 mod phantom;
 mod print;
 mod refusal;
@@ -28,23 +30,24 @@ mod train;
 pub mod words;
 
 use std::ffi::OsString;
-use std::sync::RwLock;
 
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::error::{Error, Result};
 use args::figures::whole;
-use print::Terminal;
+use at_work::{CommandLine, with_flags};
+use parser_error::as_error;
+use print::TextTerminal;
 pub use signals::ask_to_stop;
 
 /// What the tests of this project call. Nothing here is stable.
 pub mod internals {
-    pub use super::bids::dataset::{Filter, Named, parse_filter};
+    pub use super::bids::dataset::{BidsName, Filter, parse_filter};
     pub use super::cohort::relative;
     pub use super::command_line::{infer_words, quoted, row_words};
+    pub use super::parser;
     pub use super::print::notes::counted;
-    pub use super::shell::parser;
     pub use super::subjects::{LONGEST, named};
 }
 
@@ -102,17 +105,6 @@ struct Common {
 /// The variable that says how many threads.
 const THREADS: &str = "WILLIS_THREADS";
 
-/// The command line that is at work.
-static GIVEN: RwLock<Given> = RwLock::new(Given { words: Vec::new(), command: String::new() });
-
-/// A command line.
-struct Given {
-    /// Its words after the name of the program.
-    words: Vec<String>,
-    /// The subcommand, where errors name options as they are typed.
-    command: String,
-}
-
 /// Runs a command line, whose first word is the name of the program, and says in one line what is wrong with it; the exit status.
 pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::read(words, true) {
@@ -141,78 +133,36 @@ pub fn call(words: Vec<String>) -> Result<()> {
     let verbose = words.iter().any(|word| word == "--verbose");
     let quiet = (!verbose).then(|| OsString::from("--quiet"));
     let words = [OsString::from("willis")].into_iter().chain(words.into_iter().map(OsString::from)).chain(quiet);
-    Cli::read(words, false).map_err(|refused| words::refusal(&refused.error))?.run()
+    Cli::read(words, false).map_err(|refused| as_error(&refused.error))?.run()
 }
 
 /// What [`main`] would say is wrong with a command line, if anything is; nothing is run.
 pub fn check(words: impl IntoIterator<Item = OsString>) -> Option<String> {
     let refused = Cli::read(words, true).err()?;
-    refused.error.use_stderr().then(|| refusal::one_line(&refused.error, &refused.given))
+    refused.error.use_stderr().then(|| refusal::one_line(&refused.error, &refused.given, &parser()))
 }
 
-/// The subcommand of other words than those at work, the subcommand first.
-fn command_of(words: &[String]) -> Result<Command> {
-    let all = std::iter::once("willis").chain(words.iter().map(String::as_str));
-    let matches = Cli::builder().try_get_matches_from(all);
-    let parsed = matches.and_then(|matches| Cli::from_arg_matches(&matches));
-    parsed.map(|cli| cli.command).map_err(|error| words::refusal(&error))
-}
-
-/// What went wrong, with options as they are typed where the library names fields: `--max-gap` for `max_gap`.
-fn with_flags(error: &Error) -> String {
-    let Error::Parameter { name, value, accepted } = error else { return flags_in(&error.to_string()) };
-    let (field, rest) = name.split_once(' ').map_or((name.as_str(), ""), |(field, rest)| (field, rest));
-    let name = flag(field).map_or_else(|| name.clone(), |flag| format!("{flag} {rest}").trim_end().to_owned());
-    flags_in(&Error::Parameter { name, value: value.clone(), accepted: accepted.clone() }.to_string())
-}
-
-/// A text of the library with the fields in backticks as options: "give `default_radius`" becomes "give --default-radius".
-pub fn flags_in(text: &str) -> String {
-    let mut parts = text.split('`');
-    let mut out = parts.next().unwrap_or_default().to_owned();
-    while let Some(quoted) = parts.next() {
-        match (flag(quoted), parts.next()) {
-            (Some(flag), Some(after)) => out.extend([&flag, after]),
-            (_, after) => out.extend(["`", quoted, after.map_or("", |_| "`"), after.unwrap_or_default()]),
-        }
-    }
-    out
-}
-
-/// A field as the option of the subcommand at work.
-fn flag(field: &str) -> Option<String> {
-    let flag = field.replace('_', "-");
-    let name = GIVEN.read().map(|given| given.command.clone()).unwrap_or_default();
-    let command = Cli::builder().find_subcommand(name).cloned()?;
-    let is_flag =
-        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
-    let is_common = matches!(flag.as_str(), "threads" | "force");
-    let dashes = if flag.len() == 1 { "-" } else { "--" };
-    (is_common || command.get_arguments().any(is_flag)).then(|| format!("{dashes}{flag}"))
+/// The parser of every command; options that a command shares but refuses are not in its help.
+pub fn parser() -> clap::Command {
+    const REFUSE: [&str; 6] = ["simulate", "modulate", "classify", "measure", "convert", "skeleton"];
+    let command = Cli::command().mut_subcommands(|command| {
+        let refuses = REFUSE.contains(&command.get_name());
+        if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
+    });
+    // A variable that is empty is one that is not set.
+    let is_empty = std::env::var_os(THREADS).is_some_and(|value| value.is_empty());
+    if is_empty { command.mut_arg("threads", |arg| arg.env(None)) } else { command }
 }
 
 impl Cli {
-    /// The parser; options that a command shares but refuses are not in its help.
-    pub fn builder() -> clap::Command {
-        const REFUSE: [&str; 6] = ["simulate", "modulate", "classify", "measure", "convert", "skeleton"];
-        let command = Self::command().mut_subcommands(|command| {
-            let refuses = REFUSE.contains(&command.get_name());
-            if refuses { command.mut_arg("observed", |arg| arg.hide(true)) } else { command }
-        });
-        // A variable that is empty is one that is not set.
-        let is_empty = std::env::var_os(THREADS).is_some_and(|value| value.is_empty());
-        if is_empty { command.mut_arg("threads", |arg| arg.env(None)) } else { command }
-    }
-
     /// The command line; from then on errors name its options as they are typed, where that is wanted.
     fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, Refused> {
         let all: Vec<OsString> = words.into_iter().collect();
         let given: Vec<String> = all.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
-        let matches = Self::builder().try_get_matches_from(all);
-        if let Ok(mut now) = GIVEN.write() {
-            now.words.clone_from(&given);
-            now.command = if as_typed { refusal::command_in(&given).unwrap_or_default() } else { String::new() };
-        }
+        let parser = parser();
+        let matches = parser.clone().try_get_matches_from(all);
+        let command = refusal::command_in(&given, &parser).filter(|_| as_typed);
+        at_work::begin(CommandLine { words: given.clone(), parser, command });
         let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
         parsed.map_err(|error| Refused { error, given })
     }
@@ -226,7 +176,7 @@ impl Cli {
             // Inside of another program there may be threads already, which do as well.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
-        let terminal = Terminal::new(self.common.quiet, self.common.verbose);
+        let terminal = TextTerminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
@@ -243,8 +193,8 @@ impl Cli {
             #[cfg(feature = "train")]
             Command::Train(args) => args.run(terminal, force),
             Command::Phantom(args) => args.run(terminal, force),
-            Command::Completions(args) => args.run(),
-            Command::Man(args) => args.run(terminal, force),
+            Command::Completions(args) => args.run(parser()),
+            Command::Man(args) => args.run(parser(), terminal, force),
         }
     }
 }
@@ -264,7 +214,7 @@ impl Refused {
             let _ = self.error.print();
             return if without_command { 2 } else { 0 };
         }
-        print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given)));
+        print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given, &parser())));
         2
     }
 }

@@ -18,7 +18,7 @@ use super::args::reading::InputArgs;
 use super::args::words;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::{Terminal, brief, plural};
+use super::print::{TextTerminal, brief, plural};
 use super::shell::print_json;
 use super::signals::is_stopped;
 
@@ -78,7 +78,7 @@ pub struct ModulateArgs {
 }
 
 impl ModulateArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let path = &self.input.input;
         let mut options = self.options()?;
         let threshold = self.threshold()?;
@@ -168,7 +168,7 @@ fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
 }
 
 /// What became of the network in each class.
-fn say_outcome(terminal: Terminal, outcome: &ModulationOutcome<'_>) {
+fn say_outcome(terminal: TextTerminal, outcome: &ModulationOutcome<'_>) {
     let rest = &outcome.result.unperturbed;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let instances = outcome.result.classes.iter().map(|(_, i)| i.count()).sum::<usize>();

@@ -22,7 +22,7 @@ use serde_json::{Value, json};
 
 use super::args::figures::{length, whole};
 use super::convert::{put, put_into};
-use super::print::{Terminal, count, plural};
+use super::print::{TextTerminal, count, plural};
 use super::shell::print_json;
 
 /// Make test anatomy with a known answer
@@ -71,7 +71,7 @@ pub struct PhantomArgs {
 }
 
 impl PhantomArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let kind: Kind = self.kind.parse()?;
         let recipe = self.recipe(kind)?;
         if let Some(image) = self.image.as_ref().filter(|image| !is_mask(&self.output) || !is_mask(image)) {
@@ -123,7 +123,7 @@ impl PhantomArgs {
         if self.broken || self.image.is_some() {
             return Err(Error::parameter("break", "", "makes files; give `output`"));
         }
-        let network = self.anatomy(kind, &self.recipe(kind)?, Terminal::new(true, false))?;
+        let network = self.anatomy(kind, &self.recipe(kind)?, TextTerminal::new(true, false))?;
         let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
         Ok(boundary.stated_in(network))
     }
@@ -142,7 +142,7 @@ impl PhantomArgs {
     }
 
     /// The complete network, or what --without leaves of it.
-    fn anatomy(&self, kind: Kind, recipe: &Recipe, terminal: Terminal) -> Result<Network> {
+    fn anatomy(&self, kind: Kind, recipe: &Recipe, terminal: TextTerminal) -> Result<Network> {
         let network = kind.network(recipe)?;
         if self.without.is_empty() {
             return Ok(network);
@@ -156,7 +156,7 @@ impl PhantomArgs {
         Ok(network)
     }
 
-    fn write_whole(&self, kind: Kind, network: Network, target: &Target, terminal: Terminal, force: bool) -> Result<()> {
+    fn write_whole(&self, kind: Kind, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
         let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
         let network = boundary.stated_in(network);
         let (names, _) = put(&network, target, terminal, force)?;
@@ -172,7 +172,7 @@ impl PhantomArgs {
     }
 
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
-    fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: Terminal, force: bool) -> Result<()> {
+    fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
         let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
         let has_marks = self.broken && kind == Kind::Cerebral;
         let others = [&answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
@@ -224,7 +224,7 @@ impl PhantomArgs {
         network: Network,
         gaps: &Gaps,
         target: &Target,
-        terminal: Terminal,
+        terminal: TextTerminal,
         force: bool,
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
@@ -249,7 +249,7 @@ impl PhantomArgs {
     }
 
     /// The broken centerlines, and the truth.
-    fn write_broken(&self, lines: &Centerlines, truth: &Truth, staged: StagedFiles, terminal: Terminal) -> Result<()> {
+    fn write_broken(&self, lines: &Centerlines, truth: &Truth, staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
         let loops = write_extraction(&self.output, lines, truth, staged, terminal)?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
         self.print(json!({
@@ -303,7 +303,7 @@ fn write_extraction(
     lines: &Centerlines,
     truth: &Truth,
     mut staged: StagedFiles,
-    terminal: Terminal,
+    terminal: TextTerminal,
 ) -> Result<Option<PathBuf>> {
     staged.write(&sibling(path, "truth.json"), |out| truth.write_json(out))?;
     let mut loops = Vec::new();

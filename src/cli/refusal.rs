@@ -3,10 +3,11 @@
 use crate::internals::support::suggestions::did_you_mean;
 use clap::error::{ContextKind, ContextValue, Error, ErrorKind};
 
-use super::{Cli, with_flags};
+use super::at_work::with_flags;
+use super::parser_error::of_library;
 
-/// The error in one line; `given` are the words of the command line.
-pub fn one_line(error: &Error, given: &[String]) -> String {
+/// The error in one line; `given` are the words of the command line, and `parser` is that of all commands.
+pub fn one_line(error: &Error, given: &[String], parser: &clap::Command) -> String {
     if let Some(own) = of_library(error) {
         return with_flags(&own);
     }
@@ -19,8 +20,7 @@ pub fn one_line(error: &Error, given: &[String]) -> String {
         said += if said.is_empty() { "" } else { tip.as_ref().map_or(" ", |_| "; ") };
         said += tip.as_deref().unwrap_or(line);
     }
-    let command = Cli::builder();
-    let names: Vec<&str> = command.get_subcommands().map(clap::Command::get_name).collect();
+    let names: Vec<&str> = parser.get_subcommands().map(clap::Command::get_name).collect();
     if let (ErrorKind::InvalidSubcommand, false) = (error.kind(), said.contains("did you mean"))
         && let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand)
     {
@@ -29,23 +29,12 @@ pub fn one_line(error: &Error, given: &[String]) -> String {
         }
         said = format!("{said}; {}expected {}", did_you_mean(word, names.iter().copied()), names.join(", "));
     }
-    format!("{said}; see willis help{}", command_in(given).map_or(String::new(), |name| format!(" {name}")))
+    format!("{said}; see willis help{}", command_in(given, parser).map_or(String::new(), |name| format!(" {name}")))
 }
 
 /// The subcommand among the words of a command line.
-pub fn command_in(given: &[String]) -> Option<String> {
-    let command = Cli::builder();
-    given.iter().find(|word| *word != "help" && command.get_subcommands().any(|own| own.get_name() == *word)).cloned()
-}
-
-/// The error of the library that refused a value, where it was one: it says itself what it is about.
-pub fn of_library(error: &Error) -> Option<crate::Error> {
-    match std::error::Error::source(error)?.downcast_ref()? {
-        crate::Error::Parameter { name, value, accepted } => {
-            Some(crate::Error::Parameter { name: name.clone(), value: value.clone(), accepted: accepted.clone() })
-        }
-        _ => None,
-    }
+pub fn command_in(given: &[String], parser: &clap::Command) -> Option<String> {
+    given.iter().find(|word| *word != "help" && parser.get_subcommands().any(|own| own.get_name() == *word)).cloned()
 }
 
 /// What a tip proposes, as a question.

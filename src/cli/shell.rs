@@ -8,19 +8,13 @@ use crate::internals::output::StagedFiles;
 use crate::internals::support::printable::printable_json;
 use clap::Args;
 
-use super::Cli;
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 
 /// Print shell completions
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
     /// The shell
     shell: clap_complete::Shell,
-}
-
-/// The parser of every command.
-pub fn parser() -> clap::Command {
-    Cli::builder()
 }
 
 /// Prints and takes a closed pipe for what it is.
@@ -32,9 +26,9 @@ fn print(text: &[u8]) -> Result<()> {
 }
 
 impl CompletionsArgs {
-    pub fn run(self) -> Result<()> {
+    pub fn run(self, mut parser: clap::Command) -> Result<()> {
         let mut text = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::builder(), "willis", &mut text);
+        clap_complete::generate(self.shell, &mut parser, "willis", &mut text);
         print(&text)
     }
 }
@@ -48,12 +42,11 @@ pub struct ManArgs {
 }
 
 impl ManArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
-        let mut command = Cli::builder();
-        command.build();
+    pub fn run(self, mut parser: clap::Command, terminal: TextTerminal, force: bool) -> Result<()> {
+        parser.build();
         // The overview, then a page for each subcommand.
         let mut pages = Vec::new();
-        for page in std::iter::once(&command).chain(command.get_subcommands().filter(|c| c.get_name() != "help")) {
+        for page in std::iter::once(&parser).chain(parser.get_subcommands().filter(|c| c.get_name() != "help")) {
             let name = page.get_display_name().unwrap_or(page.get_name()).to_owned();
             let mut text = Vec::new();
             let rendered = clap_mangen::Man::new(page.clone()).render(&mut text);

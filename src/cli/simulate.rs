@@ -16,7 +16,7 @@ use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
 use super::checkpoint::Follower;
 use super::command_line::command_line;
-use super::print::Terminal;
+use super::print::TextTerminal;
 use super::print::flow::say_simulated;
 use super::shell::print_json;
 
@@ -70,7 +70,7 @@ struct ChangeArgs {
 }
 
 impl SimulateArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let start = Instant::now();
         let path = &self.input.input;
         let (options, changes) = self.meaning(path)?;

@@ -11,8 +11,8 @@ use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD}
 use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
+use super::at_work::is_option;
 use super::command_line::{line_of_words, words_of_row};
-use super::{Cli, Command, command_of};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -30,18 +30,18 @@ pub struct Subject {
     /// The command line that repeats its run.
     pub line: String,
     /// Its row in a manifest, where it has one.
-    pub row: Option<Row>,
+    pub row: Option<SubjectRow>,
 }
 
 /// The row of a subject in a manifest.
 #[derive(Debug, Clone)]
-pub struct Row {
+pub struct SubjectRow {
     /// The manifest, and the line in it, from 1.
     place: (PathBuf, usize),
     /// Its own options, by name and value.
     pub options: Vec<(String, String)>,
     /// The words of the command for it alone.
-    pub words: Vec<String>,
+    words: Vec<String>,
     /// What else the manifest says of it.
     pub covariates: Covariates,
 }
@@ -50,21 +50,16 @@ impl Subject {
     /// An error of its options, with their place.
     pub fn fault(&self, error: Error) -> Error {
         match (error, &self.row) {
-            (Error::Parameter { name, value, accepted }, Some(Row { place: (path, line), .. })) => {
+            (Error::Parameter { name, value, accepted }, Some(SubjectRow { place: (path, line), .. })) => {
                 Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
             }
             (other, _) => other,
         }
     }
 
-    /// The command with options of its own, where it has any.
-    ///
-    /// # Errors
-    ///
-    /// An option that the command does not have, or a value that it does not take.
-    pub(super) fn command(&self) -> Result<Option<Command>> {
-        let row = self.row.as_ref().filter(|row| !row.options.is_empty());
-        row.map(|row| command_of(&row.words)).transpose().map_err(|error| self.fault(error))
+    /// The words of the command for it alone, where it has options of its own.
+    pub fn own_words(&self) -> Option<&[String]> {
+        self.row.as_ref().filter(|row| !row.options.is_empty()).map(|row| &row.words[..])
     }
 
     /// Its own options, as they would be typed.
@@ -155,7 +150,7 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
         let words = words_of_row(&input, given, &options);
-        let row = Row { place: (path.to_owned(), line), options, words: words.clone(), covariates };
+        let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
     names.into_iter().zip(manifest).map(with_row).collect()
@@ -183,9 +178,7 @@ fn check_folder(path: &Path) -> Result<()> {
 fn check_word(path: &Path) -> Result<()> {
     let Some(word) = path.to_str().filter(|_| !path.exists()) else { return Ok(()) };
     let refused = |accepted: String| Err(Error::parameter("INPUT", format!("\"{word}\""), accepted));
-    let command = Cli::builder();
-    let mut options = command.get_subcommands().flat_map(clap::Command::get_arguments);
-    if options.any(|option| option.get_long() == Some(word)) {
+    if is_option(word) {
         return refused(format!("no such file; did you mean --{word}?"));
     }
     match word.parse::<f64>() {

@@ -3,7 +3,6 @@
 
 use std::path::Path;
 
-use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{Args, FromArgMatches};
 
 use super::args::reading::ReadingArgs;
@@ -11,14 +10,14 @@ use super::classify::ClassifyArgs;
 use super::command_line::line_of_words;
 use super::infer::InferArgs;
 use super::modulate::ModulateArgs;
+use super::parser_error::as_error;
 use super::phantom::PhantomArgs;
 use super::print::arteries::say_variant;
 use super::print::flow::say_simulated;
 use super::print::inference::say_outcome;
 use super::print::{say_read, say_step, taken};
-use super::refusal::of_library;
 use super::simulate::SimulateArgs;
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::{
     ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
     PhenotypeOptions, ReadOptions, SimulationRun, Step,
@@ -114,44 +113,5 @@ fn parsed<A: Args + FromArgMatches>(first: &[&str], words: &[String]) -> Result<
     let command = A::augment_args(clap::Command::new("willis"));
     let all = ["willis"].into_iter().chain(first.iter().copied()).chain(words.iter().map(String::as_str));
     let matches = command.try_get_matches_from(all);
-    matches.and_then(|matches| A::from_arg_matches(&matches)).map_err(|error| refusal(&error))
-}
-
-/// What is wrong with words, as an error of the library.
-pub(super) fn refusal(error: &clap::Error) -> Error {
-    if let Some(own) = of_library(error) {
-        return own;
-    }
-    let text = |kind| match error.get(kind) {
-        Some(ContextValue::String(text)) => Some(text.clone()),
-        Some(ContextValue::Strings(texts)) => Some(texts.join(", ")),
-        _ => None,
-    };
-    let rendered = error.render().to_string();
-    let first = rendered.lines().next().unwrap_or_default().trim_start_matches("error: ").to_owned();
-    let Some(name) = text(ContextKind::InvalidArg).map(|arg| field(&arg)) else {
-        return Error::parameter("command", text(ContextKind::InvalidSubcommand).unwrap_or_default(), first);
-    };
-    let value = text(ContextKind::InvalidValue).unwrap_or_default();
-    let accepted = match error.kind() {
-        ErrorKind::ArgumentConflict => {
-            format!(
-                "does not go with {}",
-                text(ContextKind::PriorArg).map_or_else(|| "another option".to_owned(), |arg| field(&arg))
-            )
-        }
-        ErrorKind::UnknownArgument => "is no option of this command".to_owned(),
-        _ => match (std::error::Error::source(error), text(ContextKind::ValidValue)) {
-            (Some(source), _) => source.to_string(),
-            (None, Some(valid)) if !valid.is_empty() => format!("expected one of {valid}"),
-            _ => first,
-        },
-    };
-    Error::parameter(name, format!("\"{value}\""), accepted)
-}
-
-/// The field that an option is: `max_gap` for `--max-gap <LENGTH>`.
-fn field(arg: &str) -> String {
-    let name = arg.split([' ', '=', '[', '<']).next().unwrap_or_default();
-    name.trim_start_matches('-').replace('-', "_")
+    matches.and_then(|matches| A::from_arg_matches(&matches)).map_err(|error| as_error(&error))
 }

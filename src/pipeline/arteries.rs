@@ -1,13 +1,13 @@
 //! Where the arteries of a Circle of Willis are in a network, and what its plausible topologies say of them.
 
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::input::Input;
-use super::options::{PhenotypeOptions, SourceFile};
+use super::artery_options::{ArterySource, PhenotypeOptions};
+use super::source_file::SourceFile;
 use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
 use willis_core::error::{Fault, Result};
 use willis_core::flow::boundary_conditions::stated;
@@ -24,39 +24,13 @@ use willis_models::circle_of_willis::{
 };
 use willis_models::naming::{NamedCircle, Names, NamingModels};
 
-/// How the arteries of a Circle of Willis are known.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ArterySource {
-    /// By the labels of vessels: names, or numbers where only one list has them.
-    #[default]
-    AnyLabels,
-    /// By labels of this kind.
-    Labels(LabelScheme),
-    /// By the labels of vessels where they name arteries, else by their geometry alone.
-    Automatic,
-    /// By their geometry alone: `landmarks` auto. [`infer`](crate::infer) goes without where they show no circle.
-    Geometry,
-    /// By a file of landmarks: CSV of `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of the input, or a point list of 3D Slicer
-    /// (`.mrk.json`, `.fcsv`).
-    Landmarks(PathBuf),
-}
-
 impl ArterySource {
-    pub(crate) fn is_landmarks(&self) -> bool {
-        matches!(self, Self::Landmarks(_))
-    }
-
-    pub(crate) fn is_labels(&self) -> bool {
-        matches!(self, Self::AnyLabels | Self::Labels(_))
-    }
-
     /// Labels or geometry in the place of [`ArterySource::Automatic`], by what an input has.
     #[must_use]
-    pub(crate) fn resolved(&self, input: &Input) -> Self {
-        let labels = || input.network.vessels().map(|(_, vessel)| vessel.label.as_str());
+    pub(crate) fn resolved(&self, network: &Network, is_topcow: bool) -> Self {
+        let labels = || network.vessels().map(|(_, vessel)| vessel.label.as_str());
         match self {
-            Self::Automatic | Self::AnyLabels if input.is_topcow => return Self::Labels(LabelScheme::TopCow),
+            Self::Automatic | Self::AnyLabels if is_topcow => return Self::Labels(LabelScheme::TopCow),
             Self::Automatic => {}
             given => return given.clone(),
         }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde_json::Value;
 
 use super::arteries::FoundArteries;
-use super::options::PhenotypeOptions;
+use super::artery_options::PhenotypeOptions;
 use super::prepare::NO_PHENOTYPE;
 use super::stored_run::StoredRun;
 use super::{ArterySource, Follow, InferOptions, Input, Silent, prepare, unused};
@@ -71,7 +71,7 @@ pub fn classify(
     let phenotypes = &input.run.as_ref().map_or_else(|| phenotypes.clone(), |run| phenotypes.or(&run.options.infer.phenotypes));
     let of_run = input.run.as_ref().and_then(|run| run.options.infer.arteries.as_ref());
     let usual = ArterySource::Automatic;
-    let chosen = &source.or(of_run).unwrap_or(&usual).resolved(input);
+    let chosen = &source.or(of_run).unwrap_or(&usual).resolved(&input.network, input.is_topcow);
     if input.run.is_none() && input.is_fragments && *chosen == ArterySource::Geometry {
         return classify_by_geometry(input, phenotypes);
     }

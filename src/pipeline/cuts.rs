@@ -7,14 +7,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Input;
-use super::options::{ModelSource, SourceFile, ending, of_word};
+use super::source_file::{ModelSource, SourceFile, ending, of_word};
 use willis_core::error::{Error, Result};
 use willis_core::network::Network;
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground, Scene};
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::contacts::model::ContactModel;
 use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
@@ -88,23 +87,29 @@ pub(crate) struct Cuts {
 }
 
 impl Cuts {
-    /// What an input is cut by; `None` where it is not.
+    /// What the vessels of an input are cut by, `lumen` being the mask that they come from; `None` where they are not.
     ///
     /// # Errors
     ///
     /// A model or a mask that cannot be read.
-    pub(crate) fn load(cut: &Cut, mask: Option<&Path>, input: &Input, kind: Kind) -> Result<Option<Self>> {
+    pub(crate) fn load(
+        cut: &Cut,
+        mask: Option<&Path>,
+        network: &Network,
+        lumen: Option<&Foreground>,
+        kind: CenterlineKind,
+    ) -> Result<Option<Self>> {
         let wanted = match cut {
             Cut::Never => false,
-            Cut::Auto => kind == Kind::Skeleton,
+            Cut::Auto => kind == CenterlineKind::Skeleton,
             Cut::Always | Cut::File(_) => true,
         };
-        if !wanted || !input.is_fragments || !input.network.has_positions() {
+        if !wanted || !network.has_positions() {
             return Ok(None);
         }
         let field = match mask {
             Some(path) => Foreground::of(&read_mask(path, &ReadOptions::default())?.in_scanner_order()).as_ref().map(Field::of),
-            None => input.lumen.as_ref().map(Field::of),
+            None => lumen.map(Field::of),
         };
         let (model, source) = match cut {
             Cut::File(path) => {
@@ -114,7 +119,7 @@ impl Cuts {
             }
             _ => (ContactModel::shipped()?, ModelSource::Word("shipped".to_owned())),
         };
-        let only_suggested = *cut == Cut::Auto && mask.is_none() && input.lumen.is_none();
+        let only_suggested = *cut == Cut::Auto && mask.is_none() && lumen.is_none();
         let record = CutRecord { model: source, mask: field.is_some(), only_suggested };
         Ok(Some(Self { model, field, record }))
     }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use super::options::SourceFile;
+use super::source_file::SourceFile;
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Evidence, Network, Origin};
 use willis_io::formats::{ListedDecision, read_decisions};
@@ -151,6 +151,16 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
         }
     }
     Ok(())
+}
+
+/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
+/// so from then on the vessels' own priors count, which are set to 1.
+pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
+    if uniform_prior && !made.is_empty() {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    apply(graph, made)?;
+    Ok(uniform_prior && made.is_empty())
 }
 
 /// The evidence with its probability times a factor, at most 1.

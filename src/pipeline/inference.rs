@@ -1,18 +1,21 @@
-//! The answer of a run: likelihoods, decisions, the plausible topology, and the folder that holds them.
+//! The answer of a run: its samples, likelihoods, decisions, the plausible topology, and the folder that holds them.
 
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::prepare::decide_on;
-use super::{ConnectionDecision, Follow, Prepared, SaveOptions};
+use super::decisions::{ConnectionDecision, decide_on};
+use super::options::SaveOptions;
+use super::prepared::Prepared;
+use super::progress::{Follow, Step};
 use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
 use willis_core::network::Network;
-use willis_core::sampling::{Likelihood, Method, SamplingOptions};
+use willis_core::sampling::{FIRST_STABLE, Likelihood, Method, PartialRun, Sampling, SamplingOptions};
 use willis_core::support::endings::stem;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::atomic::{StagedFolder, write_file};
@@ -50,20 +53,20 @@ struct Stored {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    solver: Solver,
+    solver: StoredMethod,
     time: Value,
 }
 
 /// How the samples were computed.
 #[derive(Serialize, Deserialize)]
-struct Solver {
+struct StoredMethod {
     flow: String,
     size: usize,
     forest: String,
     forest_joins: Option<usize>,
 }
 
-impl Solver {
+impl StoredMethod {
     fn of(method: Method) -> Self {
         let Method { solver, solver_size, forest, forest_joins, .. } = method;
         Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
@@ -92,8 +95,56 @@ impl Prepared {
             && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
     }
 
+    /// Samples the graph and decides. The options need not be those of [`Prepared::options`]: several may share one graph.
+    ///
+    /// # Errors
+    ///
+    /// As [`infer_with`](crate::infer_with).
+    pub fn sample(self: &Arc<Self>, options: &SamplingOptions, progress: &mut dyn Follow) -> Result<Inference> {
+        let options = &self.sampled_with(options);
+        let until_stable = self.options.infer.until_stable;
+        let begun = Instant::now();
+        progress.step(Step::Sampling { graph: &self.graph, options, until_stable });
+        let first = SamplingOptions { samples: if until_stable { FIRST_STABLE } else { options.samples }, ..options.clone() };
+        let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
+        let samples = sampling.samples();
+        let fits = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
+        let resumed = progress.resume(&self.key(options), sampling.part().uncertain(), &fits);
+        let mut part = resumed.unwrap_or_else(|| sampling.part());
+        let before = part.done();
+        let sampled = if until_stable {
+            sampling.until_stable(&mut part, |result| all_decided(self.keep, &self.graph, result), progress)
+        } else {
+            sampling.sample(&mut part, progress).map(|()| sampling.likelihood(&part))
+        };
+        progress.sampled(&part, sampled.is_ok());
+        let seconds = begun.elapsed().as_secs_f64();
+        let method = sampling.method();
+        let rate = (part.done() - before) as f64 / seconds;
+        let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
+        let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
+        self.decide(options, sampled?, method, time)
+    }
+
+    /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
+    /// depends on the threads, so it is a look and not a result. `seconds` is how long they took.
+    ///
+    /// # Errors
+    ///
+    /// No sample is finished.
+    pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun, seconds: f64) -> Result<Inference> {
+        let samples = part.done();
+        if samples == 0 {
+            return Err(Error::parameter("samples", samples, "expected finished ones"));
+        }
+        let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
+        let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
+        let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
+        self.decide(&options, sampling.likelihood(part), sampling.method(), time)
+    }
+
     /// Decides on every vessel, given what the samples say.
-    pub(crate) fn decide(
+    fn decide(
         self: &Arc<Self>,
         options: &SamplingOptions,
         likelihood: Likelihood,
@@ -236,7 +287,7 @@ impl Inference {
             prepared: self.prepared.clone(),
             sampling: self.sampling.clone(),
             likelihood: self.likelihood.clone(),
-            solver: Solver::of(self.method),
+            solver: StoredMethod::of(self.method),
             time: self.time.clone(),
         };
         serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))

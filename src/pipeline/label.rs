@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::options::SourceFile;
+use super::artery_options::load_models;
 use super::{Follow, InferOptions, Input, Prepared, prepare, stage_target};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
@@ -17,7 +17,7 @@ use willis_io::formats::{
 use willis_io::output::StagedFiles;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
-use willis_models::naming::{LABELS, NamedPlace, Names, NamingModel, NamingModels, labelled_network, name_of};
+use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
 
 /// How arteries are named.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -42,17 +42,6 @@ pub struct Labelled {
     pub network: Network,
     /// The probability of each vessel's name; none for a vessel without one.
     pub probability: Vec<Option<f64>>,
-}
-
-/// The model of a file, or those that ship.
-///
-/// # Errors
-///
-/// A file that cannot be read or is no model.
-pub(crate) fn load_models(path: Option<&Path>) -> Result<NamingModels> {
-    let Some(path) = path else { return NamingModels::shipped() };
-    let expected = "expected a model as `willis train --model labels` writes it";
-    Ok(NamingModels::one(SourceFile::read_text(path, expected, NamingModel::read)?.0))
 }
 
 /// Names the arteries of an input: exactly what `willis label` does.

@@ -1,10 +1,12 @@
 //! The method, from top to bottom: read, boundary conditions, candidates, samples, decision.
 
 mod arteries;
+mod artery_options;
 mod boundary_options;
 mod classify;
 mod cuts;
 pub mod decisions;
+mod flow_options;
 mod inference;
 mod input;
 mod label;
@@ -17,26 +19,28 @@ mod prior;
 mod progress;
 mod pulse;
 mod simulate;
+mod source_file;
 mod stored_run;
 mod unused;
 mod write;
 
-pub use arteries::ArterySource;
+pub use artery_options::{ArterySource, PhenotypeOptions};
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use cuts::Cut;
 pub use decisions::ConnectionDecision;
+pub use flow_options::{FlowOptions, PulseMean, PulseOptions};
 pub use inference::Inference;
 pub use input::{Contents, Input, read, read_bytes, read_run};
 pub use label::{LabelOptions, Labelled, label};
 pub use measure::{MeasureOptions, Measurement, measure};
-pub use options::{FlowOptions, InferOptions, ModelSource, PhenotypeOptions, Preset, RunOptions, SaveOptions, SourceFile};
+pub use options::{InferOptions, Preset, RunOptions, SaveOptions};
 pub use prepare::{nothing_built, prepare};
 pub use prepared::Prepared;
 pub use prior::Prior;
 pub use progress::{Follow, Silent, Step};
-pub use pulse::{PulseMean, PulseOptions};
 pub use simulate::{ModulationRun, SimulationRun, modulate, modulate_with, simulate, simulate_with};
+pub use source_file::{ModelSource, SourceFile};
 pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;

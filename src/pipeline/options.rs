@@ -1,28 +1,21 @@
 //! The options of a run: plain data, with the defaults of the command line, stored in run.json as they stand here.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
-#[cfg(feature = "cli")]
-use clap::ValueHint::FilePath;
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, IntoDeserializer};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::arteries::ArterySource;
+use super::artery_options::{ArterySource, PhenotypeOptions};
 use super::boundary_options::BoundaryOptions;
 use super::cuts::Cut;
 use super::prior::Prior;
-use super::pulse::PulseOptions;
 use willis_core::decision::Keep;
-use willis_core::error::{Error, Fault, Result};
+use willis_core::error::Result;
 use willis_core::flow::FoundOutlets;
-use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::sampling::{SamplingOptions, Uncertain};
-use willis_io::formats::{ReadOptions, bytes_of, checksum};
+use willis_io::formats::ReadOptions;
 use willis_io::masks::Appearance;
 use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
-use willis_models::circle_of_willis::VariantFrequencies;
 use willis_report::figures::{DEFAULT_DPI, check_dpi};
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
@@ -103,130 +96,6 @@ impl InferOptions {
     }
 }
 
-/// What is known of people's circles before one is seen.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-#[serde(default, deny_unknown_fields)]
-pub struct PhenotypeOptions {
-    /// How frequent each variant is among such people, in the place of the published table: a CSV file of missing,share
-    #[serde(rename = "variant_prior")]
-    #[cfg_attr(feature = "cli", arg(long = "variant-prior", value_name = "FILE.csv", value_hint = FilePath, hide_short_help = true))]
-    pub frequencies: Option<PathBuf>,
-    /// How often a segment that is there is not in the extraction at all [default: 0]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", allow_negative_numbers = true, hide_short_help = true))]
-    pub unseen: Option<f64>,
-    /// A model of `willis train --model labels` that names the arteries, in the place of the one that ships
-    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL.toml", value_hint = FilePath, hide_short_help = true))]
-    pub arteries: Option<PathBuf>,
-    /// The diameter below which a segment is hypoplastic [default: 1mm]
-    // In m, positive.
-    #[serde(rename = "hypoplastic_m")]
-    #[cfg_attr(feature = "cli", arg(long, value_name = "DIAMETER", value_parser = diameter))]
-    #[cfg_attr(feature = "cli", arg(allow_negative_numbers = true, hide_short_help = true))]
-    pub hypoplastic: Option<f64>,
-}
-
-/// A diameter as a person types it, m.
-#[cfg(feature = "cli")]
-fn diameter(text: &str) -> std::result::Result<f64, String> {
-    let diameter = willis_core::network::quantity::Dimension::Length.parse(text)?;
-    if diameter > 0.0 { Ok(diameter) } else { Err("expected a positive diameter, such as 0.8mm".to_owned()) }
-}
-
-impl PhenotypeOptions {
-    /// Checks every field that can be checked without a file.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        if let Some(share) = self.unseen.filter(|share| !(0.0..1.0).contains(share)) {
-            return Err(Error::parameter("unseen", share, "expected a share from 0 to below 1"));
-        }
-        match self.hypoplastic.filter(|diameter| !(*diameter > 0.0 && diameter.is_finite())) {
-            Some(diameter) => Err(Error::parameter("hypoplastic", diameter, "expected a positive diameter")),
-            None => Ok(()),
-        }
-    }
-
-    /// The same, with what is not said here as others say it.
-    #[must_use]
-    pub fn or(&self, others: &Self) -> Self {
-        Self {
-            frequencies: self.frequencies.clone().or_else(|| others.frequencies.clone()),
-            unseen: self.unseen.or(others.unseen),
-            arteries: self.arteries.clone().or_else(|| others.arteries.clone()),
-            hypoplastic: self.hypoplastic.or(others.hypoplastic),
-        }
-    }
-
-    /// Checks the files that are named, whether or not anything looks at them.
-    ///
-    /// # Errors
-    ///
-    /// A file that cannot be read, or is not what it should be.
-    pub(crate) fn check_files(&self) -> Result<()> {
-        if self.frequencies.is_some() {
-            self.prior()?;
-        }
-        if self.arteries.is_some() {
-            self.models()?;
-        }
-        Ok(())
-    }
-
-    /// The models that name arteries.
-    ///
-    /// # Errors
-    ///
-    /// A file that cannot be read or is no model.
-    pub(crate) fn models(&self) -> Result<willis_models::naming::NamingModels> {
-        super::label::load_models(self.arteries.as_deref())
-    }
-
-    /// The prior that they mean.
-    pub(crate) fn prior(&self) -> Result<willis_models::naming::Prior> {
-        let frequencies = match &self.frequencies {
-            Some(path) => VariantFrequencies::of_file(path)?,
-            None => VariantFrequencies::published()?,
-        };
-        Ok(willis_models::naming::Prior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
-    }
-}
-
-/// How [`simulate`](crate::simulate) works.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct FlowOptions {
-    /// Where blood enters and leaves.
-    pub boundary: BoundaryOptions,
-    /// Blood viscosity µ, Pa s, positive.
-    #[serde(rename = "viscosity_Pa_s")]
-    pub viscosity: f64,
-    /// Whether to follow the blood: who feeds what, and when it arrives.
-    pub transport: bool,
-    /// How the flow pulsates; `None` leaves it steady.
-    pub pulse: Option<PulseOptions>,
-}
-
-impl Default for FlowOptions {
-    fn default() -> Self {
-        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false, pulse: None }
-    }
-}
-
-impl FlowOptions {
-    /// Checks every field that can be checked without an input.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        check_viscosity(self.viscosity)?;
-        self.pulse.as_ref().map_or(Ok(()), PulseOptions::validate)
-    }
-}
-
 /// How an output folder is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -250,17 +119,6 @@ impl SaveOptions {
     pub fn validate(&self) -> Result<()> {
         check_dpi(self.dpi)
     }
-}
-
-/// The choice that serde writes as this word, or that a file of this name is.
-pub(crate) fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
-    let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
-    T::deserialize(word).ok()
-}
-
-/// The ending of a file, in small letters.
-pub(crate) fn ending(path: &Path) -> String {
-    path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default()
 }
 
 /// All options of a run, as run.json stores them.
@@ -296,43 +154,4 @@ fn flatten(value: Value, into: &mut serde_json::Map<String, Value>) {
     for (name, value) in fields {
         if value.is_object() { flatten(value, into) } else { drop(into.insert(name, value)) }
     }
-}
-
-/// A file that was read beside the input.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct SourceFile {
-    /// Its path as given.
-    pub path: PathBuf,
-    /// The SHA-256 of its bytes.
-    pub sha256: String,
-}
-
-impl SourceFile {
-    /// A file and what it holds.
-    pub(crate) fn read(path: &Path) -> Result<(Vec<u8>, Self)> {
-        let bytes = bytes_of(path)?;
-        let sha256 = checksum(&bytes);
-        Ok((bytes, Self { path: path.to_owned(), sha256 }))
-    }
-
-    /// A file of text, such as a model, and what `reader` makes of it; where it is no text, what was `expected`.
-    pub(crate) fn read_text<T>(
-        path: &Path,
-        expected: &str,
-        reader: impl FnOnce(&str) -> std::result::Result<T, Fault>,
-    ) -> Result<(T, Self)> {
-        let (bytes, source) = Self::read(path)?;
-        let text = std::str::from_utf8(&bytes).map_err(|_| Fault::file("not UTF-8", expected));
-        Ok((text.and_then(reader).map_err(|fault| fault.in_file(path))?, source))
-    }
-}
-
-/// Where a model or a prior comes from, as run.json names it: a word for what ships with willis, or a file.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(untagged)]
-pub enum ModelSource {
-    /// A word.
-    Word(String),
-    /// A file.
-    File(SourceFile),
 }

@@ -2,8 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{InferOptions, SourceFile};
+use super::options::InferOptions;
 use super::prior::LoadedPrior;
+use super::source_file::SourceFile;
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Network, Origin};
 use willis_core::support::geometry::Point;
@@ -38,13 +39,13 @@ pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
 }
 
 /// Where an image was read from.
-pub(crate) struct Picture {
+pub(crate) struct ImageSource {
     source: SourceFile,
     appearance: Appearance,
     is_probability: bool,
 }
 
-impl Picture {
+impl ImageSource {
     /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the
     /// spacing of NumPy's arrays goes by. `None` where none is given.
     ///

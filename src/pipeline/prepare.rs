@@ -3,11 +3,12 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use super::arteries::{self, ArterySource, FoundArteries};
+use super::arteries::{self, FoundArteries};
+use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
-use super::decisions::{self, ConnectionDecision, DecisionList};
-use super::picture::{Picture, pictures};
-use super::prepared::{Prepared, Records};
+use super::decisions::{DecisionList, decide_on};
+use super::picture::{ImageSource, pictures};
+use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
 use super::{InferOptions, Input, Preset, RunOptions, unused};
@@ -18,7 +19,7 @@ use willis_core::network::{Condition, Network, Origin};
 use willis_io::formats::Format;
 use willis_io::masks::{Scene, Unseen, View};
 use willis_models::candidates::CandidateOptions;
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::naming::Names;
 use willis_report::{Provenance, Segmentation};
 
@@ -42,7 +43,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
     let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
-    let opened = Opened::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
+    let opened = CutGraph::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
     let (mut graph, mut uniform_prior) = (opened.graph, loaded.prior.is_uniform());
     let decided = loaded.decisions.take().map(|list| list.on(&graph, &input.provenance.sha256)).transpose()?;
     if let Some(decided) = &decided {
@@ -66,7 +67,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         boundary,
         provenance: Provenance { notes: notes.kept, ..input.provenance },
         outlets: loaded.outlets,
-        records: Records {
+        records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
             image: loaded.image.map(|image| image.record(built.unseen)),
@@ -98,7 +99,7 @@ struct Loaded<'a> {
     cuts: Option<Cuts>,
     /// What to tell a person of options that change nothing.
     notes: Vec<String>,
-    image: Option<Picture>,
+    image: Option<ImageSource>,
     decisions: Option<DecisionList>,
 }
 
@@ -106,8 +107,12 @@ impl<'a> Loaded<'a> {
     /// Reads the files; beside them the image.
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
-        let kind = Kind::of(&input.network, input.format.is_some_and(Format::is_mask));
-        let cuts = Cuts::load(&options.cut, options.mask.as_deref(), input, kind)?;
+        let kind = CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
+        let cuts = if is_fragments {
+            Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind)?
+        } else {
+            None
+        };
         let notes = unused::refuse(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
         let chosen = options.prior.as_ref().unwrap_or(&usual);
@@ -117,7 +122,7 @@ impl<'a> Loaded<'a> {
                 "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
             return Err(Error::parameter("prior", chosen.to_string(), accepted));
         }
-        let (image, view) = Picture::load(options, &prior, &input.options, is_fragments)?.unzip();
+        let (image, view) = ImageSource::load(options, &prior, &input.options, is_fragments)?.unzip();
         let building = CandidateOptions {
             k: options.candidates.k.or(Some(prior.usual_k())),
             radius_rule: input.options.radius_rule,
@@ -130,7 +135,7 @@ impl<'a> Loaded<'a> {
             is_fragments,
             outlets: options.boundary.found_outlets.unwrap_or(input.usual_outlets()),
             inlets_by_labels: input.inlets_by_labels(),
-            arteries: options.arteries.as_ref().map(|source| source.resolved(input)),
+            arteries: options.arteries.as_ref().map(|source| source.resolved(&input.network, input.is_topcow)),
             prior,
             building,
             cuts,
@@ -259,14 +264,14 @@ impl OverConnected {
 }
 
 /// The over-connected graph with its contacts cut apart, where they are.
-struct Opened {
+struct CutGraph {
     graph: Network,
     contacts: Contacts,
     /// What to tell a person of contacts.
     crowded: Option<String>,
 }
 
-impl Opened {
+impl CutGraph {
     fn of(graph: Network, loaded: &Loaded<'_>, scene: Option<&Scene>, follow: &mut dyn Follow) -> Self {
         let Some(cuts) = &loaded.cuts else { return Self { graph, contacts: Contacts::default(), crowded: None } };
         let (graph, contacts, crowded) = cuts.open(graph, scene);
@@ -289,16 +294,6 @@ fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
     };
     let said = format!("{these}, as stated; the paper has outlets at ground only");
     (preset == Preset::Paper && outlets > 0).then_some(said)
-}
-
-/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
-/// so from then on the vessels' own priors count, which are set to 1.
-pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
-    if uniform_prior && !made.is_empty() {
-        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
-    }
-    decisions::apply(graph, made)?;
-    Ok(uniform_prior && made.is_empty())
 }
 
 /// That there is no candidate, and what may help.

@@ -1,24 +1,21 @@
-//! What is ready to be sampled, and its samples.
+//! What is ready to be sampled.
 
 use std::io::Write;
-use std::sync::Arc;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use super::Inference;
 use super::arteries::FoundArteries;
 use super::cuts::{Contacts, CutRecord};
 use super::decisions::Decided;
-use super::options::{ModelSource, Preset, RunOptions};
+use super::options::{Preset, RunOptions};
 use super::picture::ImageRecord;
-use super::progress::{Follow, Step};
-use willis_core::decision::{Keep, all_decided};
-use willis_core::error::{Error, Result};
+use super::source_file::ModelSource;
+use willis_core::decision::Keep;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::Network;
-use willis_core::sampling::{FIRST_STABLE, FoundConditions, PartialRun, Sampling, SamplingOptions, Solver};
+use willis_core::sampling::{FoundConditions, SamplingOptions, Solver};
 use willis_io::formats::{checksum, checksum_of};
 use willis_models::candidates::CandidateOptions;
 use willis_report::{ImageCut, Provenance, Segmentation};
@@ -36,7 +33,7 @@ pub struct Prepared {
     pub options: RunOptions,
     /// What found outlets are.
     pub(crate) outlets: FoundOutlets,
-    pub(crate) records: Records,
+    pub(crate) records: SourceRecords,
     /// What it shows along doubtful vessels.
     pub(crate) image_cuts: Vec<ImageCut>,
     /// The segmentation that the vessels were found in, where they were.
@@ -54,7 +51,7 @@ pub struct Prepared {
 
 /// What was done with which file, for run.json.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct Records {
+pub(crate) struct SourceRecords {
     pub(crate) prior: ModelSource,
     /// What opened contacts.
     pub(crate) cut: Option<CutRecord>,
@@ -64,61 +61,13 @@ pub(crate) struct Records {
 }
 
 impl Prepared {
-    /// Samples the graph and decides. The options need not be those of [`Prepared::options`]: several may share one graph.
-    ///
-    /// # Errors
-    ///
-    /// As [`infer_with`](crate::infer_with).
-    pub fn sample(self: &Arc<Self>, options: &SamplingOptions, progress: &mut dyn Follow) -> Result<Inference> {
-        let options = &self.sampled_with(options);
-        let until_stable = self.options.infer.until_stable;
-        let begun = Instant::now();
-        progress.step(Step::Sampling { graph: &self.graph, options, until_stable });
-        let first = SamplingOptions { samples: if until_stable { FIRST_STABLE } else { options.samples }, ..options.clone() };
-        let mut sampling = Sampling::new(&self.graph, &self.boundary, &first)?;
-        let samples = sampling.samples();
-        let fits = |part: &PartialRun| part.samples() == samples || until_stable && part.samples().is_power_of_two();
-        let resumed = progress.resume(&self.key(options), sampling.part().uncertain(), &fits);
-        let mut part = resumed.unwrap_or_else(|| sampling.part());
-        let before = part.done();
-        let sampled = if until_stable {
-            sampling.until_stable(&mut part, |result| all_decided(self.keep, &self.graph, result), progress)
-        } else {
-            sampling.sample(&mut part, progress).map(|()| sampling.likelihood(&part))
-        };
-        progress.sampled(&part, sampled.is_ok());
-        let seconds = begun.elapsed().as_secs_f64();
-        let method = sampling.method();
-        let rate = (part.done() - before) as f64 / seconds;
-        let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
-        let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
-        self.decide(options, sampled?, method, time)
-    }
-
-    /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
-    /// depends on the threads, so it is a look and not a result. `seconds` is how long they took.
-    ///
-    /// # Errors
-    ///
-    /// No sample is finished.
-    pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun, seconds: f64) -> Result<Inference> {
-        let samples = part.done();
-        if samples == 0 {
-            return Err(Error::parameter("samples", samples, "expected finished ones"));
-        }
-        let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
-        let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
-        let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
-        self.decide(&options, sampling.likelihood(part), sampling.method(), time)
-    }
-
     /// Where the priors come from.
     pub fn prior(&self) -> &ModelSource {
         &self.records.prior
     }
 
     /// The options with the prior of this input. The paper fixes where blood enters and leaves, so its preset and its loop do too.
-    fn sampled_with(&self, options: &SamplingOptions) -> SamplingOptions {
+    pub(crate) fn sampled_with(&self, options: &SamplingOptions) -> SamplingOptions {
         let by_the_paper =
             self.options.infer.preset == Preset::Paper || options.solver == Solver::Reference || self.uniform_prior;
         let found_conditions = if by_the_paper { FoundConditions::Fixed } else { options.found_conditions };

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::options::{ModelSource, SourceFile, ending, of_word};
+use super::source_file::{ModelSource, SourceFile, ending, of_word};
 use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Given;
@@ -16,7 +16,7 @@ use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{read_prior_csv, read_prior_npy};
 use willis_io::masks::View;
 use willis_models::candidates::joins::model::JoinModel;
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::search::SearchOptions;
 use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
@@ -26,7 +26,7 @@ use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Prior {
-    /// The model that ships with willis for such an input, as [`Kind::of`] tells them apart. Also `weights:auto`.
+    /// The model that ships with willis for such an input, as [`CenterlineKind::of`] tells them apart. Also `weights:auto`.
     #[serde(alias = "weights:auto")]
     Evidence,
     /// The model of tracings that ships with willis: fragments form a forest.
@@ -79,11 +79,11 @@ impl Prior {
     /// # Errors
     ///
     /// A file that cannot be read, or weights with a fault.
-    pub(crate) fn load(&self, kind: Kind) -> Result<LoadedPrior> {
+    pub(crate) fn load(&self, kind: CenterlineKind) -> Result<LoadedPrior> {
         let chosen = match (self, kind) {
-            (Self::Evidence, Kind::Tracing) => &Self::Tracing,
-            (Self::Evidence, Kind::Tubes) => &Self::Tubes,
-            (Self::Evidence, Kind::Skeleton) => &Self::Skeleton,
+            (Self::Evidence, CenterlineKind::Tracing) => &Self::Tracing,
+            (Self::Evidence, CenterlineKind::Tubes) => &Self::Tubes,
+            (Self::Evidence, CenterlineKind::Skeleton) => &Self::Skeleton,
             _ => self,
         };
         let Self::File(path) = chosen else {

@@ -1,118 +1,30 @@
-//! The pulse of a simulation: its options, the waveforms that inlets get, and the pulse of both states of the network.
+//! The pulse of a simulation: the waveforms that inlets get, and the pulse of both states of the network.
 
 use std::path::Path;
 
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::options::{FlowOptions, SourceFile};
+use super::flow_options::{FlowOptions, PulseMean, PulseOptions};
 use super::progress::{Follow, Step};
+use super::source_file::SourceFile;
 use willis_core::error::{Error, Result};
-use willis_core::flow::state::{BLOOD_DENSITY, State};
+use willis_core::flow::state::State;
 use willis_core::flow::{Boundary, Tube, WallLaw};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_core::network::waveform::{Quantity, Waveform};
-use willis_core::network::{Condition, Network, Role, Windkessel, locate};
+use willis_core::network::{Condition, Network, Role, locate};
 use willis_core::simulation::pulse::fourier::{beyond, coefficients};
 use willis_core::simulation::pulse::typical::{self, Typical};
 use willis_core::simulation::pulse::womersley::Fluid;
-use willis_core::simulation::pulse::{Drive, Friction, Pulse, Pulses, Setting, terminals, walled};
+use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, walled};
 use willis_core::simulation::{Perturbation, Simulation, perturbed};
 use willis_io::formats::read_waveform;
 use willis_report::end_name;
 
-/// How the flow pulsates. The default is what `willis simulate --pulse` does.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct PulseOptions {
-    /// What drives the inlets: a table of one period for all of them (`FILE`) or for one (`NODE=FILE`), or in the place of a file
-    /// `carotid`, `vertebral` or `typical`, shapes of the flow whose mean is the steady flow there. Without any: `typical`.
-    pub waveforms: Vec<String>,
-    /// The period T, s, positive; by default what the tables mean.
-    #[serde(rename = "period_s")]
-    pub period: Option<f64>,
-    /// The mean of every waveform that is a table: a pressure is shifted to it, a flow scaled to it.
-    pub mean: Option<PulseMean>,
-    /// How many harmonics are solved, 1 to 1000.
-    pub harmonics: usize,
-    /// The law of the walls; by default what the vessels state, or Olufsen's law where none does.
-    pub wall: Option<WallLaw>,
-    /// φ of a Kelvin-Voigt wall, s; 0 of an elastic one.
-    #[serde(rename = "wall_viscosity_s")]
-    pub wall_viscosity: f64,
-    /// RC of outlets with a terminal resistance that state no compliance, s, positive; `None` leaves them resistances.
-    #[serde(rename = "time_constant_s")]
-    pub time_constant: Option<f64>,
-    /// The profile by which the flow meets friction.
-    pub friction: Friction,
-    /// Density of blood ρ, kg/m³, positive.
-    #[serde(rename = "density_kg_per_m3")]
-    pub density: f64,
-    /// At how many even times of the period waveforms are written, 10 to 10000.
-    pub times: usize,
-}
-
-/// What the mean of a waveform becomes.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum PulseMean {
-    /// Pa.
-    #[serde(rename = "pressure_Pa")]
-    Pressure(f64),
-    /// m³/s.
-    #[serde(rename = "flow_m3_per_s")]
-    Flow(f64),
-}
-
-impl Default for PulseOptions {
-    fn default() -> Self {
-        Self {
-            waveforms: Vec::new(),
-            period: None,
-            mean: None,
-            harmonics: 40,
-            wall: None,
-            wall_viscosity: 0.0,
-            time_constant: Some(Windkessel::TIME_CONSTANT),
-            friction: Friction::default(),
-            density: BLOOD_DENSITY,
-            times: 100,
-        }
-    }
-}
-
-impl PulseOptions {
-    /// Checks every field that can be checked without an input.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        let positive = |name: &'static str, value: Option<f64>, unit: &str| match value {
-            Some(x) if !(x.is_finite() && x > 0.0) => {
-                Err(Error::parameter(name, x, format!("expected a positive number of {unit}")))
-            }
-            _ => Ok(()),
-        };
-        positive("period", self.period, "s")?;
-        positive("windkessel", self.time_constant, "s")?;
-        positive("density", Some(self.density), "kg/m3")?;
-        if !(self.wall_viscosity.is_finite() && self.wall_viscosity >= 0.0) {
-            return Err(Error::parameter("wall_viscosity", self.wall_viscosity, "expected zero or a positive number of s"));
-        }
-        if !(1..=1000).contains(&self.harmonics) {
-            return Err(Error::parameter("harmonics", self.harmonics, "expected a number from 1 to 1000"));
-        }
-        if !(10..=10_000).contains(&self.times) {
-            return Err(Error::parameter("times", self.times, "expected a number from 10 to 10000"));
-        }
-        Ok(())
-    }
-}
-
 /// What one inlet is driven by.
 #[derive(Debug, Clone)]
-enum Source {
+enum WaveSource {
     Table { waveform: Waveform, file: SourceFile },
     Shape(Typical),
 }
@@ -120,7 +32,7 @@ enum Source {
 /// The waveforms of the inlets, which change the steady conditions too.
 #[derive(Debug)]
 pub struct Waves {
-    sources: Vec<(usize, Source)>,
+    sources: Vec<(usize, WaveSource)>,
     period: f64,
     coefficients: Vec<Vec<Complex64>>,
 }
@@ -131,7 +43,7 @@ impl Waves {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet).collect();
         let usual = ["typical".to_owned()];
         let texts = if options.waveforms.is_empty() { &usual[..] } else { &options.waveforms };
-        let mut by_inlet: Vec<Option<(bool, Source)>> = vec![None; network.node_count()];
+        let mut by_inlet: Vec<Option<(bool, WaveSource)>> = vec![None; network.node_count()];
         for text in texts {
             let refused = |why: String| Error::parameter("pulse", format!("\"{text}\""), why);
             let whole = is_word(text) || Path::new(text).is_file();
@@ -148,8 +60,8 @@ impl Waves {
             let table = if is_word(name) { None } else { Some(table(name, progress)?) };
             for node in nodes {
                 let source = match &table {
-                    Some((waveform, file)) => Source::Table { waveform: waveform.clone(), file: file.clone() },
-                    None => Source::Shape(shape(name, &end_name(network, node))),
+                    Some((waveform, file)) => WaveSource::Table { waveform: waveform.clone(), file: file.clone() },
+                    None => WaveSource::Shape(shape(name, &end_name(network, node))),
                 };
                 match &by_inlet[node] {
                     Some((true, _)) if !is_own => {}
@@ -163,7 +75,8 @@ impl Waves {
                 }
             }
         }
-        let sources: Vec<(usize, Source)> = by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
+        let sources: Vec<(usize, WaveSource)> =
+            by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
         if sources.is_empty() {
             return Err(Error::parameter("pulse", "has no inlet", "expected one that a waveform can drive"));
         }
@@ -171,7 +84,7 @@ impl Waves {
         let mut all = Vec::new();
         for (_, source) in &sources {
             all.push(source.coefficients(period, options)?);
-            if let (Source::Table { waveform, file }, Some(c)) = (source, all.last()) {
+            if let (WaveSource::Table { waveform, file }, Some(c)) = (source, all.last()) {
                 let left = beyond(waveform, period, c);
                 if left > LEFT_OUT {
                     let percent = 100.0 * left;
@@ -216,9 +129,9 @@ impl Waves {
             })
             .sum()
         };
-        let drive = |((node, source), c): (&(usize, Source), &Vec<Complex64>)| match source {
-            Source::Table { waveform, .. } => Drive { node: *node, quantity: waveform.quantity, coefficients: c.clone() },
-            Source::Shape(_) => {
+        let drive = |((node, source), c): (&(usize, WaveSource), &Vec<Complex64>)| match source {
+            WaveSource::Table { waveform, .. } => Drive { node: *node, quantity: waveform.quantity, coefficients: c.clone() },
+            WaveSource::Shape(_) => {
                 let mean = inflow(*node);
                 Drive { node: *node, quantity: Quantity::Flow, coefficients: c.iter().map(|c| c * mean).collect() }
             }
@@ -255,9 +168,11 @@ fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)
 }
 
 /// The one period of all waveforms, s.
-fn period(sources: &[(usize, Source)], options: &PulseOptions) -> Result<f64> {
+fn period(sources: &[(usize, WaveSource)], options: &PulseOptions) -> Result<f64> {
     let tables = || {
-        sources.iter().filter_map(|(_, s)| if let Source::Table { waveform, file } = s { Some((waveform, file)) } else { None })
+        sources
+            .iter()
+            .filter_map(|(_, s)| if let WaveSource::Table { waveform, file } = s { Some((waveform, file)) } else { None })
     };
     let first = tables().next().map(|(waveform, file)| (waveform.own_period(), file));
     let period = options.period.or(first.map(|(period, _)| period)).unwrap_or(typical::PERIOD);
@@ -275,7 +190,7 @@ fn period(sources: &[(usize, Source)], options: &PulseOptions) -> Result<f64> {
     Ok(period)
 }
 
-impl Source {
+impl WaveSource {
     /// What its mean prescribes; nothing where only the shape is known.
     fn prescribes_the_mean(&self) -> Option<Quantity> {
         match self {
@@ -360,11 +275,11 @@ impl Waves {
         let inlets = self.sources.iter().map(|(node, source)| {
             let mut value = json!({ "node": node, "id": network.node(*node).id });
             match source {
-                Source::Table { waveform, file } => {
+                WaveSource::Table { waveform, file } => {
                     value["quantity"] = json!(if waveform.quantity == Quantity::Pressure { "pressure" } else { "flow" });
                     value["file"] = json!(file);
                 }
-                Source::Shape(typical) => {
+                WaveSource::Shape(typical) => {
                     value["quantity"] = json!("flow");
                     value["shape"] = json!(if *typical == Typical::Carotid { "carotid" } else { "vertebral" });
                 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::arteries::{ArterySource, FoundArteries};
+use super::arteries::FoundArteries;
+use super::artery_options::ArterySource;
 use super::options::RunOptions;
 use willis_core::error::{Fault, Result};
 use willis_io::formats::{is_there, open_regular};
@@ -31,11 +32,11 @@ pub(crate) struct StoredRun {
 
 /// What is read of run.json.
 #[derive(Deserialize)]
-struct Record {
+struct StoredRecord {
     options: RunOptions,
     parameters: Value,
     boundary_conditions: Vec<StoredCondition>,
-    graph: Option<Graph>,
+    graph: Option<StoredGraph>,
     named: Option<FoundArteries>,
 }
 
@@ -46,7 +47,7 @@ struct StoredCondition {
 }
 
 #[derive(Deserialize)]
-struct Graph {
+struct StoredGraph {
     sha256: String,
 }
 
@@ -67,7 +68,7 @@ impl StoredRun {
         if record["graph"]["sha256"].is_null() {
             return Err(wrong("a run without a graph of candidates"));
         }
-        let mut record: Record =
+        let mut record: StoredRecord =
             serde_json::from_value(record).map_err(|_| wrong("parameters that are not those of willis infer"))?;
         let samples =
             record.parameters["samples"].as_u64().ok_or_else(|| wrong("parameters that are not those of willis infer"))?;

@@ -6,10 +6,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::{folder, stderr, willis as command};
-use willis::internals::circle_of_willis::Side;
+use willis::internals::circle_of_willis::BodySide;
 use willis::internals::naming::algebra::{UNIT, full, inverse, product, rotation, rotation_vector, times, trace_of_product};
 use willis::internals::naming::atlas::{Atlas, all_states};
-use willis::internals::naming::belief::Forest;
+use willis::internals::naming::belief::NamingForest;
 use willis::internals::naming::emission::{Parts, Pose, emission, radius_fit};
 use willis::internals::naming::nodes::Bridge;
 use willis::internals::naming::single::Single;
@@ -17,7 +17,7 @@ use willis::internals::naming::states::{
     ACOMM, BA, NOWHERE, STATES, Sided, StateTables, first_state, label_of, mirrored, state_at,
 };
 use willis::internals::naming::ways::ways;
-use willis::internals::naming::{LABELS, Label, NamingModel, NamingModels, Nodes, OTHER, name_of};
+use willis::internals::naming::{ArteryLabel, LABELS, NamingModel, NamingModels, Nodes, OTHER, name_of};
 use willis::internals::network::{Frame, Network, Origin};
 use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
 
@@ -228,7 +228,7 @@ fn a_segment_out_of_view_is_not_put_down_as_missing() {
         let names = models.name(&network).expect("names");
         let circle = names.circle(models.of(&names));
         let table = willis::internals::circle_of_willis::VariantFrequencies::published().expect("a table");
-        let prior = willis::internals::naming::Prior { frequencies: table, is_own: false, unseen: 0.0 };
+        let prior = willis::internals::naming::CirclePrior { frequencies: table, is_own: false, unseen: 0.0 };
         (circle.is_in_view, circle.presence(&[0.5; 7], &prior))
     };
     // The carotid of the left side and all that hangs on it: L-A1, the first segment, would lie between vessels that are seen.
@@ -286,8 +286,8 @@ fn states_run_along_the_arteries_and_have_mirror_images() {
         let other = tables.mirrored[state];
         assert_eq!((tables.mirrored[other], tables.bin[other]), (state, tables.bin[state]));
     }
-    assert_eq!(label_of("R-PComm"), Some(Sided::PComm.on(Side::Right)));
-    assert_eq!(name_of(mirrored(Sided::M2.on(Side::Left))), "R-M2");
+    assert_eq!(label_of("R-PComm"), Some(Sided::PComm.on(BodySide::Right)));
+    assert_eq!(name_of(mirrored(Sided::M2.on(BodySide::Left))), "R-M2");
     assert_eq!(state_at(BA, 9.0), first_state(BA) + 2);
     assert_eq!(state_at(ACOMM, 90.0), first_state(ACOMM));
     assert_eq!(tables.step(first_state(BA), -1), None);
@@ -296,12 +296,12 @@ fn states_run_along_the_arteries_and_have_mirror_images() {
 /// A carotid, a gap of 4 mm and an A2, in a row: the way over the gap, and none without it.
 #[test]
 fn a_gap_is_crossed_as_far_as_it_is_believed() {
-    let certain = |label: Label| {
+    let certain = |label: ArteryLabel| {
         let mut p = [0.0; LABELS];
         p[label] = 1.0;
         p
     };
-    let (ica, a1, a2) = (Sided::Ica.on(Side::Left), Sided::A1.on(Side::Left), Sided::A2.on(Side::Left));
+    let (ica, a1, a2) = (Sided::Ica.on(BodySide::Left), Sided::A1.on(BodySide::Left), Sided::A2.on(BodySide::Left));
     let labels = [ica, a1, a1, a2, OTHER].map(certain);
     let nodes = Nodes {
         at: [0.0, 1.0, 5.0, 6.0, 90.0].map(|x| [x, 0.0, 0.0]).to_vec(),
@@ -358,7 +358,7 @@ fn beliefs_are_those_of_all_assignments() {
     };
     nodes.bridges.push(Bridge { nodes: [1, 2], gap: 4.0, probability: 0.7, vessel: 0 });
     let log_likelihood: Vec<f64> = (0..3 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();
-    let found = Forest::of(&nodes, &[0]).beliefs(&atlas, &log_likelihood);
+    let found = NamingForest::of(&nodes, &[0]).beliefs(&atlas, &log_likelihood);
     let own = |n: usize, s: usize| log_likelihood[n * STATES + s].exp() * atlas.prior[s];
     let sum_of_last: f64 = (0..STATES).map(|c| own(2, c)).sum();
     let mut expected = vec![0.0; 3 * STATES];
@@ -400,7 +400,7 @@ fn beliefs_are_those_of_all_assignments() {
     };
     let lists = [0..12, 50..55, 112..113];
     let lists_of = lists.iter().collect::<Vec<_>>();
-    let evidence = Forest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &found, &lists_of);
+    let evidence = NamingForest::of(&nodes, &[0]).evidence(&atlas, &log_likelihood, &found, &lists_of);
     for (states, found) in lists.iter().zip(evidence) {
         let expected = (total(&|_| true) / total(&|state| !states.contains(&state))).ln();
         assert!((found - expected).abs() < 1e-9 && expected > 0.0, "{states:?}: {found}, not {expected}");
@@ -418,7 +418,7 @@ fn evidence_at_the_root_agrees_with_beliefs() {
         neighbours: vec![vec![1, 2, 3], vec![0], vec![0], vec![0, 4], vec![3]],
         ..Nodes::default()
     };
-    let forest = Forest::of(&nodes, &[]);
+    let forest = NamingForest::of(&nodes, &[]);
     let (root, own) = (forest.order[0], 0..12);
     for at_root in [-3.0, 0.0, 8.0] {
         let mut log_likelihood: Vec<f64> = (0..5 * STATES).map(|k| (0.37 * k as f64).sin() * 2.0).collect();

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use willis::error::Place;
 use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Ba, Ica, M1, P1, P2, PComm, ThirdA2, Va};
-use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
+use willis::internals::circle_of_willis::BodySide::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{Artery, identify_landmarks};
 use willis::internals::formats::{LandmarkFormat, ListedLandmark, MarkedPoint, read_landmarks, write_landmarks};
 use willis::internals::network::Frame;

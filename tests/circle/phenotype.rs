@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use willis::error::{Fault, Place};
 use willis::internals::circle_of_willis::Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, Mca, P1, P2, PComm, Pca, ThirdA2, Va};
-use willis::internals::circle_of_willis::Side::{Left as L, Right as R};
+use willis::internals::circle_of_willis::BodySide::{Left as L, Right as R};
 use willis::internals::circle_of_willis::{
     Artery, Circle, Completeness, LabelScheme, Landmark, RING, Variant, artery_of_label, hypoplastic, identify_landmarks,
     segment_diameters, split_where_labels_change,

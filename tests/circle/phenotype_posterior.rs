@@ -7,7 +7,7 @@ use std::path::Path;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::circle_of_willis::{
-    Artery, Circle, LabelScheme, Posterior, RING, Side, Variant, VariantFrequencies, collaterals,
+    Artery, BodySide, Circle, LabelScheme, Posterior, RING, Variant, VariantFrequencies, collaterals,
 };
 use willis::internals::decision::{KnownEnds, Topologies, TopologySource};
 use willis::internals::flow::boundary_conditions::stated;
@@ -145,7 +145,7 @@ fn what_excludes_one_another_is_counted_together() {
         (0..network.vessel_count()).filter(|row| network.vessel(*row).origin == Origin::Candidate).collect();
     let share = |row: usize| found.deciding.iter().find(|d| d.vessel == row).map(|d| d.share_with);
     assert!(share(candidates[0]).is_some_and(|p| (p - 0.4).abs() < 0.02), "{:?}", found.deciding);
-    let there: f64 = found.variants.iter().filter(|(v, _)| v.has(Artery::A1(Side::Left))).map(|(_, p)| p).sum();
+    let there: f64 = found.variants.iter().filter(|(v, _)| v.has(Artery::A1(BodySide::Left))).map(|(_, p)| p).sum();
     assert!((there - 0.4).abs() < 0.02, "{there}");
     assert!(candidates.iter().filter(|row| found.topology[**row]).count() < 2);
 }

@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 use crate::command::{folder, stderr, willis};
 use std::borrow::Cow;
-use willis::cli::internals::{Filter, Named, parse_filter};
+use willis::cli::internals::{BidsName, Filter, parse_filter};
 use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
 use willis::internals::report::bids_table::{bids_columns, describe, sidecar, write_tsv};
 use willis::internals::report::cohort::{Row, infer_figures};
@@ -356,12 +356,12 @@ fn a_table_has_no_tab_in_a_cell_and_no_empty_cell() {
 
 #[test]
 fn a_name_is_entities_and_a_suffix() {
-    let named = Named::parse("sub-01_ses-a_acq-tof_desc-CoWVessels_mask.nii.gz").expect("a name");
+    let named = BidsName::parse("sub-01_ses-a_acq-tof_desc-CoWVessels_mask.nii.gz").expect("a name");
     assert_eq!((named.value("acq"), named.value("run"), &*named.suffix), (Some("tof"), None, "mask"));
     assert!(named.says_vessels());
-    assert!(!Named::parse("sub-01_acq-angio_desc-brain_mask.nii").expect("a name").says_vessels());
+    assert!(!BidsName::parse("sub-01_acq-angio_desc-brain_mask.nii").expect("a name").says_vessels());
     for name in ["sub-01_mask.json", "mask.nii.gz", "sub01_mask.nii.gz"] {
-        assert_eq!(Named::parse(name), None, "{name}");
+        assert_eq!(BidsName::parse(name), None, "{name}");
     }
 }
 

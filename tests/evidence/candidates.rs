@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::draw::Draw;
 use crate::vessels;
 use willis::internals::candidates::clusters::{Bounds, groups};
-use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::kind::CenterlineKind;
 use willis::internals::candidates::model::Weights;
 use willis::internals::candidates::model::posterior::posterior;
 use willis::internals::candidates::resample::Resampled;
 use willis::internals::candidates::search::point_index::PointIndex;
-use willis::internals::candidates::search::{Candidate, SearchOptions, search};
+use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build, build_with_evidence};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
@@ -78,7 +78,7 @@ fn end_radius(network: &Network, end: usize) -> f64 {
 
 /// What candidates are looked for on: the same vessels, with points at one step.
 fn seen(network: &Network) -> Resampled {
-    Resampled::new(network, Kind::Tracing)
+    Resampled::new(network, CenterlineKind::Tracing)
 }
 
 fn position(network: &Network, node: usize) -> Point {
@@ -404,15 +404,15 @@ fn what_each_p_means() {
     let mut most = 0.0_f64;
     for seed in 0..24 {
         let network = assemble(&fragments(&mut Draw::new(seed), 24));
-        let e = Resampled::new(&network, Kind::Tracing).extraction(&[]).unwrap();
+        let e = Resampled::new(&network, CenterlineKind::Tracing).extraction(&[]).unwrap();
         let found = posterior(&e, &search(&e, &SearchOptions::default()).unwrap(), &weights).unwrap();
         let (mut of_points, mut of_child) = (BTreeMap::new(), found.marginals.roots.clone());
         let (mut of_fragments, mut of_p) = (BTreeMap::new(), BTreeMap::new());
-        let points = |c: &Candidate| {
+        let points = |c: &EndCandidate| {
             let [a, b] = [e.ends[c.end].point, c.point];
             [a.min(b), a.max(b)]
         };
-        let sides = |c: &Candidate| {
+        let sides = |c: &EndCandidate| {
             let [a, b] = points(c).map(|point| e.fragment[point]);
             [a.min(b), a.max(b)]
         };

@@ -7,11 +7,11 @@ use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::contacts::branches::Branches;
 use willis::internals::contacts::crowding::Crowding;
-use willis::internals::contacts::features::{Table, pairs_of, skeleton_feature_names};
+use willis::internals::contacts::features::{PairTable, pairs_of, skeleton_feature_names};
 use willis::internals::contacts::model::ContactModel;
 use willis::internals::contacts::pairings::Pairings;
 use willis::internals::contacts::partition::{
-    Blocks, PARTITION_FEATURES, SIZES, Together, most_probable, pair_probabilities, partitions,
+    Blocks, JoinableEnds, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions,
 };
 use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
@@ -123,7 +123,7 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
 
 #[test]
 fn margins_and_pairings_of_a_table_are_those_by_hand() {
-    let table = Table::of(4, -9.0, |i, j| [[0.0, 5.0, 1.0, 2.0], [0.0, 0.0, 3.0, 0.5], [0.0, 0.0, 0.0, 4.0], [0.0; 4]][i][j]);
+    let table = PairTable::of(4, -9.0, |i, j| [[0.0, 5.0, 1.0, 2.0], [0.0, 0.0, 3.0, 0.5], [0.0, 0.0, 0.0, 4.0], [0.0; 4]][i][j]);
     // Of 0 the best other partner gives 2, of 1 it gives 3.
     assert_eq!(table.margins([0, 1], -1.0), [2.0, 3.0]);
     // 0-1 and 2-3 give 9; apart, 0-2 and 1-3 give 1.5, 0-3 and 1-2 give 5.
@@ -381,11 +381,11 @@ fn there_are_as_many_partitions_as_bell_counted() {
 
 #[test]
 fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
-    let scores = Table::of(2, 0.0, |_, _| 1.3);
+    let scores = PairTable::of(2, 0.0, |_, _| 1.3);
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
     let p = pair_probabilities(&scores, 2, &weights)[0].1;
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
-    let blocks = most_probable(&Table::of(2, 0.0, |_, _| -1.3), 2, &weights, Together::ANY);
+    let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), 2, &weights, JoinableEnds::ANY);
     assert_eq!(blocks.of_end, [0, 1]);
     assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
 }
@@ -393,9 +393,9 @@ fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
 #[test]
 fn a_crossing_is_two_vessels() {
     // 0-1 and 2-3 pass straight through, the rest bends.
-    let scores = Table::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
+    let scores = PairTable::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let blocks = most_probable(&scores, 4, &weights, Together::ANY);
+    let blocks = most_probable(&scores, 4, &weights, JoinableEnds::ANY);
     assert_eq!(blocks.of_end, [0, 0, 1, 1]);
     // By hand: of the fifteen partitions those where a pair of the two vessels is together.
     let joined =
@@ -418,6 +418,9 @@ fn a_crossing_is_two_vessels() {
 
 #[test]
 fn a_clump_is_put_together_while_that_pays() {
-    let scores = Table::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
-    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], Together::ANY).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
+    let scores = PairTable::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
+    assert_eq!(
+        most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], JoinableEnds::ANY).of_end,
+        [0, 0, 0, 0, 1, 1, 1, 1]
+    );
 }

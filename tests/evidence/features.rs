@@ -7,7 +7,7 @@ use willis::internals::candidates::features::candidate_features::relative_size;
 use willis::internals::candidates::features::{
     Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, measured, root_features,
 };
-use willis::internals::candidates::search::{Candidate, SearchOptions, search};
+use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::forest_posterior;
 use willis::internals::forest_posterior::{Forests, marginals};
 use willis::internals::network::centerlines::Centerlines;
@@ -150,7 +150,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
         (end(0.0, 15.0), node(10.0, 0.0)),
         (end(10.0, 0.0), node(6.0, 5.0)),
     ];
-    let bridges = bridges.map(|(end, point)| Candidate { end, point, within: false });
+    let bridges = bridges.map(|(end, point)| EndCandidate { end, point, within: false });
     let fragment = |place: usize| extraction.fragment[place];
     let log_weights = [0.3, -0.2, 0.5, -1.0, 0.1];
     let each = bridges.iter().zip(log_weights).map(|(b, log_weight)| forest_posterior::Edge {
@@ -213,7 +213,7 @@ fn a_loop_has_no_direction() {
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let inlet = network.nodes().position(|n| n.position.is_some_and(|p| p[0] > 11.9)).expect("the tail's end");
     let extraction = Extraction::new(&network, &[inlet]).expect("positions");
-    let bridges: Vec<Candidate> =
+    let bridges: Vec<EndCandidate> =
         search(&extraction, &SearchOptions::default()).unwrap().into_iter().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &bridges);
     let got = Feedback::new(&extraction, &bridges).features(&forests, &marginals(&forests));
@@ -241,7 +241,7 @@ fn a_gap_in_a_ring_has_a_detour() {
     points.links.extend((1..12).map(|i| [i - 1, i]));
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let extraction = Extraction::new(&network, &[]).expect("positions");
-    let bridges = [Candidate { end: 0, point: extraction.ends[1].point, within: true }];
+    let bridges = [EndCandidate { end: 0, point: extraction.ends[1].point, within: true }];
     let measured = &measured(&extraction, &bridges)[0];
     assert!((log_detour(measured) - 11_f64.ln()).abs() < 1e-12 && relative_size(measured) == 0.0);
 }
@@ -276,7 +276,7 @@ fn what_has_no_points_is_no_error() {
 type Row = ([u32; 2], bool, Vec<f64>);
 
 /// Forests with some weights that depend on the bridges alone.
-fn weighed(extraction: &Extraction, bridges: &[Candidate]) -> Forests {
+fn weighed(extraction: &Extraction, bridges: &[EndCandidate]) -> Forests {
     let x = features(extraction, bridges);
     let each = bridges.iter().zip(x.rows()).map(|(bridge, x)| forest_posterior::Edge {
         child: extraction.ends[bridge.end].fragment,
@@ -312,7 +312,7 @@ fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>
         }
     };
     let columns = features(&extraction, &bridges);
-    let between: Vec<Candidate> = bridges.iter().copied().filter(|b| !b.within).collect();
+    let between: Vec<EndCandidate> = bridges.iter().copied().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &between);
     let feedback = Feedback::new(&extraction, &between).features(&forests, &marginals(&forests));
     let mut feedback = feedback.rows().into_iter();

@@ -8,10 +8,10 @@ use std::path::Path;
 use crate::command::{folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::candidates::features::Extraction;
-use willis::internals::candidates::joins::course::Course;
+use willis::internals::candidates::joins::course::EndCourse;
 use willis::internals::candidates::joins::features::join_feature_names;
 use willis::internals::candidates::joins::model::JoinModel;
-use willis::internals::candidates::kind::Kind;
+use willis::internals::candidates::kind::CenterlineKind;
 use willis::internals::candidates::resample::{Resampled, step_of};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::boosted_trees::Tree;
@@ -44,12 +44,12 @@ fn the_step_is_set_by_the_thin_quarter_of_the_length_and_not_by_the_points() {
             (straight([0.0; 3], [30.0, 0.0, 0.0], steps), 0.5),
             (straight([0.0, 9.0, 0.0], [70.0, 9.0, 0.0], 3 * steps), 2.0),
         ]);
-        assert!((step_of(&network, Kind::Skeleton) / (0.5e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{steps}");
+        assert!((step_of(&network, CenterlineKind::Skeleton) / (0.5e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9, "{steps}");
     }
     // With 20 mm of the thin one a quarter reaches into the wide one.
     let network =
         vessels(&[(straight([0.0; 3], [20.0, 0.0, 0.0], 9), 0.5), (straight([0.0, 9.0, 0.0], [80.0, 9.0, 0.0], 9), 2.0)]);
-    assert!((step_of(&network, Kind::Skeleton) / (2e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9);
+    assert!((step_of(&network, CenterlineKind::Skeleton) / (2e-3 * 2.0_f64.sqrt()) - 1.0).abs() < 1e-9);
 }
 
 #[test]
@@ -57,7 +57,7 @@ fn the_step_of_a_tracing_is_set_by_the_volume_of_its_vessels() {
     // π 2² 70 mm³ and π 0.5² 30 mm³ are 903.2 mm³, a cube of 9.666 mm.
     let [thin, wide] = [(straight([0.0; 3], [30.0, 0.0, 0.0], 3), 0.5), (straight([0.0, 9.0, 0.0], [70.0, 9.0, 0.0], 3), 2.0)];
     let side = (std::f64::consts::PI * (4.0 * 70.0 + 0.25 * 30.0)).cbrt();
-    let step = |lines: &[(Vec<Point>, f64)]| step_of(&vessels(lines), Kind::Tracing);
+    let step = |lines: &[(Vec<Point>, f64)]| step_of(&vessels(lines), CenterlineKind::Tracing);
     assert!((step(&[thin.clone(), wide.clone()]) / (side / 30.0 * 1e-3) - 1.0).abs() < 1e-9);
     // One short wide vessel: a quarter of its radius. A long thin one: twice its radius.
     assert!((step(&[(straight([0.0; 3], [6.0, 0.0, 0.0], 3), 3.0)]) / 0.75e-3 - 1.0).abs() < 1e-9);
@@ -69,7 +69,7 @@ fn points_lie_on_the_path_at_equal_distances_and_know_their_places() {
     // A right angle: 3 mm along x, 4 mm along y, of radius 1: five steps of 1.4 mm.
     let corner = vec![[0.0; 3], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]];
     let network = vessels(&[(corner, 1.0)]);
-    let resampled = Resampled::new(&network, Kind::Skeleton);
+    let resampled = Resampled::new(&network, CenterlineKind::Skeleton);
     let path = &resampled.network.vessel(0).path;
     let truth = [[0.0, 0.0], [1.4, 0.0], [2.8, 0.0], [3.0, 1.2], [3.0, 2.6], [3.0, 4.0]];
     assert_eq!(path.len(), truth.len());
@@ -87,9 +87,9 @@ fn a_course_knows_direction_and_curvature() {
     // A quarter of a circle of 20 mm in the plane, from (20, 0) to (0, 20), and of radius 0.5; its free end is left along -y.
     let arc: Vec<Point> =
         (0..=200).map(|i| f64::from(i) / 200.0 * FRAC_PI_2).map(|a| [20.0 * a.cos(), 20.0 * a.sin(), 0.0]).collect();
-    let resampled = Resampled::new(&vessels(&[(arc, 0.5)]), Kind::Skeleton);
+    let resampled = Resampled::new(&vessels(&[(arc, 0.5)]), CenterlineKind::Skeleton);
     let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step)).expect("positions");
-    let course = Course::new(&extraction, 0);
+    let course = EndCourse::new(&extraction, 0);
     // It is fitted over 16 spacings and 6 radii; the chord of so long an arc turns by half of its angle from the tangent at the end.
     let half = 0.5 * (16.0 * resampled.step * 1e3 + 3.0) / 20.0;
     let off = |direction: Point| direction[0].atan2(-direction[1]);

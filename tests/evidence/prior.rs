@@ -1,7 +1,9 @@
 //! The prior: weights as files, and what they make of fragments, solved by hand.
 
 use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
-use willis::internals::candidates::model::{CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, Pass, Usual, Weights, posterior};
+use willis::internals::candidates::model::{
+    CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, PassWeights, Usual, Weights, posterior,
+};
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Network, RadiusRule, contract};
@@ -28,7 +30,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
         assert!(given.iter().all(|(name, _)| names.contains(name)));
         names.iter().map(|n| given.iter().find(|(name, _)| name == n).map_or(0.0, |(_, w)| *w)).collect()
     };
-    let pass = Pass {
+    let pass = PassWeights {
         candidate: fill(FEATURES.iter().map(|(n, _)| *n).collect(), bridge),
         root: fill(ROOT_FEATURES.iter().map(|(n, _)| *n).collect(), root),
     };
@@ -104,12 +106,12 @@ fn odd() -> Weights {
         calibration_error: None,
         log_likelihood: -12.5,
     };
-    let pass = |number: usize| Pass {
-        candidate: Pass::candidate_features(number)
+    let pass = |number: usize| PassWeights {
+        candidate: PassWeights::candidate_features(number)
             .enumerate()
             .map(|(i, _)| (i as f64 + 0.1).sin() * 10_f64.powi(i as i32 % 9 - 6))
             .collect(),
-        root: Pass::root_features().enumerate().map(|(i, _)| -(i as f64) / 7.0).collect(),
+        root: PassWeights::root_features().enumerate().map(|(i, _)| -(i as f64) / 7.0).collect(),
     };
     Weights {
         passes: (0..3).map(pass).collect(),

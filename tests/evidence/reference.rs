@@ -9,7 +9,7 @@ use ndarray::Array2;
 use willis::internals::candidates::features::{
     Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, features, root_features,
 };
-use willis::internals::candidates::search::{Candidate, SearchOptions, search};
+use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::forest_posterior;
 use willis::internals::forest_posterior::{Forests, marginals};
 use willis::internals::network::centerlines::Centerlines;
@@ -44,9 +44,9 @@ fn row_of(network: &Network, id: f64) -> usize {
 }
 
 /// The feedback on the bridges between fragments, weighed as the reference does; zero for those within one.
-fn feedback(e: &Extraction, bridges: &[Candidate], x: &Array2<f64>) -> Array2<f64> {
+fn feedback(e: &Extraction, bridges: &[EndCandidate], x: &Array2<f64>) -> Array2<f64> {
     let rows: Vec<usize> = (0..bridges.len()).filter(|row| !bridges[*row].within).collect();
-    let between: Vec<Candidate> = rows.iter().map(|row| bridges[*row]).collect();
+    let between: Vec<EndCandidate> = rows.iter().map(|row| bridges[*row]).collect();
     let at = |row: usize, name: &str| x[[row, FEATURES.iter().position(|(n, _)| *n == name).expect("a feature")]];
     let weighed = |row: &usize| forest_posterior::Edge {
         child: e.ends[bridges[*row].end].fragment,

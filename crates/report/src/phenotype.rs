@@ -14,7 +14,7 @@ use willis_io::output::atomic::write_file;
 use willis_io::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
 use willis_io::output::{write_json, write_record};
 use willis_models::circle_of_willis::{
-    Artery, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, Side, TERRITORIES, Variant,
+    Artery, BodySide, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, TERRITORIES, Variant,
 };
 
 /// A classification with everything that its files need.
@@ -90,7 +90,7 @@ fn names(arteries: &[Artery]) -> Vec<String> {
 /// The anatomy of a variant.
 fn anatomy_json(variant: &Variant) -> Value {
     let has = |artery| variant.has(artery);
-    let [left, right] = Side::BOTH;
+    let [left, right] = BodySide::BOTH;
     let mut segments = serde_json::Map::new();
     for (artery, present) in presence(variant) {
         segments.insert(artery.to_string(), json!(present));
@@ -118,7 +118,7 @@ fn anatomy_json(variant: &Variant) -> Value {
 /// The segments of the ring and the feeding arteries, with whether each is present.
 fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
     let feeders =
-        [(Artery::Ica(Side::Left), variant.ica[0]), (Artery::Ica(Side::Right), variant.ica[1]), (Artery::Ba, variant.ba)];
+        [(Artery::Ica(BodySide::Left), variant.ica[0]), (Artery::Ica(BodySide::Right), variant.ica[1]), (Artery::Ba, variant.ba)];
     RING.into_iter().zip(variant.present).chain(feeders)
 }
 

@@ -16,7 +16,7 @@ use willis_core::support::in_order;
 use willis_io::formats::tables::conditions::read_inlets;
 use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, read_links, regular_bytes_of};
 use willis_models::candidates::features::Extraction;
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::resample::Resampled;
 
 /// Folders further down are not looked into.
@@ -201,8 +201,8 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         mask,
     };
     let kind = match model {
-        Model::Tracing => Kind::Tracing,
-        Model::Skeleton => Kind::Skeleton,
+        Model::Tracing => CenterlineKind::Tracing,
+        Model::Skeleton => CenterlineKind::Skeleton,
         Model::Contacts => {
             let mut truth = ContactTruth::read(&bytes).map_err(here)?;
             let subject = truth.subject.take().unwrap_or(case.subject);

@@ -18,7 +18,7 @@ use willis_core::support::in_order;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::resample::Resampled;
 use willis_models::contacts::crowding::Crowding;
 use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
@@ -71,7 +71,7 @@ impl<'a> ContactExample<'a> {
         let joined: Vec<Option<bool>> = joined.collect();
         let of_mask = field.as_ref().map(|field| table.features(Some(field), None));
         let images: &[PathBuf] = if field.is_some() { &case.images } else { &[] };
-        let extraction = Resampled::new(&case.network, Kind::Skeleton).extraction(&[])?;
+        let extraction = Resampled::new(&case.network, CenterlineKind::Skeleton).extraction(&[])?;
         let of_images = images.iter().map(|path| {
             let scene = shown(path, &extraction)?;
             Ok((image_name(path), table.features(field.as_ref(), Some(&scene))))

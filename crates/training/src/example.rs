@@ -13,7 +13,7 @@ use willis_core::support::in_order;
 use willis_io::formats::{ReadOptions, read_image};
 use willis_io::masks::{Appearance, Scene, View};
 use willis_models::candidates::features::Extraction;
-use willis_models::candidates::kind::Kind;
+use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::model::feature_table::CandidateTable;
 use willis_models::candidates::resample::Resampled;
 use willis_models::candidates::search::{SearchOptions, search};
@@ -64,7 +64,8 @@ impl<'a> Example<'a> {
     ///
     /// A node without a position; fragments in a tangle.
     pub fn new(case: &'a Case, with_inlets: bool) -> Result<Self> {
-        let extraction = Resampled::new(&case.network, Kind::Tracing).extraction(if with_inlets { &case.inlets } else { &[] })?;
+        let extraction =
+            Resampled::new(&case.network, CenterlineKind::Tracing).extraction(if with_inlets { &case.inlets } else { &[] })?;
         let table = CandidateTable::new(&extraction, &search(&extraction, &SearchOptions::default())?)?;
         let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
         let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();

@@ -15,8 +15,9 @@ use willis_core::support::model_provenance::ModelProvenance;
 use willis_models::candidates::features::Feedback;
 use willis_models::candidates::model::Usual;
 use willis_models::candidates::model::loop_closures::{Closure, closures};
+use willis_models::candidates::model::pass::PassWeights;
 use willis_models::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
-use willis_models::candidates::model::weights::{Pass, Weights, input_features};
+use willis_models::candidates::model::weights::{Weights, input_features};
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;
@@ -99,7 +100,7 @@ pub fn fit(
     }
     let mut designs: Vec<Cow<Array2<f64>>> = examples.iter().map(|e| Cow::Borrowed(&e.table.features)).collect();
     let mut posteriors: Vec<(Forests, Marginals)> = Vec::new();
-    let mut passes: Vec<Pass> = Vec::new();
+    let mut passes: Vec<PassWeights> = Vec::new();
     for (number, iterations) in params.iterations.iter().enumerate() {
         if number > 0 {
             let next = in_order(examples, |at, e| {
@@ -170,9 +171,10 @@ fn fit_closures(examples: &[&Example], weights: &Weights, posteriors: &[(Forests
 }
 
 /// Zeros, or the weights of the pass before with zeros for what it did not know.
-fn first_guess(number: usize, before: Option<&Pass>) -> Pass {
-    let mut pass =
-        before.cloned().unwrap_or_else(|| Pass { candidate: Vec::new(), root: vec![0.0; Pass::root_features().count()] });
-    pass.candidate.resize(Pass::candidate_features(number).count(), 0.0);
+fn first_guess(number: usize, before: Option<&PassWeights>) -> PassWeights {
+    let mut pass = before
+        .cloned()
+        .unwrap_or_else(|| PassWeights { candidate: Vec::new(), root: vec![0.0; PassWeights::root_features().count()] });
+    pass.candidate.resize(PassWeights::candidate_features(number).count(), 0.0);
     pass
 }

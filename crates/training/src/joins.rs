@@ -21,7 +21,7 @@ use willis_models::candidates::joins::image::features::IMAGE_FEATURES;
 use willis_models::candidates::joins::in_image::InImage;
 use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
 use willis_models::candidates::joins::rivals::Pairs;
-use willis_models::candidates::joins::{JoinTable, Scores};
+use willis_models::candidates::joins::{JoinTable, ShapeScores};
 use willis_models::candidates::search::SearchOptions;
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
@@ -127,7 +127,7 @@ pub fn fit_joins(examples: &[&JoinExample], progress: &mut dyn FnMut(&str)) -> R
     let first = boost(examples, &firsts, &all)?;
     progress("pass 1");
     let mut firsts_without = Vec::new();
-    let mut scores: Vec<Scores> = vec![Scores { first: Vec::new(), second: Vec::new() }; examples.len()];
+    let mut scores: Vec<ShapeScores> = vec![ShapeScores { first: Vec::new(), second: Vec::new() }; examples.len()];
     for held in 0..INNER {
         let trees = boost(examples, &firsts, &without(held))?;
         for at in within(held) {
@@ -235,7 +235,7 @@ struct Judged<'a> {
 fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>) -> Judged<'a> {
     let scores = e.table.scores(model);
     let (probability, pairs) = match of {
-        Some(of) => (e.table.probabilities_in(model, &scores, &of.image), &of.image.pairs),
+        Some(of) => (of.image.probabilities(&e.table, model, &scores), &of.image.pairs),
         None => (e.table.probabilities(model, &scores), &e.table.pairs),
     };
     let ends: Vec<[Option<usize>; 2]> =

@@ -9,7 +9,7 @@ use willis_core::error::Result;
 use willis_core::forest_posterior::{log_likelihood, marginals};
 use willis_core::support::in_order;
 use willis_models::candidates::model::feature_table::is_cut;
-use willis_models::candidates::model::weights::Pass;
+use willis_models::candidates::model::pass::PassWeights;
 
 /// Added to the spread of a candidate's feature. One that hardly varies at all is not scaled.
 const LEAST_SPREAD: f64 = 1e-6;
@@ -45,15 +45,15 @@ impl<'a> Objective<'a> {
     }
 
     /// The standardised weights of a pass.
-    pub fn standardised(&self, pass: &Pass) -> Vec<f64> {
+    pub fn standardised(&self, pass: &PassWeights) -> Vec<f64> {
         pass.candidate.iter().chain(&pass.root).zip(&self.scale).map(|(w, s)| w * s).collect()
     }
 
     /// The pass of standardised weights.
-    pub fn pass(&self, y: &[f64]) -> Pass {
+    pub fn pass(&self, y: &[f64]) -> PassWeights {
         let weights: Vec<f64> = y.iter().zip(&self.scale).map(|(y, s)| y / s).collect();
         let (candidate, root) = weights.split_at(self.candidate_features);
-        Pass { candidate: candidate.to_vec(), root: root.to_vec() }
+        PassWeights { candidate: candidate.to_vec(), root: root.to_vec() }
     }
 
     /// Value and gradient. Infinite where a weight is no number.
@@ -74,7 +74,7 @@ impl<'a> Objective<'a> {
 }
 
 /// ln P of a case's truth and its derivatives by the weights of the candidates' and the roots' features.
-fn gradient(example: &Example, design: &Array2<f64>, pass: &Pass) -> Result<(f64, Vec<f64>)> {
+fn gradient(example: &Example, design: &Array2<f64>, pass: &PassWeights) -> Result<(f64, Vec<f64>)> {
     let forests = example.table.forests(pass, design)?;
     let (value, gradient) = log_likelihood(&forests, &marginals(&forests), &example.allowed);
     let mut out = vec![0.0; pass.candidate.len() + pass.root.len()];

@@ -13,7 +13,7 @@ use serde_json::Value;
 
 use super::figures::{Spacing, length, spacing};
 use super::{file_of, words};
-use crate::cli::print::{Terminal, say_read};
+use crate::cli::print::{TextTerminal, say_read};
 
 /// The file that a command works on.
 #[derive(Debug, Args)]
@@ -92,16 +92,16 @@ impl ReadingArgs {
     }
 
     /// Reads an input, and says what it is; `command` is the line that repeats its run.
-    pub fn read(&self, input: &Path, command: String, terminal: Terminal) -> Result<Input> {
+    pub fn read(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Input> {
         Ok(self.said(read(input, &self.options(input)?)?.with_command(command), terminal))
     }
 
     /// As [`Self::read`], but of the folder of a run the run itself.
-    pub fn read_run(&self, input: &Path, command: String, terminal: Terminal) -> Result<Input> {
+    pub fn read_run(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Input> {
         Ok(self.said(read_run(input, &self.options(input)?)?.with_command(command), terminal))
     }
 
-    fn said(&self, read: Input, terminal: Terminal) -> Input {
+    fn said(&self, read: Input, terminal: TextTerminal) -> Input {
         // Without a unit one is assumed, unless the spacing says it.
         say_read(terminal, &read, self.units.is_none() && !self.is_spacing_auto());
         read

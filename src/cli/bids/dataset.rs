@@ -80,14 +80,14 @@ impl Choice {
 
 /// An image by its name.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Named {
+pub struct BidsName {
     /// The entities in order, each with its value.
     entities: Vec<(String, String)>,
     /// What it is: `mask`, `dseg`.
     pub suffix: String,
 }
 
-impl Named {
+impl BidsName {
     /// The name of an image of NIfTI; `None` for another file.
     pub fn parse(name: &str) -> Option<Self> {
         let stem = name.strip_suffix(".nii.gz").or_else(|| name.strip_suffix(".nii"))?;
@@ -116,18 +116,18 @@ impl Named {
 
 /// A mask of the vessels of one participant, in one session where there are sessions.
 #[derive(Debug, Clone)]
-pub struct Mask {
+pub struct DatasetMask {
     /// With `sub-`.
     pub participant: String,
     /// With `ses-`.
     pub session: Option<String>,
     pub path: PathBuf,
-    named: Named,
+    named: BidsName,
     /// The name of the folder in `derivatives`, empty for the dataset itself.
     pipeline: String,
 }
 
-impl Mask {
+impl DatasetMask {
     /// The name of its run: `sub-01_ses-a`.
     pub fn run(&self) -> String {
         run_name(&self.participant, self.session.as_deref())
@@ -217,18 +217,19 @@ impl Dataset {
     /// # Errors
     ///
     /// A label that none has, no mask at all, a chosen participant without a mask, several masks of one session.
-    pub fn masks(&self, choice: &Choice) -> Result<(Vec<Mask>, Vec<String>)> {
+    pub fn masks(&self, choice: &Choice) -> Result<(Vec<DatasetMask>, Vec<String>)> {
         let (asked, sessions) = choice.labels();
         check_labels("participant_label", &asked, &self.participants)?;
         let chosen: Vec<&String> = self.participants.iter().filter(|name| asked.is_empty() || asked.contains(name)).collect();
-        let all: Vec<Mask> = chosen.iter().flat_map(|participant| self.masks_of(participant, choice)).collect();
+        let all: Vec<DatasetMask> = chosen.iter().flat_map(|participant| self.masks_of(participant, choice)).collect();
         let known: BTreeSet<String> = chosen.iter().flat_map(|participant| self.sessions(participant)).flatten().collect();
         check_labels("session_label", &sessions, &known)?;
-        let is_asked = |mask: &&Mask| sessions.is_empty() || mask.session.as_ref().is_some_and(|name| sessions.contains(name));
-        let all: Vec<Mask> = all.iter().filter(is_asked).cloned().collect();
+        let is_asked =
+            |mask: &&DatasetMask| sessions.is_empty() || mask.session.as_ref().is_some_and(|name| sessions.contains(name));
+        let all: Vec<DatasetMask> = all.iter().filter(is_asked).cloned().collect();
         let (mut masks, mut without) = (Vec::new(), Vec::new());
         for participant in chosen {
-            let of: Vec<&Mask> = all.iter().filter(|mask| mask.participant == *participant).collect();
+            let of: Vec<&DatasetMask> = all.iter().filter(|mask| mask.participant == *participant).collect();
             let own: BTreeSet<Option<&String>> = of.iter().map(|mask| mask.session.as_ref()).collect();
             let before = masks.len();
             for session in own {
@@ -244,7 +245,7 @@ impl Dataset {
     }
 
     /// The one mask of vessels among those of a session; `None` where none is one.
-    fn one(&self, of_session: Vec<&Mask>, choice: &Choice) -> Result<Option<Mask>> {
+    fn one(&self, of_session: Vec<&DatasetMask>, choice: &Choice) -> Result<Option<DatasetMask>> {
         let is_named = choice.filter.iter().any(|filter| WHAT.contains(&filter.key.as_str()));
         let mut meant = of_session.clone();
         if !is_named {
@@ -272,7 +273,7 @@ impl Dataset {
     }
 
     /// The masks of a participant that fit the filters.
-    fn masks_of(&self, participant: &str, choice: &Choice) -> Vec<Mask> {
+    fn masks_of(&self, participant: &str, choice: &Choice) -> Vec<DatasetMask> {
         let mut masks = Vec::new();
         let suffix = choice.filter.iter().find(|filter| filter.key == "suffix").map(|filter| filter.value.as_str());
         for (folder, pipeline) in &self.folders {
@@ -281,7 +282,7 @@ impl Dataset {
                     let is_mask =
                         suffix.map_or_else(|| SUFFIXES.contains(&named.suffix.as_str()), |suffix| named.suffix == suffix);
                     let (participant, pipeline) = (participant.to_owned(), pipeline.clone());
-                    let mask = Mask { participant, session: session.clone(), path, named, pipeline };
+                    let mask = DatasetMask { participant, session: session.clone(), path, named, pipeline };
                     if is_mask && choice.filter.iter().all(|filter| mask.value(&filter.key) == filter.value) {
                         masks.push(mask);
                     }
@@ -292,7 +293,7 @@ impl Dataset {
     }
 
     /// Whether the dataset itself has an angiogram with the entities of a mask, and no other image with them.
-    fn is_of_angiogram(&self, mask: &Mask) -> bool {
+    fn is_of_angiogram(&self, mask: &DatasetMask) -> bool {
         let folder = anatomy(&self.root, &mask.participant, mask.session.as_deref());
         let mut alike = images(&folder)
             .into_iter()
@@ -307,10 +308,10 @@ impl Dataset {
     }
 
     /// That participants have no mask of vessels; `others` are masks that do not say so.
-    fn none(&self, of: &[String], others: &[Mask]) -> Error {
+    fn none(&self, of: &[String], others: &[DatasetMask]) -> Error {
         let whose =
             if of.len() == self.participants.len() { String::new() } else { format!(" of {}", listed(of.iter().cloned())) };
-        let others: Vec<&Mask> = others.iter().filter(|mask| of.contains(&mask.participant)).collect();
+        let others: Vec<&DatasetMask> = others.iter().filter(|mask| of.contains(&mask.participant)).collect();
         let found = format!("no mask of vessels{whose}");
         let accepted = match others.first() {
             None => "expected sub-*/[ses-*/]anat/*_mask.nii.gz or *_dseg.nii.gz in it or in its derivatives/*".to_owned(),
@@ -330,8 +331,8 @@ impl Dataset {
     }
 
     /// In which places masks are, for people: `derivatives/nnunet: desc-vessels_mask`.
-    pub fn places(masks: &[Mask]) -> String {
-        let place = |mask: &Mask| {
+    pub fn places(masks: &[DatasetMask]) -> String {
+        let place = |mask: &DatasetMask| {
             let folder = if mask.pipeline.is_empty() { "BIDS_DIR".to_owned() } else { format!("derivatives/{}", mask.pipeline) };
             let what = WHAT.iter().filter_map(|key| mask.named.value(key).map(|value| format!("{key}-{value}_")));
             format!("{folder}: {}{}", what.collect::<String>(), mask.named.suffix)
@@ -400,9 +401,9 @@ fn anatomy(dataset: &Path, participant: &str, session: Option<&str>) -> PathBuf 
 }
 
 /// The images in a folder, by name.
-fn images(folder: &Path) -> Vec<(PathBuf, Named)> {
+fn images(folder: &Path) -> Vec<(PathBuf, BidsName)> {
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let named = |path: PathBuf| Named::parse(path.file_name()?.to_str()?).map(|named| (path, named));
+    let named = |path: PathBuf| BidsName::parse(path.file_name()?.to_str()?).map(|named| (path, named));
     let mut images: Vec<_> = entries.filter_map(|entry| named(entry.path())).collect();
     images.sort_by(|a, b| a.0.cmp(&b.0));
     images

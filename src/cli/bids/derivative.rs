@@ -13,7 +13,7 @@ use crate::internals::output::write_error;
 use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 
-use super::dataset::{DESCRIPTION, Dataset, Mask, PARTICIPANTS, PARTICIPANTS_COLUMNS, is_of_willis};
+use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, is_of_willis};
 use crate::cli::cohort::relative;
 
 /// The version of BIDS that the names follow.
@@ -71,7 +71,7 @@ impl Derivative {
     }
 
     /// The folder of the run of a mask.
-    pub fn run(&self, mask: &Mask) -> PathBuf {
+    pub fn run(&self, mask: &DatasetMask) -> PathBuf {
         self.runs().join(mask.run())
     }
 
@@ -126,19 +126,19 @@ impl Derivative {
     }
 
     /// The page of a run at the top.
-    fn page(&self, mask: &Mask) -> PathBuf {
+    fn page(&self, mask: &DatasetMask) -> PathBuf {
         self.folder.join(format!("{}.html", mask.run()))
     }
 
     /// The beginning of the path of the topology of a run.
-    fn topology(&self, mask: &Mask) -> PathBuf {
+    fn topology(&self, mask: &DatasetMask) -> PathBuf {
         let folder = self.folder.join(&mask.participant);
         let folder = mask.session.as_ref().map_or_else(|| folder.clone(), |session| folder.join(session)).join("anat");
         folder.join(format!("{}{TOPOLOGY_NAME}", mask.entities()))
     }
 
     /// The files of a run under names of BIDS: in the run, and in the dataset.
-    fn files(&self, mask: &Mask) -> Vec<(String, PathBuf)> {
+    fn files(&self, mask: &DatasetMask) -> Vec<(String, PathBuf)> {
         let topology = self.topology(mask).display().to_string();
         let mut files: Vec<_> =
             ENDINGS.map(|ending| (format!("{TOPOLOGY}.{ending}"), format!("{topology}.{ending}").into())).into();
@@ -147,7 +147,7 @@ impl Derivative {
     }
 
     /// Whether the files of a run stand under names of BIDS.
-    pub fn has(&self, mask: &Mask) -> bool {
+    pub fn has(&self, mask: &DatasetMask) -> bool {
         let run = self.run(mask);
         self.files(mask).iter().all(|(name, path)| path.exists() == run.join(name).exists())
     }
@@ -157,7 +157,7 @@ impl Derivative {
     /// # Errors
     ///
     /// A file that cannot be read or written.
-    pub fn export(&self, mask: &Mask, dataset: &Dataset) -> Result<()> {
+    pub fn export(&self, mask: &DatasetMask, dataset: &Dataset) -> Result<()> {
         let run = self.run(mask);
         let sidecar = PathBuf::from(format!("{}.json", self.topology(mask).display()));
         let folder = sidecar.parent().unwrap_or(&self.folder);
@@ -179,7 +179,7 @@ impl Derivative {
     /// # Errors
     ///
     /// The system refuses.
-    pub fn clear(&self, mask: &Mask) -> Result<()> {
+    pub fn clear(&self, mask: &DatasetMask) -> Result<()> {
         let topology = self.topology(mask);
         let there = fs::read_dir(topology.parent().unwrap_or(&self.folder)).into_iter().flatten().flatten();
         let is_ours = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().contains(TOPOLOGY_NAME));

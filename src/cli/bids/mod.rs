@@ -17,15 +17,15 @@ use crate::internals::report::cohort::{Row, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
-use super::cohort::{Cohort, Each, Entry, Failure, Ledger, Work, check_files, failed, gather, say_notes_of};
+use super::at_work::with_flags;
+use super::cohort::{Cohort, Each, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, say_notes_of};
 use super::command_line::command_line_of_mask;
 use super::infer::{InferenceArgs, Inferences};
-use super::print::{Terminal, plural};
+use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::Subject;
-use super::with_flags;
-use dataset::{Choice, Dataset, Mask, check_labels, listed};
+use dataset::{Choice, Dataset, DatasetMask, check_labels, listed};
 use derivative::Derivative;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
@@ -53,7 +53,7 @@ pub struct BidsArgs {
     /// What to do
     // Not the id `level`, which is that of --level.
     #[arg(id = "of_analysis", value_name = "LEVEL", help_heading = None::<&str>)]
-    level: Level,
+    level: AnalysisLevel,
     #[command(flatten)]
     choice: Choice,
     #[command(flatten)]
@@ -62,7 +62,7 @@ pub struct BidsArgs {
 
 /// A level of analysis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Level {
+enum AnalysisLevel {
     /// A run for each mask
     Participant,
     /// The table of all runs
@@ -70,23 +70,23 @@ enum Level {
 }
 
 impl BidsArgs {
-    pub fn run(self, terminal: Terminal, force: bool) -> Result<()> {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let derivative = Derivative::new(&self.output, &self.source)?;
         let dataset = Dataset::open(&self.source, &self.output)?;
         match self.level {
-            Level::Participant => self.participants(&dataset, &derivative, terminal, force),
-            Level::Group => self.group(&dataset, &derivative, terminal),
+            AnalysisLevel::Participant => self.participants(&dataset, &derivative, terminal, force),
+            AnalysisLevel::Group => self.group(&dataset, &derivative, terminal),
         }
     }
 
     /// A run for each mask that is chosen.
-    fn participants(self, dataset: &Dataset, derivative: &Derivative, terminal: Terminal, force: bool) -> Result<()> {
+    fn participants(self, dataset: &Dataset, derivative: &Derivative, terminal: TextTerminal, force: bool) -> Result<()> {
         let places = [self.source.display().to_string(), self.output.display().to_string(), "participant".to_owned()];
         let json = self.inference.json;
         let work = Inferences::new(self.inference)?;
         let parameters = work.of_many()?;
         let (masks, without) = dataset.masks(&self.choice)?;
-        let runs: Vec<Run> = masks.iter().map(|mask| Run::of(mask, &places, &work, &parameters, dataset)).collect();
+        let runs: Vec<MaskRun> = masks.iter().map(|mask| MaskRun::of(mask, &places, &work, &parameters, dataset)).collect();
         let earlier: Vec<Option<Ledger>> =
             runs.iter().map(|run| read_json(&derivative.run(run.mask).join(LEDGER), "").ok()).collect();
         if !force {
@@ -101,8 +101,8 @@ impl BidsArgs {
         if !without.is_empty() {
             terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter())));
         }
-        let record = |run: &Run<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
-        let is_done = |(run, earlier): (&Run<'_>, &Option<Ledger>)| {
+        let record = |run: &MaskRun<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
+        let is_done = |(run, earlier): (&MaskRun<'_>, &Option<Ledger>)| {
             let stands = earlier.as_ref().zip(record(run));
             !force && stands.is_some_and(|(earlier, record)| run.ledger.stands(0, earlier, &record))
         };
@@ -124,7 +124,7 @@ impl BidsArgs {
     }
 
     /// The table and the page of all runs.
-    fn group(&self, dataset: &Dataset, derivative: &Derivative, terminal: Terminal) -> Result<()> {
+    fn group(&self, dataset: &Dataset, derivative: &Derivative, terminal: TextTerminal) -> Result<()> {
         let of_run = |name: &str| {
             let (participant, session) = name.split_once('_').map_or((name, None), |(a, b)| (a, Some(b)));
             (participant.to_owned(), session.map(str::to_owned))
@@ -176,18 +176,18 @@ impl BidsArgs {
 }
 
 /// The run of a mask.
-struct Run<'a> {
-    mask: &'a Mask,
+struct MaskRun<'a> {
+    mask: &'a DatasetMask,
     subject: Subject,
     /// With what it is made.
     ledger: Ledger,
 }
 
-impl<'a> Run<'a> {
-    fn of(mask: &'a Mask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
+impl<'a> MaskRun<'a> {
+    fn of(mask: &'a DatasetMask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
         let (name, input, line) = (mask.run(), mask.path.clone(), command_line_of_mask(&mask.path, places));
         let subject = Subject { name, input, line, row: None };
-        let entry = Entry::of(&subject, work.files(&mask.path));
+        let entry = LedgerEntry::of(&subject, work.files(&mask.path));
         // The same by whatever way the dataset is named.
         let ledger = Ledger::new("bids", parameters, vec![entry.renamed(|path| dataset.place_of(path))]);
         Self { mask, subject, ledger }
@@ -205,7 +205,7 @@ impl<'a> Run<'a> {
     }
 
     /// Makes it; where the mask gives none, why is in its place.
-    fn make(&self, work: &Inferences, derivative: &Derivative, dataset: &Dataset, terminal: Terminal) -> Result<()> {
+    fn make(&self, work: &Inferences, derivative: &Derivative, dataset: &Dataset, terminal: TextTerminal) -> Result<()> {
         let (mask, target) = (self.mask, derivative.run(self.mask));
         StagedFolder::check(&target, true)?;
         let folder = StagedFolder::new(&target, true)?;

@@ -2,10 +2,10 @@
 
 use crate::internals::circle_of_willis::{Artery, Collateral, Posterior, RING, TERRITORIES, Variant};
 
-use super::{Terminal, brief};
+use super::{TextTerminal, brief};
 
 /// Says what a Circle of Willis has, and how probable that is.
-pub fn say_variant(terminal: Terminal, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) {
+pub fn say_variant(terminal: TextTerminal, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) {
     let likely = posterior.map_or_else(String::new, |posterior| {
         let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
         format!(", probability {p}, {margin} before the next")
@@ -26,7 +26,7 @@ pub fn say_variant(terminal: Terminal, variant: &Variant, hypoplastic: &[Artery]
 }
 
 /// Says what takes over when a feeder is lost.
-pub fn say_collaterals(terminal: Terminal, collaterals: &[Collateral]) {
+pub fn say_collaterals(terminal: TextTerminal, collaterals: &[Collateral]) {
     for collateral in collaterals {
         let least = TERRITORIES.iter().zip(collateral.residual()).filter_map(|(artery, share)| Some((artery, share?)));
         let least = least.min_by(|a, b| a.1.total_cmp(&b.1));

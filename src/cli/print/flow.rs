@@ -11,7 +11,7 @@ use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{Change, Network, Stenosis};
 
-use super::{Terminal, brief, count, plural};
+use super::{TextTerminal, brief, count, plural};
 
 /// The least share of an outlet's blood that is named.
 const LEAST_SHARE: f64 = 0.005;
@@ -19,7 +19,7 @@ const LEAST_SHARE: f64 = 0.005;
 const NAMED: usize = 6;
 
 /// The flow as it is, and what the perturbations change.
-pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
+pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
     let (network, before) = (simulated.network, &simulated.result.unperturbed);
     terminal.say("resilience", format!("rho_G {} W/m³", brief(before.network_resilience)));
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
@@ -52,7 +52,7 @@ pub fn say_simulated(terminal: Terminal, simulated: &Simulated<'_>) {
 
 /// What is worth knowing of one state, beside its resilience and inflow.
 fn say_state(
-    terminal: Terminal,
+    terminal: TextTerminal,
     simulated: &Simulated<'_>,
     (state, transport, pulse): (&State, Option<&Transport>, Option<&Pulse>),
     when: &str,
@@ -73,7 +73,7 @@ fn say_state(
     }
 }
 
-fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str, changes: &[FlowChange]) {
+fn say_changes(terminal: TextTerminal, network: &Network, heading: &str, what: &str, changes: &[FlowChange]) {
     if changes.is_empty() {
         terminal.say(heading, format!("{what} no other vessel"));
         return;
@@ -88,7 +88,7 @@ fn say_changes(terminal: Terminal, network: &Network, heading: &str, what: &str,
     }
 }
 
-fn say_beyond_laminar(terminal: Terminal, network: &Network, state: &State, when: &str) {
+fn say_beyond_laminar(terminal: TextTerminal, network: &Network, state: &State, when: &str) {
     let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
     if !vessels.is_empty() {
         let limit = count(LAMINAR_LIMIT as u64);
@@ -98,7 +98,7 @@ fn say_beyond_laminar(terminal: Terminal, network: &Network, state: &State, when
 }
 
 /// The outlets of each inlet's territory, and when blood reaches them.
-fn say_transport(terminal: Terminal, network: &Network, transport: &Transport, when: &str) {
+fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transport, when: &str) {
     for (at, source) in transport.sources.iter().enumerate() {
         let fed = transport.exits.iter().filter_map(|(exit, _)| {
             let share = transport.nodes[*exit].as_ref()?.supply[at];
@@ -119,7 +119,7 @@ fn say_transport(terminal: Terminal, network: &Network, transport: &Transport, w
 }
 
 /// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
-fn say_pulse(terminal: Terminal, simulated: &Simulated<'_>, pulse: &Pulse, when: &str) {
+fn say_pulse(terminal: TextTerminal, simulated: &Simulated<'_>, pulse: &Pulse, when: &str) {
     let network = simulated.network;
     let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
     // In single precision, so that rounding does not change the order of equal flows.

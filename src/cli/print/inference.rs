@@ -3,10 +3,10 @@
 use crate::internals::report::Outcome;
 use crate::{Keep, Weight};
 
-use super::{Terminal, brief, count, plural};
+use super::{TextTerminal, brief, count, plural};
 
 /// Says what was kept, and what the kept graph looks like.
-pub fn say_outcome(terminal: Terminal, outcome: &Outcome<'_>, seconds: f64) {
+pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) {
     for (heading, fact) in outcome_lines(outcome, seconds) {
         terminal.say(heading, fact);
     }

@@ -19,12 +19,12 @@ use crate::internals::support::printable::printable;
 use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use crate::cli::flags_in;
+use crate::cli::at_work::flags_in;
 use crate::cli::signals::{listen, stops};
 
 /// Prints facts on standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
-pub struct Terminal {
+pub struct TextTerminal {
     quiet: bool,
     verbose: bool,
     /// Whether this is the terminal of one subject among many.
@@ -37,16 +37,16 @@ thread_local! {
 }
 
 /// What is said in some work, as facts under headings; nothing of it is printed.
-pub fn taken(work: impl FnOnce(Terminal)) -> Vec<(String, String)> {
+pub fn taken(work: impl FnOnce(TextTerminal)) -> Vec<(String, String)> {
     TAKEN.set(Some(Vec::new()));
-    work(Terminal::new(false, false));
+    work(TextTerminal::new(false, false));
     TAKEN.take().unwrap_or_default()
 }
 
 /// Between two progress lines where there is no terminal.
 const QUIET_TIME: Duration = Duration::from_secs(10);
 
-impl Terminal {
+impl TextTerminal {
     /// A terminal that tells less or more.
     pub fn new(quiet: bool, verbose: bool) -> Self {
         Self { quiet, verbose, of_many: false }
@@ -199,7 +199,7 @@ pub fn brief(x: f64) -> String {
 }
 
 /// Says what was read; `assumed` where nobody said the unit.
-pub fn say_read(terminal: Terminal, input: &Input, assumed: bool) {
+pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
     let (network, source) = (&input.network, &input.provenance);
     let is_mask = input.format.is_some_and(Format::is_mask);
     let assumed = if assumed && !is_mask { " assumed" } else { "" };
@@ -237,7 +237,7 @@ fn radii(network: &Network) -> String {
 }
 
 /// Says that a step of the method is done.
-pub fn say_step(terminal: Terminal, step: &Step<'_>) {
+pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
     match step {
         Step::Located { name, node, found, is_in_file } => {
             let fact = format!("{name} is node {node}{}", found.note());
@@ -288,7 +288,7 @@ pub fn say_step(terminal: Terminal, step: &Step<'_>) {
 }
 
 /// Says which conditions are used, and which of them were found.
-fn say_boundary(terminal: Terminal, network: &Network, boundary: &Boundary) {
+fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) {
     for (role, heading, found) in
         [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
     {

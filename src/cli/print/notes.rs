@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::{Terminal, plural};
+use super::{TextTerminal, plural};
 
 /// Up to this many notes of single cases are printed without `--verbose`.
 const MOST: usize = 3;
 
 /// Prints each note with the number of cases that it applies to (each a `noun`): those of several cases always, the others with `--verbose`.
-pub fn say_notes(terminal: Terminal, notes: &BTreeMap<String, usize>, noun: &str) {
+pub fn say_notes(terminal: TextTerminal, notes: &BTreeMap<String, usize>, noun: &str) {
     let mut untold = 0;
     for (note, of) in notes {
         let line = format!("{note} ({})", plural(*of, noun));

@@ -6,13 +6,12 @@ use crate::error::{Error, Result};
 use crate::internals::training::names::{fit_names, read_labelled_cases};
 use serde_json::json;
 
-use super::{Output, TrainArgs, save};
+use super::args::{Output, TrainArgs, save, summary};
 use crate::cli::command_line::command_line;
-use crate::cli::print::{Terminal, plural};
-use crate::cli::shell::print_json;
+use crate::cli::print::{TextTerminal, plural};
 
 /// Fits the model and those of its folds, and writes them.
-pub(super) fn run(args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+pub(super) fn run(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
     let began = Instant::now();
     let cases = read_labelled_cases(&args.cases)?;
     terminal.say("read", plural(cases.len(), "case"));
@@ -50,13 +49,7 @@ pub(super) fn run(args: &TrainArgs, output: &Output, terminal: Terminal) -> Resu
     })?;
     terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
     if args.json {
-        print_json(&json!({
-            "willis": env!("CARGO_PKG_VERSION"),
-            "command": command_line("again.toml"),
-            "output": names,
-            "cases": cases.len(),
-            "figures": fitted.scores,
-        }))?;
+        summary(cases.len(), &names, &json!(fitted.scores))?;
     }
     Ok(())
 }

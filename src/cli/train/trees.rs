@@ -15,42 +15,42 @@ use crate::internals::training::{
 use serde::Serialize;
 use serde_json::json;
 
-use super::{Output, TrainArgs, or_none, save, summary};
+use super::args::{Output, TrainArgs, or_none, save, summary};
 use crate::cli::command_line::command_line;
 use crate::cli::print::notes::say_notes;
-use crate::cli::print::{Terminal, count, plural};
+use crate::cli::print::{TextTerminal, count, plural};
 
 /// A model of boosted trees and what it is fitted to.
 pub(super) trait TreeModel: Sized {
     /// A case with what the trees see of it.
-    type Example<'a>;
+    type Measured<'a>;
     /// How well a model did.
-    type Scores: Clone + Serialize;
+    type HeldOut: Clone + Serialize;
     /// What the cases are.
     const MODEL: Model;
 
-    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<Self::Example<'a>>>;
-    fn data_set<'e>(example: &'e Self::Example<'_>) -> &'e str;
+    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<Self::Measured<'a>>>;
+    fn data_set<'e>(example: &'e Self::Measured<'_>) -> &'e str;
     /// What the cases of a data set hold.
-    fn say_read(of_set: &[Self::Example<'_>]) -> String;
-    fn fit(examples: &[Self::Example<'_>], progress: &mut dyn FnMut(&str)) -> Result<Self>;
+    fn say_read(of_set: &[Self::Measured<'_>]) -> String;
+    fn fit(examples: &[Self::Measured<'_>], progress: &mut dyn FnMut(&str)) -> Result<Self>;
     /// The models of the folds, and how well they did.
     fn cross_validate(
-        examples: &[Self::Example<'_>],
+        examples: &[Self::Measured<'_>],
         folds: usize,
         progress: &mut dyn FnMut(usize, &str),
-    ) -> Result<(Vec<Self>, Vec<Self::Scores>)>;
-    fn say_scores(scores: &Self::Scores) -> String;
+    ) -> Result<(Vec<Self>, Vec<Self::HeldOut>)>;
+    fn say_scores(scores: &Self::HeldOut) -> String;
     /// The model in a file.
     fn read(text: &str) -> Result<Self, Fault>;
     /// This model with the part for images of another one, and its figures of images.
     fn with_images_of(self, other: Self) -> Self;
-    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<Self::Scores>);
+    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<Self::HeldOut>);
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 
 /// Fits a model and those of its folds, and writes them.
-pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
     let began = Instant::now();
     let read = read_cases(&args.cases, M::MODEL)?;
     say_notes(terminal, &read.notes, "case");
@@ -89,7 +89,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
     })?;
     terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
     if args.json {
-        summary(&read.cases, &names, &json!(figures))?;
+        summary(read.cases.len(), &names, &json!(figures))?;
     }
     Ok(())
 }
@@ -98,7 +98,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: Ter
 const CALIBRATION: &str = "; calibration: ";
 
 /// Calibrates the model of contacts in a file, and writes it.
-pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal: Terminal) -> Result<()> {
+pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
     let mut model = read_model::<ContactModel>(path)?;
     let read = read_cases(&args.cases, Model::Contacts)?;
     say_notes(terminal, &read.notes, "case");
@@ -114,12 +114,12 @@ pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal
     *made_by = format!("{fit}{CALIBRATION}willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
     let names = save(output, std::iter::once(model), |model, out| model.write(out))?;
     terminal.say("written", names.join(", "));
-    if args.json { summary(&read.cases, &names, &json!([])) } else { Ok(()) }
+    if args.json { summary(read.cases.len(), &names, &json!([])) } else { Ok(()) }
 }
 
 impl TreeModel for JoinModel {
-    type Example<'a> = JoinExample<'a>;
-    type Scores = JoinScores;
+    type Measured<'a> = JoinExample<'a>;
+    type HeldOut = JoinScores;
     const MODEL: Model = Model::Skeleton;
 
     fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<JoinExample<'a>>> {
@@ -202,8 +202,8 @@ fn read_model<M: TreeModel>(path: &Path) -> Result<M> {
 }
 
 impl TreeModel for ContactModel {
-    type Example<'a> = ContactExample<'a>;
-    type Scores = ContactScores;
+    type Measured<'a> = ContactExample<'a>;
+    type HeldOut = ContactScores;
     const MODEL: Model = Model::Contacts;
 
     fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<ContactExample<'a>>> {

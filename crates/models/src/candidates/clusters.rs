@@ -3,7 +3,7 @@
 
 use std::borrow::Cow;
 
-use super::NetworkPoint;
+use super::network_point::NetworkPoint;
 use willis_core::network::{Network, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
 
@@ -13,7 +13,7 @@ const REACH_RADII: f64 = 50.0;
 const MOST_CUTS: usize = 64;
 
 /// A part of a network that is far from the rest.
-pub struct Cluster<'a> {
+pub struct FragmentCluster<'a> {
     /// Its nodes and vessels.
     pub network: Cow<'a, Network>,
     /// The inlets among its nodes, by its own rows.
@@ -22,7 +22,7 @@ pub struct Cluster<'a> {
     rows: Option<[Vec<usize>; 2]>,
 }
 
-impl<'a> Cluster<'a> {
+impl<'a> FragmentCluster<'a> {
     /// The whole network.
     pub fn whole(network: &'a Network, inlets: &[usize]) -> Self {
         Self { network: Cow::Borrowed(network), inlets: inlets.to_vec(), rows: None }
@@ -40,8 +40,8 @@ impl<'a> Cluster<'a> {
 
 /// The clusters of a network in the order of their first nodes. Two fragments are in one cluster unless a plane across an axis separates
 /// them, directly or after others were separated, further than the size and 50 radii of each. One cluster, the whole, where some node has no position.
-pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<Cluster<'a>> {
-    let whole = || Cluster::whole(network, inlets);
+pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<FragmentCluster<'a>> {
+    let whole = || FragmentCluster::whole(network, inlets);
     let parts = fragments(network, |_, _| true);
     let Some(boxes) = boxes(network, &parts.of_node, parts.count) else { return vec![whole()] };
     let groups = groups(&boxes);
@@ -79,7 +79,7 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<Cluster<'a>> 
             part.add_vessel(network.ends(*vessel).map(|end| own[end]), network.vessel(*vessel).clone());
         }
         let inlets = std::mem::take(&mut inlets_of[group_of[parts.of_node[rows[0][0]]]]);
-        Cluster { network: Cow::Owned(part), inlets, rows: Some(rows) }
+        FragmentCluster { network: Cow::Owned(part), inlets, rows: Some(rows) }
     };
     rows.into_iter().map(cluster).collect()
 }

@@ -5,27 +5,29 @@ pub mod features;
 pub mod joins;
 pub mod kind;
 pub mod model;
+mod network_point;
+mod options;
 mod over_connected;
+mod recognise_kind;
 pub mod resample;
 pub mod search;
 
-use serde::{Deserialize, Serialize};
+pub use network_point::NetworkPoint;
+pub use options::{Attach, CandidateOptions, CandidateRadius, NEAREST};
 
-use clusters::{Cluster, clusters};
+use clusters::{FragmentCluster, clusters};
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
-use kind::Kind;
+use kind::CenterlineKind;
 use model::Usual;
-use model::posterior::{Posterior, posterior};
+use model::posterior::{ForestPosterior, posterior};
 use model::weights::Weights;
 use over_connected::{NewVessel, over_connected};
 use resample::Resampled;
-use search::{Candidate, SearchOptions, search, search_nearest};
-use willis_core::error::{Error, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Evidence, Network, RadiusRule};
-use willis_core::support::geometry::distance;
+use search::{EndCandidate, SearchOptions, search, search_nearest};
+use willis_core::error::Result;
+use willis_core::network::{Evidence, Network};
 use willis_io::masks::{Scene, Unseen, View};
 
 /// Connections between fragments that are less probable than this are left out ...
@@ -33,89 +35,8 @@ const LEAST_PROBABLE: f64 = 1e-3;
 /// ... and loops less probable than this.
 const LEAST_PROBABLE_LOOP: f64 = 1e-2;
 
-/// Where a candidate may end.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Attach {
-    /// On the centerline of any vessel, split there, or on a free end.
-    #[default]
-    Centerline,
-    /// On free ends only.
-    Ends,
-}
-
-/// How a candidate's radius comes from the radii at its two ends.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum CandidateRadius {
-    /// The smaller one.
-    #[default]
-    Min,
-    /// Their mean.
-    Mean,
-}
-
 /// An image as it was measured, or why it says nothing of the vessels.
 pub type Looked = Result<Scene, Unseen>;
-
-/// How candidates are built.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct CandidateOptions {
-    /// How many of the nearest branches and free ends each free end is joined to, at least 1; by default 6, and with evidence 5 branches and
-    /// four free ends beside them.
-    pub k: Option<usize>,
-    /// The longest candidate, m, positive; without it 20 point spacings + 5 end diameters limit the reach, twice as far straight ahead of an end on
-    /// masks and skeletons.
-    #[serde(rename = "max_gap_m")]
-    pub max_gap: Option<f64>,
-    /// Where a candidate may end.
-    pub attach: Attach,
-    /// How a candidate's radius comes from those at its ends.
-    #[serde(rename = "candidate_radius")]
-    pub radius: CandidateRadius,
-    /// The largest radius of a candidate, m, positive.
-    #[serde(rename = "max_candidate_radius_m")]
-    pub max_radius: Option<f64>,
-    /// The radius rule of the observed vessels, for the parts of a vessel that is split.
-    pub radius_rule: RadiusRule,
-}
-
-/// [`CandidateOptions::k`] without evidence, where none is given.
-pub const NEAREST: usize = 6;
-
-impl CandidateOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    ///
-    /// Names the option, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        if self.k == Some(0) {
-            return Err(Error::parameter("k", 0, "expected at least 1"));
-        }
-        for (name, value) in [("max_gap", self.max_gap), ("max_candidate_radius", self.max_radius)] {
-            if let Some(m) = value.filter(|m| !m.is_finite() || *m <= 0.0) {
-                return Err(Error::parameter(name, millimetres(m), "expected a positive length"));
-            }
-        }
-        Ok(())
-    }
-}
-
-/// A point of a network: a node, or a point along a vessel.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum NetworkPoint {
-    /// A node, by row.
-    Node(usize),
-    /// A point of a vessel's path.
-    Along {
-        /// The vessel's row.
-        vessel: usize,
-        /// The point's place in its path.
-        point: usize,
-    },
-}
 
 /// Joins every free end of the observed vessels to its nearest branches and free ends by candidate vessels.
 ///
@@ -130,7 +51,7 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
     options.validate()?;
     let mut found = Vec::new();
     for cluster in clusters(network, &[]) {
-        let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+        let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
         let e = resampled.extraction(&[])?;
         found.extend(search_nearest(&e, options)?.into_iter().map(|candidate| {
             let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
@@ -182,20 +103,19 @@ type Roots = Vec<(NetworkPoint, f64)>;
 
 /// The candidates of a cluster that the evidence allows, how probably the fragment of each place is a root, and what the fragments are like.
 fn found_by_evidence(
-    cluster: &Cluster,
+    cluster: &FragmentCluster,
     options: &CandidateOptions,
     weights: &Weights,
 ) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
-    let resampled = Resampled::new(&cluster.network, Kind::Tracing);
+    let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
     let e = resampled.extraction(&cluster.inlets)?;
     let mut candidates = search(
         &e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
     )?;
     candidates.retain(|c| {
-        let gap = distance(e.position[e.ends[c.end].point], e.position[c.point]);
         let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
-        options.max_gap.is_none_or(|most| gap <= most) && may_end
+        options.max_gap.is_none_or(|most| c.gap(&e) <= most) && may_end
     });
     let posterior = posterior(&e, &candidates, weights)?;
     let mut found = probable(&posterior);
@@ -203,9 +123,8 @@ fn found_by_evidence(
     found.extend(loops.map(|(candidate, p)| {
         (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
     }));
-    let new_vessel = |(candidate, evidence): (Candidate, Evidence)| {
-        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        let radii = [e.ends[candidate.end].radius, there];
+    let new_vessel = |(candidate, evidence): (EndCandidate, Evidence)| {
+        let radii = candidate.points(&e).map(|point| e.radius_at(point));
         NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
     };
     let vessels = found.into_iter().map(new_vessel).collect();
@@ -231,7 +150,7 @@ pub fn build_joins(
     options.validate()?;
     let branches = options.k.unwrap_or(SearchOptions::default().branches);
     // An image shows all of them alike.
-    let whole = Cluster::whole(network, &[]);
+    let whole = FragmentCluster::whole(network, &[]);
     let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
     let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
     for cluster in parts {
@@ -244,7 +163,7 @@ pub fn build_joins(
 
 /// The candidates of a cluster that the join model allows, and the image as it was measured.
 fn found_by_joins(
-    cluster: &Cluster,
+    cluster: &FragmentCluster,
     options: &CandidateOptions,
     model: &JoinModel,
     view: Option<View>,
@@ -257,18 +176,17 @@ fn found_by_joins(
     let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
     let image = scene.map(|scene| InImage::new(&table, scene, Some(&scores.second)));
     let (candidates, pairs, probabilities) = match &image {
-        Some(image) => (&image.candidates, &image.pairs, table.probabilities_in(model, &scores, image)),
+        Some(image) => (&image.candidates, &image.pairs, image.probabilities(&table, model, &scores)),
         None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
     };
     let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
         let candidate = candidates[*row];
-        let gap = distance(e.position[e.ends[candidate.end].point], e.position[candidate.point]);
+        let gap = candidate.gap(e);
         let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        let reach = [e.ends[candidate.end].fragment, e.fragment[candidate.point]].map(|row| e.fragments[row].reach());
+        let reach = candidate.fragments(e).map(|row| e.fragments[row].reach());
         let within = options.max_gap.into_iter().chain(reach).all(|most| gap <= most);
         let stays = probability > LEAST_PROBABLE && may_end && within;
-        let there = e.end_at[candidate.point].map_or(e.smooth.radius[candidate.point], |end| e.ends[end].radius);
-        let radii = [e.ends[candidate.end].radius, there];
+        let radii = candidate.points(e).map(|point| e.radius_at(point));
         let course = image.as_ref().filter(|_| model.image.is_some());
         stays.then(|| NewVessel {
             evidence: Some(Evidence::undirected(probability)),
@@ -282,9 +200,9 @@ fn found_by_joins(
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
 /// represents both.
-fn probable(posterior: &Posterior) -> Vec<(Candidate, Evidence)> {
+fn probable(posterior: &ForestPosterior) -> Vec<(EndCandidate, Evidence)> {
     let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
-    let mut found: Vec<(Candidate, f64, Evidence)> = Vec::new();
+    let mut found: Vec<(EndCandidate, f64, Evidence)> = Vec::new();
     for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
         let p = posterior.marginals.edges[row];
         let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::clusters::Cluster;
+use super::clusters::FragmentCluster;
 use super::features::extraction::Extraction;
+use super::network_point::NetworkPoint;
+use super::options::{CandidateOptions, CandidateRadius};
 use super::resample::Resampled;
-use super::search::Candidate;
-use super::{CandidateOptions, CandidateRadius, NetworkPoint};
+use super::search::EndCandidate;
 use willis_core::network::path_places::PathPlace;
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
@@ -36,8 +37,14 @@ pub struct NewVessel {
 
 impl NewVessel {
     /// A straight candidate of a cluster without evidence, that of the resampled cluster's extraction.
-    pub fn of(candidate: Candidate, radii: [f64; 2], e: &Extraction, resampled: &Resampled, cluster: &Cluster) -> Self {
-        let ends = [e.ends[candidate.end].point, candidate.point].map(|point| {
+    pub fn of(
+        candidate: EndCandidate,
+        radii: [f64; 2],
+        e: &Extraction,
+        resampled: &Resampled,
+        cluster: &FragmentCluster,
+    ) -> Self {
+        let ends = candidate.points(e).map(|point| {
             let on_path = match e.place[point] {
                 NetworkPoint::Along { vessel, point } => Some(resampled.place(vessel, point)),
                 NetworkPoint::Node(_) => None,

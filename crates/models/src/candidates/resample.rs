@@ -1,7 +1,7 @@
 //! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
 
 use super::features::extraction::Extraction;
-use super::kind::Kind;
+use super::kind::CenterlineKind;
 use willis_core::error::Result;
 use willis_core::network::path_places::{PathPlace, at_even_steps, length_of};
 use willis_core::network::{Network, Origin, PathPoint, Vessel};
@@ -33,7 +33,7 @@ pub struct Resampled {
 impl Resampled {
     /// Resamples the observed vessels: points at equal distances along each, about one [`step_of`] apart. Nodes stay
     /// where they are.
-    pub fn new(network: &Network, kind: Kind) -> Self {
+    pub fn new(network: &Network, kind: CenterlineKind) -> Self {
         let step = step_of(network, kind);
         let mut places = Vec::with_capacity(network.vessel_count());
         let mut resampled = network.clone();
@@ -68,7 +68,7 @@ fn as_it_is(vessel: &Vessel) -> (Vec<PathPoint>, Vec<PathPlace>) {
 /// The step of a network's observed vessels, m. It follows the vessels, and not the points: of a skeleton √2 times the radius that the
 /// narrowest quarter of the length has at most, which is the resolution of an image where thin vessels are one voxel wide; of a tracing or of tubes
 /// a thirtieth of the side of a cube as large as the vessels, from 1/4 to 2 times that radius.
-pub fn step_of(network: &Network, kind: Kind) -> f64 {
+pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
     // Radii at the two ends of each stretch, the smaller first, and its length. In between the radius is linear, as in more points.
     let mut stretches: Vec<([f64; 2], f64)> = Vec::new();
     for (_, vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
@@ -84,8 +84,8 @@ pub fn step_of(network: &Network, kind: Kind) -> f64 {
         return 1.0;
     }
     let step = match kind {
-        Kind::Skeleton => STEP_RADII * thin,
-        Kind::Tracing | Kind::Tubes => {
+        CenterlineKind::Skeleton => STEP_RADII * thin,
+        CenterlineKind::Tracing | CenterlineKind::Tubes => {
             let [low, high] = TRACING_RADII.map(|radii| radii * thin);
             (volume(&stretches).cbrt() / STEPS_PER_SIDE).clamp(low, high)
         }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 /// A side of the patient's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-pub enum Side {
+pub enum BodySide {
     /// Left.
     Left,
     /// Right.
@@ -18,21 +18,21 @@ pub enum Side {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Artery {
     /// Internal carotid artery.
-    Ica(Side),
+    Ica(BodySide),
     /// First segment of the middle cerebral artery, and those that continue it.
-    M1(Side),
+    M1(BodySide),
     /// Anterior cerebral artery up to the anterior communicating artery.
-    A1(Side),
+    A1(BodySide),
     /// Anterior cerebral artery beyond it.
-    A2(Side),
+    A2(BodySide),
     /// Posterior cerebral artery up to the posterior communicating artery.
-    P1(Side),
+    P1(BodySide),
     /// Posterior cerebral artery beyond it.
-    P2(Side),
+    P2(BodySide),
     /// Posterior communicating artery.
-    PComm(Side),
+    PComm(BodySide),
     /// Vertebral artery.
-    Va(Side),
+    Va(BodySide),
     /// Anterior communicating artery.
     AComm,
     /// Basilar artery.
@@ -40,29 +40,58 @@ pub enum Artery {
     /// A third A2, which leaves the anterior communicating artery between the two.
     ThirdA2,
     /// The middle cerebral artery, undivided.
-    Mca(Side),
+    Mca(BodySide),
     /// The anterior cerebral artery, undivided: A1 and A2 under one name.
-    Aca(Side),
+    Aca(BodySide),
     /// The posterior cerebral artery, undivided: P1 and P2 under one name.
-    Pca(Side),
+    Pca(BodySide),
 }
 
 /// The seven segments that close the circle.
 pub const RING: [Artery; 7] = [
-    Artery::A1(Side::Left),
-    Artery::A1(Side::Right),
+    Artery::A1(BodySide::Left),
+    Artery::A1(BodySide::Right),
     Artery::AComm,
-    Artery::P1(Side::Left),
-    Artery::P1(Side::Right),
-    Artery::PComm(Side::Left),
-    Artery::PComm(Side::Right),
+    Artery::P1(BodySide::Left),
+    Artery::P1(BodySide::Right),
+    Artery::PComm(BodySide::Left),
+    Artery::PComm(BodySide::Right),
 ];
 
 /// The segments in which a fenestration is looked for, in the order of [`super::variant::Variant::fenestration`].
-pub const FENESTRATED: [Artery; 5] =
-    [Artery::A1(Side::Left), Artery::AComm, Artery::A1(Side::Right), Artery::P1(Side::Left), Artery::P1(Side::Right)];
+pub const FENESTRATED: [Artery; 5] = [
+    Artery::A1(BodySide::Left),
+    Artery::AComm,
+    Artery::A1(BodySide::Right),
+    Artery::P1(BodySide::Left),
+    Artery::P1(BodySide::Right),
+];
 
-impl Side {
+/// The arteries that feed a circle, which are closed one at a time.
+pub const FEEDERS: [Artery; 3] = [Artery::Ica(BodySide::Left), Artery::Ica(BodySide::Right), Artery::Ba];
+
+/// The territories of the brain, by the arteries that lead to them.
+pub const TERRITORIES: [Artery; 6] = [
+    Artery::A2(BodySide::Left),
+    Artery::A2(BodySide::Right),
+    Artery::M1(BodySide::Left),
+    Artery::M1(BodySide::Right),
+    Artery::P2(BodySide::Left),
+    Artery::P2(BodySide::Right),
+];
+
+/// The vessels of the arteries of a circle, as rows of its network.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct ArteryVessels {
+    /// For each feeder of [`FEEDERS`] the vessels by which it enters.
+    pub feeders: [Vec<usize>; 3],
+    /// For each segment of [`RING`] vessels along it; empty where it is missing.
+    pub segments: [Vec<usize>; 7],
+    /// For each territory of [`TERRITORIES`] vessels that lead to it; empty where it is not seen.
+    pub territories: [Vec<usize>; 6],
+}
+
+impl BodySide {
     /// Left, then right.
     pub const BOTH: [Self; 2] = [Self::Left, Self::Right];
 
@@ -85,12 +114,12 @@ impl Side {
 
 impl Artery {
     /// The arteries that exist on both sides.
-    pub(crate) const PAIRED: [fn(Side) -> Self; 11] =
+    pub(crate) const PAIRED: [fn(BodySide) -> Self; 11] =
         [Self::Ica, Self::M1, Self::Mca, Self::A1, Self::A2, Self::Aca, Self::P1, Self::P2, Self::Pca, Self::PComm, Self::Va];
 
     /// Every artery.
     pub fn all() -> impl Iterator<Item = Self> {
-        let sided = Self::PAIRED.into_iter().flat_map(|artery| Side::BOTH.map(artery));
+        let sided = Self::PAIRED.into_iter().flat_map(|artery| BodySide::BOTH.map(artery));
         sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
     }
 
@@ -100,7 +129,7 @@ impl Artery {
     }
 
     /// A number for the artery of either side, its name without the side, and its side; `None` in the midline.
-    fn parts(self) -> (usize, &'static str, Option<Side>) {
+    fn parts(self) -> (usize, &'static str, Option<BodySide>) {
         match self {
             Self::Ica(side) => (0, "ICA", Some(side)),
             Self::M1(side) => (1, "M1", Some(side)),
@@ -122,14 +151,14 @@ impl Artery {
     /// The same artery of the other side; itself in the midline.
     #[must_use]
     pub fn opposite(self) -> Self {
-        let of = |side: Side| Self::PAIRED.into_iter().find(|artery| artery(side) == self).map(|artery| artery(side.other()));
-        Side::BOTH.into_iter().find_map(of).unwrap_or(self)
+        let of = |side: BodySide| Self::PAIRED.into_iter().find(|artery| artery(side) == self).map(|artery| artery(side.other()));
+        BodySide::BOTH.into_iter().find_map(of).unwrap_or(self)
     }
 
     /// Its bit in a set of arteries.
     pub(crate) fn bit(self) -> u32 {
         let (number, _, side) = self.parts();
-        1 << (2 * number + side.map_or(0, Side::index))
+        1 << (2 * number + side.map_or(0, BodySide::index))
     }
 
     /// The undivided artery that it is a segment of; itself where it is no such segment.

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::{Artery, Side};
-use super::collaterals::ArteryVessels;
+use super::arteries::{Artery, ArteryVessels, BodySide};
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
 use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
 use super::segments_by_labels;
@@ -199,11 +198,11 @@ impl Circle {
     }
 
     /// The nodes of landmarks that lie on one side, with the side. Labels give none.
-    pub fn sided_nodes(&self) -> Vec<(Side, usize)> {
+    pub fn sided_nodes(&self) -> Vec<(BodySide, usize)> {
         let Location::Nodes(points) = &self.location else { return Vec::new() };
         let pairs = [points.ica, points.m1, points.a2, points.p2, points.middle, points.posterior];
-        let of = |side: Side| pairs.into_iter().filter_map(move |pair| Some((side, pair[side.index()]?)));
-        Side::BOTH.into_iter().flat_map(of).collect()
+        let of = |side: BodySide| pairs.into_iter().filter_map(move |pair| Some((side, pair[side.index()]?)));
+        BodySide::BOTH.into_iter().flat_map(of).collect()
     }
 
     /// The nodes where blood enters by the labels of vessels: the outermost free end of each carotid and vertebral, and of the basilar artery

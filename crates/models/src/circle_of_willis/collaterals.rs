@@ -1,36 +1,12 @@
 //! The functional phenotype: how a circle compensates the loss of a feeder, the paper's controlled perturbation at its inlets.
 
-use super::arteries::{Artery, RING, Side};
+use super::arteries::{Artery, FEEDERS, RING};
 use super::circle::Circle;
 use willis_core::error::Result;
 use willis_core::flow::Boundary;
 use willis_core::flow::state::State;
 use willis_core::network::Network;
 use willis_core::simulation::{Change, Perturbation, rounding, simulate};
-
-/// The arteries that feed a circle, which are closed one at a time.
-pub const FEEDERS: [Artery; 3] = [Artery::Ica(Side::Left), Artery::Ica(Side::Right), Artery::Ba];
-
-/// The territories of the brain, by the arteries that lead to them.
-pub const TERRITORIES: [Artery; 6] = [
-    Artery::A2(Side::Left),
-    Artery::A2(Side::Right),
-    Artery::M1(Side::Left),
-    Artery::M1(Side::Right),
-    Artery::P2(Side::Left),
-    Artery::P2(Side::Right),
-];
-
-/// The vessels of the arteries of a circle, as rows of its network.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub struct ArteryVessels {
-    /// For each feeder of [`FEEDERS`] the vessels by which it enters.
-    pub feeders: [Vec<usize>; 3],
-    /// For each segment of [`RING`] vessels along it; empty where it is missing.
-    pub segments: [Vec<usize>; 7],
-    /// For each territory of [`TERRITORIES`] vessels that lead to it; empty where it is not seen.
-    pub territories: [Vec<usize>; 6],
-}
 
 /// The flow in a circle with all of its feeders and without one of them.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,7 +15,7 @@ pub struct Collateral {
     pub occluded: Artery,
     /// For each segment of [`RING`] |Q| before and after, m³/s; `None` where it is missing.
     pub segments: [Option<[f64; 2]>; 7],
-    /// The same for each territory of [`TERRITORIES`].
+    /// The same for each territory of [`TERRITORIES`](super::TERRITORIES).
     pub territories: [Option<[f64; 2]>; 6],
     /// The communicating artery whose flow grows most, if any grows.
     pub takes_over: Option<Artery>,

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use Side::{Left, Right};
+use BodySide::{Left, Right};
 
-use super::arteries::{Artery, Side};
+use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel};
@@ -182,7 +182,7 @@ fn artery_of_name(label: &str) -> Option<Artery> {
 }
 
 /// The side that a word means.
-pub(crate) fn side_of(word: &str) -> Option<Side> {
+pub(crate) fn side_of(word: &str) -> Option<BodySide> {
     match word {
         "l" | "left" | "lt" => Some(Left),
         "r" | "right" | "rt" => Some(Right),
@@ -207,9 +207,9 @@ fn midline(name: &str) -> Option<Artery> {
     }
 }
 
-fn sided(name: &str, side: Side) -> Option<Artery> {
+fn sided(name: &str, side: BodySide) -> Option<Artery> {
     let families = [
-        (&["mca", "middlecerebral"][..], Artery::Mca as fn(Side) -> Artery),
+        (&["mca", "middlecerebral"][..], Artery::Mca as fn(BodySide) -> Artery),
         (&["aca", "anteriorcerebral"], Artery::Aca),
         (&["pca", "posteriorcerebral"], Artery::Pca),
         (&["ica", "internalcarotid", "carotid"], Artery::Ica),
@@ -247,7 +247,7 @@ fn sided(name: &str, side: Side) -> Option<Artery> {
     segment(name, side)
 }
 
-fn segment(name: &str, side: Side) -> Option<Artery> {
+fn segment(name: &str, side: BodySide) -> Option<Artery> {
     match name {
         "m1" | "m2" | "m3" | "m4" => Some(Artery::M1(side)),
         "a1" => Some(Artery::A1(side)),

@@ -1,7 +1,7 @@
 //! Landmarks: points that a person set at inlets, outlets and bifurcations of arteries, and their nodes in a network.
 
-use super::arteries::{Artery, Side};
-use super::landmark_names::{Named, meaning_of};
+use super::arteries::{Artery, BodySide};
+use super::landmark_names::{NamedArteries, meaning_of};
 use super::segments_by_landmarks::Points;
 use willis_core::error::{Fault, Place};
 use willis_core::network::units::millimetres;
@@ -36,27 +36,27 @@ impl Landmark {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Site {
     /// Inlet of an internal carotid.
-    Ica(Side),
+    Ica(BodySide),
     /// Outlet of M1.
-    M1(Side),
+    M1(BodySide),
     /// Outlet of A2.
-    A2(Side),
+    A2(BodySide),
     /// Outlet of P2.
-    P2(Side),
+    P2(BodySide),
     /// Inlet of a vertebral or of the basilar artery.
     Feeder,
     /// Outlet of a third A2.
     Third,
     /// Bifurcation of a carotid.
-    Carotid(Side),
+    Carotid(BodySide),
     /// End of the basilar artery.
     Tip,
     /// Where PComm meets the posterior cerebral artery.
-    Posterior(Side),
+    Posterior(BodySide),
     /// Where AComm meets the anterior cerebral artery.
-    Anterior(Side),
+    Anterior(BodySide),
     /// Where M1 divides.
-    Middle(Side),
+    Middle(BodySide),
 }
 
 const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an outlet (L-M1, L-A2, L-P2, 3rd-A2, ...) or a bifurcation \
@@ -70,7 +70,7 @@ const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an out
 pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
     for ListedLandmark { place, label, position } in listed {
-        let Named { arteries, meet } = match named(&label) {
+        let NamedArteries { arteries, meet } = match named(&label) {
             Ok(named) => named,
             Err(hint) => return Err(Fault::at(place, format!("label \"{label}\""), format!("{hint}{ACCEPTED}"))),
         };
@@ -87,7 +87,7 @@ pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, 
 }
 
 /// The meaning of a label. The error is a hint at the intended name.
-fn named(label: &str) -> Result<Named, String> {
+fn named(label: &str) -> Result<NamedArteries, String> {
     let Some(named) = meaning_of(label) else {
         let names: Vec<String> = Artery::all().map(|artery| artery.to_string()).collect();
         let wrong = label.split('/').find(|part| meaning_of(part).is_none()).unwrap_or(label);
@@ -159,7 +159,7 @@ pub(crate) fn sites(arteries: &[Artery], meet: bool) -> Vec<Site> {
         return vec![Site::Feeder];
     }
     let mut sites = Vec::new();
-    for s in Side::BOTH {
+    for s in BodySide::BOTH {
         let anterior = [Artery::A1(s), Artery::A2(s), Artery::Aca(s)].into_iter().filter(|a| has(*a)).count();
         let posterior = [Artery::P1(s), Artery::P2(s), Artery::Pca(s)].into_iter().filter(|a| has(*a)).count();
         let middle = has(Artery::M1(s)) || has(Artery::Mca(s));
@@ -217,7 +217,7 @@ const ON_VESSEL: f64 = 0.002;
 
 /// What the node of a landmark of an inlet or outlet is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct End {
+pub(crate) struct LandmarkEnd {
     /// Whether it is a free end.
     pub is_free: bool,
     /// Whether the artery enters or leaves there, as far as is seen; not where its vessel is seen to run on beyond the landmark.
@@ -225,7 +225,7 @@ pub(crate) struct End {
 }
 
 /// What the node of a landmark of an inlet or outlet is, with a note where no free end is near.
-pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) -> (End, Option<String>) {
+pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) -> (LandmarkEnd, Option<String>) {
     let is_free = degrees_of_ends(network)[nearest.node] == 1;
     let is_outlet = landmark.sites().iter().any(|site| site.is_outlet());
     let (label, id, away) = (&landmark.label, &network.node(nearest.node).id, millimetres(nearest.distance));
@@ -234,10 +234,10 @@ pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) 
         let taken = if is_outlet { "no outlet is stated there" } else { "blood is taken to come in there" };
         let note = format!("{label} names an {what}, but the vessel runs on at node {id}, which is no free end: {taken}");
         // A place where several feeders meet is no end, and is not meant as one.
-        return (End { is_free, is_last: !is_outlet }, (!landmark.meet).then_some(note));
+        return (LandmarkEnd { is_free, is_last: !is_outlet }, (!landmark.meet).then_some(note));
     }
     if nearest.distance <= FAR {
-        return (End { is_free, is_last: true }, None);
+        return (LandmarkEnd { is_free, is_last: true }, None);
     }
     let runs_on = distance_to_lines(network, landmark.position) <= ON_VESSEL;
     let far = format!("{label} names an {what}, but the nearest free end, node {id}, is {away:.1} mm away");
@@ -246,7 +246,7 @@ pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) 
         (true, false) => "the vessel is taken to run on to it, and blood to come in there",
         (false, _) => "it is taken for that end, and what lies between is not seen",
     };
-    (End { is_free, is_last: !(runs_on && is_outlet) }, Some(format!("{far}: {taken}")))
+    (LandmarkEnd { is_free, is_last: !(runs_on && is_outlet) }, Some(format!("{far}: {taken}")))
 }
 
 /// The degree of every node among the observed vessels, or among all where none is observed.

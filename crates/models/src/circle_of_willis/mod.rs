@@ -16,9 +16,9 @@ mod sides;
 pub mod supply;
 mod variant;
 
-pub use arteries::{Artery, FENESTRATED, RING, Side};
+pub use arteries::{Artery, BodySide, FEEDERS, FENESTRATED, RING, TERRITORIES};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
-pub use collaterals::{Collateral, FEEDERS, TERRITORIES, collaterals};
+pub use collaterals::{Collateral, collaterals};
 pub use frequencies::VariantFrequencies;
 pub use hypoplasia::{LEAST_DIAMETER, hypoplastic, segment_diameters};
 pub use labels::{LabelScheme, are_topcow_classes, artery_of_label, split_where_labels_change};

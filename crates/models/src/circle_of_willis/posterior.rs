@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::arteries::{Artery, Side};
+use super::arteries::{Artery, BodySide};
 use super::circle::Circle;
 use super::variant::Variant;
 use willis_core::decision::Topologies;
@@ -168,7 +168,7 @@ fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)
             continue;
         }
         let mut variant = Variant { present: std::array::from_fn(|s| v >> s & 1 == 1), ..likely };
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             let wider = likely.fetal[side.index()] && likely.has(Artery::P1(side));
             variant.set_fetal(side, || wider);
         }

@@ -7,8 +7,7 @@
 //! Where the carotid does not lead to M1 (because it is occluded or was not traced), A1 and PComm have no origin. They are then present
 //! when the vessels of their label are connected to the arteries at their other end, from which they fill.
 
-use super::arteries::{Artery, FENESTRATED, RING, Side};
-use super::collaterals::{ArteryVessels, TERRITORIES};
+use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES};
 use super::shortest_path::{Marks, Path, shortest};
 use super::variant::Variant;
 use willis_core::network::Network;
@@ -32,19 +31,19 @@ fn set<const N: usize>(arteries: [Artery; N]) -> Set {
     arteries.into_iter().fold(0, |set, artery| set | artery.bit())
 }
 
-fn trunk(side: Side) -> Set {
+fn trunk(side: BodySide) -> Set {
     set([Artery::Ica(side), Artery::M1(side), Artery::Mca(side)])
 }
 
-fn anterior(side: Side) -> Set {
+fn anterior(side: BodySide) -> Set {
     set([Artery::A1(side), Artery::A2(side), Artery::Aca(side)])
 }
 
 fn feeders() -> Set {
-    set([Artery::Ba, Artery::Va(Side::Left), Artery::Va(Side::Right)])
+    set([Artery::Ba, Artery::Va(BodySide::Left), Artery::Va(BodySide::Right)])
 }
 
-struct Rules<'a, K> {
+struct LabelRules<'a, K> {
     network: &'a Network,
     meanings: &'a [LabelMeaning],
     kept: &'a K,
@@ -67,7 +66,7 @@ pub(crate) fn variant(meanings: &[LabelMeaning], network: &Network, kept: &impl 
             }
         }
     }
-    Rules { network, meanings, kept, at_node, known }.variant()
+    LabelRules { network, meanings, kept, at_node, known }.variant()
 }
 
 /// The vessels of each artery, by their labels. A carotid is closed where it enters, so that its branches can still fill from above.
@@ -80,9 +79,9 @@ pub(crate) fn artery_vessels(meanings: &[LabelMeaning], network: &Network) -> Ar
     let at_its_end = |artery: Artery| -> Vec<usize> {
         of(&[artery]).into_iter().filter(|row| network.ends(*row).into_iter().any(|node| degree[node] == 1)).collect()
     };
-    let vertebrals = || Side::BOTH.into_iter().flat_map(|side| at_its_end(Artery::Va(side))).collect();
+    let vertebrals = || BodySide::BOTH.into_iter().flat_map(|side| at_its_end(Artery::Va(side))).collect();
     let basilar = Some(of(&[Artery::Ba])).filter(|rows| !rows.is_empty()).unwrap_or_else(vertebrals);
-    let [left, right] = Side::BOTH.map(|side| at_its_end(Artery::Ica(side)));
+    let [left, right] = BodySide::BOTH.map(|side| at_its_end(Artery::Ica(side)));
     let territory = |artery: Artery| of(&[artery, artery.undivided()]);
     ArteryVessels {
         feeders: [left, right, basilar],
@@ -91,7 +90,7 @@ pub(crate) fn artery_vessels(meanings: &[LabelMeaning], network: &Network) -> Ar
     }
 }
 
-impl<K: Fn(usize) -> bool> Rules<'_, K> {
+impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
     fn nodes(&self, which: impl Fn(Set) -> bool) -> Marks {
         self.at_node.iter().map(|touch| which(*touch)).collect()
     }
@@ -142,12 +141,12 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
 
     fn variant(&self) -> Variant {
         let mut variant = Variant {
-            ica: Side::BOTH.map(|side| self.has(Artery::Ica(side).bit())),
+            ica: BodySide::BOTH.map(|side| self.has(Artery::Ica(side).bit())),
             ba: self.has(Artery::Ba.bit()) || (self.known & Artery::Ba.bit() == 0 && self.has(feeders())),
             third_a2: self.has(Artery::ThirdA2.bit()),
             ..Variant::default()
         };
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             let (a1, p1, pcomm) = (Artery::A1(side), Artery::P1(side), Artery::PComm(side));
             let (aca, pca) = (Artery::Aca(side).bit(), Artery::Pca(side).bit());
             let beyond = Artery::A2(side).bit() | aca | Artery::AComm.bit() | Artery::ThirdA2.bit();
@@ -162,7 +161,7 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
             variant.set(pcomm, self.joins(pcomm, pcomm.bit(), trunk(side), posterior, feeders()) || fills_from(pcomm, posterior));
         }
         variant.set(Artery::AComm, self.acomm());
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             variant.set_fetal(side, || self.is_fetal(side));
         }
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
@@ -172,16 +171,16 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
     }
 
     /// Whether the carotid leads to the middle cerebral artery.
-    fn carotid_is_complete(&self, side: Side) -> bool {
+    fn carotid_is_complete(&self, side: BodySide) -> bool {
         let (ica, m1) = (Artery::Ica(side).bit(), Artery::M1(side).bit() | Artery::Mca(side).bit());
         self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some()
     }
 
     /// AComm is a vessel between the two sides, or pieces of it on either side of a third A2. Arteries that only touch have none.
     fn acomm(&self) -> bool {
-        let trunks = trunk(Side::Left) | trunk(Side::Right);
+        let trunks = trunk(BodySide::Left) | trunk(BodySide::Right);
         let only = |own: Set, other: Set| move |t: Set| t & own != 0 && t & other == 0 && t & trunks == 0;
-        let (left, right) = (anterior(Side::Left), anterior(Side::Right));
+        let (left, right) = (anterior(BodySide::Left), anterior(BodySide::Right));
         match (self.known & left != 0, self.known & right != 0) {
             (true, true) => {
                 self.path(Artery::AComm.bit() | Artery::ThirdA2.bit(), only(left, right), only(right, left)).is_some()
@@ -190,7 +189,7 @@ impl<K: Fn(usize) -> bool> Rules<'_, K> {
         }
     }
 
-    fn is_fetal(&self, side: Side) -> bool {
+    fn is_fetal(&self, side: BodySide) -> bool {
         let pcomm = self.vessels(Artery::PComm(side).bit());
         let mut p1 = self.vessels(Artery::P1(side).bit());
         if p1.is_empty() {

@@ -4,8 +4,7 @@
 //! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
 //! connection through both segments that meet there.
 
-use super::arteries::{Artery, FENESTRATED, Side};
-use super::collaterals::ArteryVessels;
+use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED};
 use super::segments_by_labels::is_wider;
 use super::shortest_path::{Marks, Path, marks, shortest};
 use super::variant::Variant;
@@ -50,7 +49,7 @@ pub(crate) struct Points {
 }
 
 /// The rules in the kept vessels of a network.
-struct Rules<'a, K> {
+struct LandmarkRules<'a, K> {
     network: &'a Network,
     points: &'a Points,
     kept: &'a K,
@@ -75,16 +74,16 @@ impl Points {
 
     /// The variant in the vessels that `kept` selects.
     pub fn variant(&self, network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
-        Rules::new(network, self, kept).variant()
+        LandmarkRules::new(network, self, kept).variant()
     }
 
     /// The vessels of each artery, when all vessels are present.
     pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
-        Rules::new(network, self, &|_: usize| true).artery_vessels()
+        LandmarkRules::new(network, self, &|_: usize| true).artery_vessels()
     }
 }
 
-impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
+impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     fn new(network: &'a Network, points: &'a Points, kept: &'a K) -> Self {
         let mut rules = Self { network, points, kept, trunk: [Vec::new(), Vec::new()], complete: [false; 2] };
         rules.find_carotids();
@@ -156,10 +155,10 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let mut variant =
             Variant { ica: self.complete, ba: feeders.iter().any(|node| self.has_vessel(*node)), ..Variant::default() };
         let posterior = self.posterior_nodes(&feeders);
-        let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
+        let a1 = BodySide::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior);
         let [p1, pcomm] = self.posterior_segments(&feeders);
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             variant.set(Artery::A1(side), a1[side.index()].is_some());
             variant.set(Artery::P1(side), p1[side.index()].is_some());
             variant.set(Artery::PComm(side), pcomm[side.index()].is_some());
@@ -169,7 +168,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let a2: Vec<usize> = points.a2.into_iter().flatten().collect();
         variant.third_a2 = points.third.is_some_and(|third| self.path(&[third], &a2, &[left, right, &posterior]).is_some());
         let p1 = self.proper_p1(p1, &pcomm);
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             let s = side.index();
             let proper = |p1: &Path| pcomm[s].as_ref().map(|path| beyond(path, p1, points.posterior[s]));
             let wider = || {
@@ -214,7 +213,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
         // The last vessel of a path to a carotid belongs to the segment that leaves the carotid.
         let last = |path: Option<Path>| path.and_then(|path| path.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
-        let a1 = Side::BOTH.map(|side| self.a1(side, &posterior));
+        let a1 = BodySide::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).vessels).unwrap_or_default();
         let [p1, pcomm] = self.posterior_segments(&feeders);
         let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
@@ -229,7 +228,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
         }
     }
 
-    fn a1(&self, side: Side, posterior: &[usize]) -> Option<Path> {
+    fn a1(&self, side: BodySide, posterior: &[usize]) -> Option<Path> {
         let (s, o) = (side.index(), side.other().index());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
         match self.points.a2[s].or(self.points.a2[o]) {
@@ -251,7 +250,7 @@ impl<'a, K: Fn(usize) -> bool> Rules<'a, K> {
     /// P1 and PComm of both sides.
     fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Path>; 2]; 2] {
         let [left, right] = &self.trunk;
-        let both = Side::BOTH.map(|side| {
+        let both = BodySide::BOTH.map(|side| {
             let (s, o) = (side.index(), side.other().index());
             let opposite: Vec<usize> = self.points.p2[o].into_iter().collect();
             let Some(p2) = self.points.p2[s] else {

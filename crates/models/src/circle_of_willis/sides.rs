@@ -2,13 +2,13 @@
 
 use std::collections::BTreeMap;
 
-use super::arteries::{Artery, Side};
+use super::arteries::{Artery, BodySide};
 use willis_core::support::geometry::{Point, cross, dot, lerp, sub, unit};
 
 /// The arteries that lie aside of the midline, so that one alone shows its side.
-const ASIDE: [fn(Side) -> Artery; 5] = [Artery::M1, Artery::Mca, Artery::P2, Artery::Pca, Artery::PComm];
+const ASIDE: [fn(BodySide) -> Artery; 5] = [Artery::M1, Artery::Mca, Artery::P2, Artery::Pca, Artery::PComm];
 /// The others whose left one lies to the left of the right one. Two A2 may run side by side.
-const PAIRED: [fn(Side) -> Artery; 2] = [Artery::A1, Artery::P1];
+const PAIRED: [fn(BodySide) -> Artery; 2] = [Artery::A1, Artery::P1];
 /// The right one of a pair must lie so far to the left of the left one, m.
 const EXCHANGED: f64 = 0.003;
 /// One alone must lie so far beyond the midline, m.
@@ -19,20 +19,20 @@ const BEYOND: f64 = 0.005;
 ///
 /// A mirrored file has none: its carotids lie on the other side too, which [`sides_look_exchanged`] looks at.
 pub(crate) fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> Vec<Artery> {
-    let pair = |artery: fn(Side) -> Artery| Some([*at.get(&artery(Side::Left))?, *at.get(&artery(Side::Right))?]);
+    let pair = |artery: fn(BodySide) -> Artery| Some([*at.get(&artery(BodySide::Left))?, *at.get(&artery(BodySide::Right))?]);
     let reference = [Artery::Ica, Artery::M1, Artery::Mca, Artery::A1].into_iter().find_map(pair);
     let Some([left, right]) = reference else { return Vec::new() };
     let (rightward, middle) = (unit(sub(right, left)), lerp(left, right, 0.5));
     let mut wrong = Vec::new();
     for (row, artery) in ASIDE.into_iter().chain(PAIRED).enumerate() {
         match pair(artery) {
-            Some([left, right]) if dot(sub(right, left), rightward) < -EXCHANGED => wrong.extend(Side::BOTH.map(artery)),
+            Some([left, right]) if dot(sub(right, left), rightward) < -EXCHANGED => wrong.extend(BodySide::BOTH.map(artery)),
             None if row < ASIDE.len() => {
-                let is_beyond = |side: Side, p: &Point| {
+                let is_beyond = |side: BodySide, p: &Point| {
                     let away = dot(sub(*p, middle), rightward);
-                    if side == Side::Left { away > BEYOND } else { away < -BEYOND }
+                    if side == BodySide::Left { away > BEYOND } else { away < -BEYOND }
                 };
-                let one = Side::BOTH.into_iter().find_map(|side| Some((side, at.get(&artery(side))?)));
+                let one = BodySide::BOTH.into_iter().find_map(|side| Some((side, at.get(&artery(side))?)));
                 wrong.extend(one.filter(|(side, p)| is_beyond(*side, p)).map(|(side, _)| artery(side)));
             }
             _ => {}
@@ -64,7 +64,7 @@ pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool>
         let sum = points.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
         (!points.is_empty()).then(|| sum.map(|x| x / points.len() as f64))
     };
-    let both = |artery: fn(Side) -> Artery| Side::BOTH.map(artery);
+    let both = |artery: fn(BodySide) -> Artery| BodySide::BOTH.map(artery);
     let mut rightward = [0.0; 3];
     for artery in Artery::PAIRED {
         if let [Some(left), Some(right)] = both(artery).map(|artery| at.get(&artery)) {

@@ -1,9 +1,8 @@
 //! Who feeds what in a circle, and how late: the share of each territory's and outlet's blood by feeder, and the time since it entered,
 //! over the topologies that are plausible.
 
-use super::arteries::Artery;
+use super::arteries::{Artery, FEEDERS, TERRITORIES};
 use super::circle::Circle;
-use super::collaterals::{FEEDERS, TERRITORIES};
 use willis_core::flow::Boundary;
 use willis_core::network::{Network, Role};
 use willis_core::simulation::simulate;
@@ -47,7 +46,7 @@ pub struct Supply {
 }
 
 /// The blood at a destination in one topology: its shares by feeder, and the mean time since it entered, s.
-type Blood = ([f64; 3], f64);
+type ArrivingBlood = ([f64; 3], f64);
 
 /// Follows the blood through the steady flow of each of some topologies, given as the vessels that they keep with their weights.
 /// `viscosity` in Pa s. The circle must have been found in `network`. A topology through which no blood can flow feeds nothing.
@@ -66,9 +65,9 @@ pub fn supplies(
     let total: f64 = chosen.iter().map(|(_, weight)| weight).sum();
     let supply = |(at, destination): (usize, &Destination)| {
         let found = all.iter().zip(&chosen).filter_map(|(found, (_, weight))| Some((found.as_ref()?[at]?, *weight)));
-        let found: Vec<(Blood, f64)> = found.collect();
+        let found: Vec<(ArrivingBlood, f64)> = found.collect();
         let fed: f64 = found.iter().map(|(_, weight)| weight).sum();
-        let each = |of: &dyn Fn(&Blood) -> f64| found.iter().map(|(blood, weight)| (of(blood), *weight)).collect();
+        let each = |of: &dyn Fn(&ArrivingBlood) -> f64| found.iter().map(|(blood, weight)| (of(blood), *weight)).collect();
         Supply {
             destination: *destination,
             fed: if total > 0.0 { fed / total } else { 0.0 },
@@ -109,7 +108,7 @@ fn one(
     boundary: &Boundary,
     viscosity: f64,
     destinations: &[Destination],
-) -> Option<Vec<Option<Blood>>> {
+) -> Option<Vec<Option<ArrivingBlood>>> {
     let boundary = &boundary.held(network, |row| kept[row]);
     let (network, rows) = &network.subgraph(|row| kept[row]);
     let arteries = circle.restricted_to(rows).artery_vessels(network);

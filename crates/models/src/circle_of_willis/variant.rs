@@ -1,6 +1,6 @@
 //! The variant of a circle: which segments are present, and the name and description of the whole.
 
-use super::arteries::{Artery, FENESTRATED, RING, Side};
+use super::arteries::{Artery, BodySide, FENESTRATED, RING};
 use willis_core::network::{Network, Origin};
 
 /// The anatomy of one circle. Pairs are left, right.
@@ -23,15 +23,15 @@ pub struct Variant {
 /// The missing segments of the ten variants that Padmos et al., J R Soc Interface 19:20220649 (2022), publish.
 const PUBLISHED: [&[Artery]; 10] = [
     &[Artery::AComm],
-    &[Artery::A1(Side::Left)],
-    &[Artery::A1(Side::Right)],
-    &[Artery::P1(Side::Left)],
-    &[Artery::P1(Side::Right)],
-    &[Artery::PComm(Side::Left)],
-    &[Artery::PComm(Side::Right)],
-    &[Artery::PComm(Side::Left), Artery::PComm(Side::Right)],
-    &[Artery::P1(Side::Right), Artery::PComm(Side::Left)],
-    &[Artery::P1(Side::Left), Artery::PComm(Side::Right)],
+    &[Artery::A1(BodySide::Left)],
+    &[Artery::A1(BodySide::Right)],
+    &[Artery::P1(BodySide::Left)],
+    &[Artery::P1(BodySide::Right)],
+    &[Artery::PComm(BodySide::Left)],
+    &[Artery::PComm(BodySide::Right)],
+    &[Artery::PComm(BodySide::Left), Artery::PComm(BodySide::Right)],
+    &[Artery::P1(BodySide::Right), Artery::PComm(BodySide::Left)],
+    &[Artery::P1(BodySide::Left), Artery::PComm(BodySide::Right)],
 ];
 
 /// How much of the circle is complete: both parts, one of them, or neither (as in Naveen, Bhat, Karthik, Ann Indian Acad Neurol
@@ -84,7 +84,7 @@ impl Variant {
 
     /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` returns whether
     /// PComm is wider by a twentieth, by the 25th percentiles of the radii along both (Musio et al. 2026).
-    pub(crate) fn set_fetal(&mut self, side: Side, wider: impl FnOnce() -> bool) {
+    pub(crate) fn set_fetal(&mut self, side: BodySide, wider: impl FnOnce() -> bool) {
         self.fetal[side.index()] = self.has(Artery::PComm(side)) && (!self.has(Artery::P1(side)) || wider());
     }
 
@@ -122,7 +122,7 @@ impl Variant {
             Completeness::Incomplete => None,
         };
         let mut words: Vec<String> = complete.into_iter().map(str::to_owned).collect();
-        for side in Side::BOTH {
+        for side in BodySide::BOTH {
             match (self.fetal[side.index()], self.has(Artery::P1(side))) {
                 (true, true) => words.push(format!("{} fetal-type PCA, partial (PComm wider than P1)", side.name())),
                 (true, false) => words.push(format!("{} fetal-type PCA", side.name())),
@@ -133,7 +133,7 @@ impl Variant {
         let implied = |artery: &Artery| matches!(artery, Artery::P1(side) if self.fetal[side.index()]);
         words.extend(self.missing().into_iter().filter(|artery| !implied(artery)).map(|artery| format!("{artery} absent")));
         words.extend(
-            Side::BOTH.into_iter().filter(|s| !self.ica[s.index()]).map(|side| format!("{} not seen", Artery::Ica(side))),
+            BodySide::BOTH.into_iter().filter(|s| !self.ica[s.index()]).map(|side| format!("{} not seen", Artery::Ica(side))),
         );
         if !self.ba {
             words.push("BA not seen".to_owned());

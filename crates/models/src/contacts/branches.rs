@@ -26,7 +26,7 @@ pub struct BranchEnd {
 
 /// A run of observed vessels between two nodes where not exactly two vessels meet.
 #[derive(Debug, Clone)]
-pub struct Branch {
+pub struct ObservedBranch {
     /// Its nodes, first and last.
     pub ends: [usize; 2],
     /// Rows of its vessels in order, each with whether it is passed backwards.
@@ -70,9 +70,9 @@ impl Cluster {
 #[derive(Debug, Clone, Default)]
 pub struct Branches {
     /// Branches between clusters and free ends.
-    pub branches: Vec<Branch>,
+    pub branches: Vec<ObservedBranch>,
     /// Branches within clusters; of theirs, `clusters` is the one they are in.
-    pub inner: Vec<Branch>,
+    pub inner: Vec<ObservedBranch>,
     /// The clusters.
     pub clusters: Vec<Cluster>,
 }
@@ -180,7 +180,7 @@ impl BranchEnd {
 }
 
 /// How many ends of runs meet at each node.
-fn degree_by_runs(network: &Network, runs: &[Branch]) -> Vec<usize> {
+fn degree_by_runs(network: &Network, runs: &[ObservedBranch]) -> Vec<usize> {
     let mut degree = vec![0; network.node_count()];
     runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
     degree
@@ -188,7 +188,7 @@ fn degree_by_runs(network: &Network, runs: &[Branch]) -> Vec<usize> {
 
 /// The runs of observed vessels between nodes where not exactly two of them meet, or where runs end besides. A ring without such a node
 /// is none.
-pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Branch> {
+pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<ObservedBranch> {
     let is_observed = |row: usize| network.vessel(row).origin == Origin::Observed;
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| is_observed(*row)) {
@@ -227,7 +227,7 @@ pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Branch>
 }
 
 /// The branch of some vessels; `None` where it has no length.
-fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<Branch> {
+fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<ObservedBranch> {
     let mut points: Vec<PathPoint> = Vec::new();
     for (row, backwards) in &vessels {
         let vessel = network.vessel(*row);
@@ -245,5 +245,5 @@ fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> 
     let length = length_of(&points);
     let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
     let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
-    (length > 0.0 && radius > 0.0).then_some(Branch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })
+    (length > 0.0 && radius > 0.0).then_some(ObservedBranch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })
 }

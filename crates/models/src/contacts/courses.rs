@@ -1,6 +1,6 @@
 //! The courses of branches from the clusters they leave: smooth lines at even steps, and directions over a reach of the cluster's own size.
 
-use super::branches::{Branch, BranchEnd, Branches};
+use super::branches::{BranchEnd, Branches, ObservedBranch};
 use willis_core::network::PathPoint;
 use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::support::geometry::{Point, dot, lerp, sub, unit};
@@ -111,7 +111,7 @@ pub struct Courses {
 impl Courses {
     /// Courses of the branches.
     pub fn new(branches: &Branches) -> Self {
-        let course = |b: &Branch| smooth_course(&b.points, STEP_RADII * b.radius);
+        let course = |b: &ObservedBranch| smooth_course(&b.points, STEP_RADII * b.radius);
         Self { of_branch: branches.branches.iter().map(course).collect() }
     }
 

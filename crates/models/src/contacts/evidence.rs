@@ -4,23 +4,15 @@
 
 use super::branches::Branches;
 use super::courses::Courses;
-use super::features::{Pair, Table};
+use super::features::{Pair, PairTable, sorted};
 use super::image::image_features;
-use super::sections::{Section, across, axis_of, principal, section};
-use willis_core::support::geometry::{Point, area_of, cross, distance, dot, lerp, norm, radius_of, sub, unit};
+use super::lumen::{HALF_WIDTH, INNER, LumenArm, LumenTube};
+use super::sections::{Section, across, principal, section};
+use willis_core::support::geometry::{Point, cross, distance, dot, lerp, norm, sub};
 use willis_core::support::in_order;
 use willis_core::support::statistics::median;
 use willis_io::masks::{Field, Scene};
 
-/// Sections of an end lie at these multiples of ρ along its course, across the direction over this multiple to either side.
-const STATIONS: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 3.5];
-const SPAN: f64 = 0.5;
-/// They are so many radii wide to either side.
-const HALF_WIDTH: f64 = 3.0;
-/// Fewer sections than this do not make an axis.
-const LEAST_SECTIONS: usize = 3;
-/// Inner points of the tube between two ends.
-const INNER: usize = 9;
 /// Rings of points around the middle of the tube, at these shares of its radius.
 const RINGS: [f64; 2] = [0.5, 0.9];
 const AROUND: usize = 8;
@@ -90,114 +82,6 @@ pub fn mask_feature_names() -> Vec<String> {
     MASK_FEATURES.iter().chain(&COVER_FEATURES).map(|name| format!("mask_{name}")).collect()
 }
 
-/// The lumen near the core along a branch end.
-pub struct Arm {
-    /// The middle of its axis.
-    pub middle: Point,
-    /// The axis, away from the core.
-    pub along: Point,
-    /// Where the axis is nearest to the core.
-    pub root: Point,
-    /// The typical area of its sections, m².
-    pub area: f64,
-    /// The radius of a circle of that area, m.
-    pub radius: f64,
-    /// The typical elongation of its sections.
-    pub elongation: f64,
-    /// Depths along the course from the core outwards, m.
-    pub depths: Vec<f64>,
-    /// The middles of its sections.
-    pub centres: Vec<Point>,
-}
-
-/// Two values, the lower first.
-pub fn sorted(a: f64, b: f64) -> [f64; 2] {
-    [a.min(b), a.max(b)]
-}
-
-fn arm(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, end: usize) -> Arm {
-    let c = &branches.clusters[cluster];
-    let rho = 1.5 * c.radius;
-    let course = courses.walk(branches, c.ends[end], 8.0 * rho);
-    let length = course.length();
-    let last = STATIONS[STATIONS.len() - 1] * rho;
-    let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
-    let radii = course.radii_between(0.6 * rho, 5.0 * rho);
-    let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
-    let sections: Vec<(Point, Section)> = STATIONS
-        .iter()
-        .map(|station| {
-            let s = station * rho * shrunk;
-            let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
-            (course.at(s), section(field, course.at(s), direction, HALF_WIDTH * typical))
-        })
-        .collect();
-    let there: Vec<&(Point, Section)> = sections.iter().filter(|(_, s)| s.area > 0.0).collect();
-    let of = |f: &dyn Fn(&Section) -> f64| median(&there.iter().map(|(_, s)| f(s)).collect::<Vec<f64>>());
-    let (centres, area, elongation) = if there.len() < LEAST_SECTIONS {
-        (sections.iter().map(|(p, _)| *p).collect::<Vec<Point>>(), area_of(typical), 1.0)
-    } else {
-        let centre = |(p, s): &&(Point, Section)| {
-            let share = (0.5 * typical / norm(s.shift).max(f64::MIN_POSITIVE)).min(1.0);
-            [0, 1, 2].map(|k| p[k] + share * s.shift[k])
-        };
-        let area = of(&|s| s.area).unwrap_or(area_of(typical));
-        (there.iter().map(centre).collect(), area, of(&Section::elongation).unwrap_or(1.0))
-    };
-    let (middle, along) = axis_of(&centres);
-    let ahead = dot(sub(centres[0], middle), along);
-    let reach = (2.0 * rho).min(0.9 * length);
-    Arm {
-        root: [0, 1, 2].map(|k| middle[k] + ahead * along[k]),
-        middle,
-        along,
-        area,
-        radius: radius_of(area),
-        elongation,
-        depths: (0..7).map(|n| field.depth(course.at(reach * f64::from(n) / 8.0))).collect(),
-        centres,
-    }
-}
-
-/// A curve from `p` to `q` that leaves p against `u` and arrives at q along `v`, both away from the core; with its tangents.
-fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
-    let l = distance(q, p);
-    let at = |n: usize| {
-        let s = n as f64 / (INNER + 1) as f64;
-        let (s2, s3) = (s * s, s * s * s);
-        let weights = [1.0 - 3.0 * s2 + 2.0 * s3, s - 2.0 * s2 + s3, 3.0 * s2 - 2.0 * s3, s3 - s2];
-        [0, 1, 2].map(|k| weights[0] * p[k] - weights[1] * l * u[k] + weights[2] * q[k] + weights[3] * l * v[k])
-    };
-    (0..INNER + 2).map(at).collect()
-}
-
-/// A tube between two arms: inner points, tangents, radii.
-pub struct Tube {
-    /// Points.
-    pub points: Vec<Point>,
-    /// Unit vectors along it.
-    pub tangents: Vec<Point>,
-    /// Radii, m.
-    pub radii: Vec<f64>,
-    far: Vec<Point>,
-    length: f64,
-}
-
-impl Tube {
-    fn new(a: &Arm, b: &Arm) -> Self {
-        let curve = hermite([a.root, a.along], [b.root, b.along]);
-        let far = hermite([a.middle, a.along], [b.middle, b.along]);
-        let inner = 1..=INNER;
-        Self {
-            tangents: inner.clone().map(|n| unit(sub(curve[n + 1], curve[n - 1]))).collect(),
-            radii: inner.clone().map(|n| a.radius + (b.radius - a.radius) * n as f64 / (INNER + 1) as f64).collect(),
-            points: curve[inner.clone()].to_vec(),
-            far: far[inner].to_vec(),
-            length: curve.windows(2).map(|w| distance(w[1], w[0])).sum(),
-        }
-    }
-}
-
 /// Mean and least of some values.
 fn mean_least(values: &[f64]) -> [f64; 2] {
     [values.iter().sum::<f64>() / values.len().max(1) as f64, values.iter().copied().fold(f64::INFINITY, f64::min)]
@@ -217,7 +101,7 @@ struct OfTube {
 }
 
 impl OfTube {
-    fn new(field: &Field, a: &Arm, b: &Arm, tube: &Tube) -> Self {
+    fn new(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> Self {
         let w = sub(b.middle, a.middle);
         let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
         let (miss_a, miss_b) = (off(a.along), off(b.along));
@@ -253,7 +137,7 @@ impl OfTube {
         let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
         let shifts: Vec<f64> = sections.iter().map(|s| norm(s.shift)).collect();
         Self {
-            miss: sorted((miss_a / sum + 0.1).ln(), (miss_b / sum + 0.1).ln()),
+            miss: sorted([miss_a, miss_b].map(|miss| (miss / sum + 0.1).ln())),
             skew: (skew / sum + 0.1).ln(),
             bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
             rings: RINGS.map(ring),
@@ -275,7 +159,7 @@ impl OfTube {
 }
 
 /// The depths along the way from one end over the core to the other: least and most over a radius, the deepest dip, the number of dips.
-fn along_the_way(field: &Field, arms: [&Arm; 2], core: &[Point]) -> [f64; 4] {
+fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4] {
     let [a, b] = arms;
     let mut depth: Vec<f64> = a.depths.iter().rev().copied().collect();
     depth.extend(core.iter().map(|p| field.depth(*p)));
@@ -299,7 +183,7 @@ fn along_the_way(field: &Field, arms: [&Arm; 2], core: &[Point]) -> [f64; 4] {
     let low: Vec<bool> = dips.iter().map(|x| *x < DIP).collect();
     let count = (0..low.len()).filter(|n| low[*n] && (*n == 0 || !low[n - 1])).count();
     let [least, most] = [depth.iter().copied().fold(f64::INFINITY, f64::min), depth.iter().copied().fold(0.0, f64::max)];
-    let [thin, wide] = sorted(a.radius, b.radius);
+    let [thin, wide] = sorted([a.radius, b.radius]);
     [(least / thin + 0.1).ln(), (most / wide + 0.1).ln(), dips.iter().copied().fold(f64::INFINITY, f64::min), count as f64]
 }
 
@@ -313,7 +197,7 @@ struct Around {
 }
 
 impl Around {
-    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[Arm]) -> Self {
+    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[LumenArm]) -> Self {
         let c = &branches.clusters[cluster];
         let (centre, rho) = (c.centre(), 1.5 * c.radius);
         let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
@@ -334,7 +218,7 @@ impl Around {
     }
 
     /// Per place whether a tube covers it.
-    fn covered(&self, tube: &Tube, voxel: f64) -> Vec<bool> {
+    fn covered(&self, tube: &LumenTube, voxel: f64) -> Vec<bool> {
         let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
         self.places.iter().map(near).collect()
     }
@@ -349,7 +233,7 @@ fn share(a: &[bool], b: &[bool]) -> f64 {
 const MOST_PAIRS: usize = 15;
 
 /// Cover by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
-fn covers(around: &Around, pairs: &[Pair], tubes: &[Tube], voxel: f64) -> Vec<[f64; 3]> {
+fn covers(around: &Around, pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
     let covered: Vec<Vec<bool>> = tubes.iter().map(|tube| around.covered(tube, voxel)).collect();
     let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
     let mut two: Vec<(usize, usize, f64)> = Vec::new();
@@ -390,14 +274,14 @@ pub fn mask_features(
 fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
-    let arms: Vec<Arm> = (0..c.ends.len()).map(|end| arm(field, branches, courses, cluster, end)).collect();
-    let tubes: Vec<Tube> = pairs.iter().map(|p| Tube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
+    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, courses, cluster, end)).collect();
+    let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
     let found: Vec<OfTube> =
         pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let around = Around::new(field, branches, cluster, &arms);
     let cover = covers(&around, pairs, &tubes, field.voxel());
     let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
-    let table = |f: &dyn Fn(&OfTube) -> f64| Table::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
+    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
     let straight = table(&|t| -t.miss[1]);
     let signed = table(&|t| t.signed[1]);
     let far = table(&|t| t.far[0]);
@@ -418,18 +302,18 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         let ends = pairs[n].ends;
         let [a, b] = ends.map(|end| &arms[end]);
         let t = &found[n];
-        let to_widest = sorted((a.area / widest).ln(), (b.area / widest).ln());
-        let elongation = sorted(a.elongation, b.elongation);
+        let to_widest = sorted([a, b].map(|arm| (arm.area / widest).ln()));
+        let elongation = sorted([a.elongation, b.elongation]);
         let miss_margin = straight.margins(ends, -1.5);
         let ring_margin = ring.margins(ends, 0.0);
         let signed_margin = signed.margins(ends, 0.0);
         let far_margin = far.margins(ends, 0.0);
         let own = fit.get(ends[0], ends[1]);
-        let behind = sorted(better(ends[0], own), better(ends[1], own));
-        let gain = |table: &Table| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
+        let behind = sorted(ends.map(|end| better(end, own)));
+        let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
         let way = way_through(&core, a.root, b.root);
         let way = along_the_way(field, [a, b], &way);
-        let normal = sorted(dot(a.along, around.normal).abs(), dot(b.along, around.normal).abs());
+        let normal = sorted([a, b].map(|arm| dot(arm.along, around.normal).abs()));
         let [alone, with, without] = cover[n];
         let mut row = vec![
             t.miss[0],

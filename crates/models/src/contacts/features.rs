@@ -98,6 +98,11 @@ pub fn pairs_of(branches: &Branches) -> Vec<Pair> {
     out
 }
 
+/// Two values, the lower first.
+pub fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
+    [a.min(b), a.max(b)]
+}
+
 /// The median of what is there, or another value.
 fn median_or(values: &[f64], other: f64) -> f64 {
     median(values).unwrap_or(other)
@@ -259,12 +264,12 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
 }
 
 /// A symmetric table of the pairs of a cluster's ends; `nothing` on the diagonal.
-pub struct Table {
+pub struct PairTable {
     size: usize,
     values: Vec<f64>,
 }
 
-impl Table {
+impl PairTable {
     /// The table of a function of two ends.
     pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
         let mut values = vec![nothing; size * size];
@@ -285,8 +290,7 @@ impl Table {
     pub fn margins(&self, [i, j]: [usize; 2], alone: f64) -> [f64; 2] {
         let others = || (0..self.size).filter(|q| *q != i && *q != j);
         let best = |end: usize| others().map(|q| self.get(end, q)).reduce(f64::max).unwrap_or(alone);
-        let (a, b) = (self.get(i, j) - best(i), self.get(i, j) - best(j));
-        [a.min(b), a.max(b)]
+        sorted([i, j].map(|end| self.get(i, j) - best(end)))
     }
 
     /// What pairing these two, and the best two of the rest, gains on the best pairing that parts them; zero with fewer than four ends.
@@ -342,13 +346,13 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
 struct Here {
     core: f64,
     typical: f64,
-    near: Table,
-    far: Table,
+    near: PairTable,
+    far: PairTable,
     radius: Vec<f64>,
     length: Vec<f64>,
     free: Vec<bool>,
     beyond: Vec<f64>,
-    around: Table,
+    around: PairTable,
     ways: f64,
     murray: f64,
     /// Per pair the way inside the core (m) and the least radius on it.
@@ -367,12 +371,12 @@ impl Here {
         let c = &branches.clusters[cluster];
         let ends = ends_of(branches, courses, cluster);
         let count = c.ends.len();
-        let near = Table::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
-        let far = Table::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
+        let near = PairTable::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
+        let far = PairTable::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
         let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
         let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
             c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
-        let around = Table::of(count, f64::INFINITY, |i, j| {
+        let around = PairTable::of(count, f64::INFINITY, |i, j| {
             if c.ends[i].branch == c.ends[j].branch {
                 return length[i];
             }
@@ -422,8 +426,7 @@ impl Here {
         let core = self.core.max(f64::MIN_POSITIVE);
         let radii = ends.map(|end| self.radius[end].ln());
         let widest = self.radius.iter().copied().fold(0.0, f64::max).ln();
-        let [thin, wide] = [radii[0].min(radii[1]), radii[0].max(radii[1])];
-        let sorted = |x: [f64; 2]| [x[0].min(x[1]), x[0].max(x[1])];
+        let [thin, wide] = sorted(radii);
         let lengths = sorted(ends.map(|end| (self.length[end] / core + 0.1).ln()));
         let beyond = sorted(ends.map(|end| (self.beyond[end] / core + 0.1).ln()));
         let around = self.around.get(i, j);

@@ -2,8 +2,8 @@
 //!
 //! Contrast is brightness above the background near the cluster, as a share of that of the dimmer end where nothing else is said.
 
-use super::evidence::{Arm, Tube, sorted};
-use super::features::{Pair, Table};
+use super::features::{Pair, PairTable, sorted};
+use super::lumen::{LumenArm, LumenTube};
 use super::sections::across;
 use willis_core::support::geometry::{Point, distance};
 use willis_core::support::statistics::median;
@@ -60,7 +60,7 @@ const MOST_STEPS: f64 = 10.0;
 const MOST_PAIRED: usize = 8;
 
 /// What one pair shows.
-struct Shown {
+struct PairShown {
     least: f64,
     mean: f64,
     saddle: f64,
@@ -68,16 +68,24 @@ struct Shown {
 }
 
 /// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`image_feature_names`] each. Lengths in m.
-pub fn image_features(scene: &Scene, voxel: f64, centre: Point, arms: &[Arm], tubes: &[Tube], pairs: &[Pair]) -> Vec<Vec<f64>> {
+pub fn image_features(
+    scene: &Scene,
+    voxel: f64,
+    centre: Point,
+    arms: &[LumenArm],
+    tubes: &[LumenTube],
+    pairs: &[Pair],
+) -> Vec<Vec<f64>> {
     let level = scene.level(centre);
     let contrast = |p: Point| scene.brightness(p).map_or(0.0, |x| x - level.background);
     let least = LEAST_CONTRAST * scene.typical;
-    let of_arm = |arm: &Arm| median(&arm.centres.iter().map(|p| contrast(*p)).collect::<Vec<f64>>()).unwrap_or(least).max(least);
+    let of_arm =
+        |arm: &LumenArm| median(&arm.centres.iter().map(|p| contrast(*p)).collect::<Vec<f64>>()).unwrap_or(least).max(least);
     let bright: Vec<f64> = arms.iter().map(of_arm).collect();
     let brightest = bright.iter().copied().fold(least, f64::max);
     let saddles = saddles(&contrast, voxel, centre, arms);
     let dimmer = |pair: &Pair| bright[pair.ends[0]].min(bright[pair.ends[1]]);
-    let shown: Vec<Shown> = pairs
+    let shown: Vec<PairShown> = pairs
         .iter()
         .zip(tubes)
         .map(|(pair, tube)| {
@@ -87,14 +95,14 @@ pub fn image_features(scene: &Scene, voxel: f64, centre: Point, arms: &[Arm], tu
         })
         .collect();
     let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
-    let table = |f: &dyn Fn(&Shown) -> f64| Table::of(arms.len(), -9.0, |i, j| f(&shown[row(i, j)]));
+    let table = |f: &dyn Fn(&PairShown) -> f64| PairTable::of(arms.len(), -9.0, |i, j| f(&shown[row(i, j)]));
     let (tube, saddle) = (table(&|s| s.least + s.mean), table(&|s| s.saddle));
-    let ratio = Table::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
-    let of_pair = |(pair, shown): (&Pair, &Shown)| {
+    let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
+    let of_pair = |(pair, shown): (&Pair, &PairShown)| {
         let m = dimmer(pair);
         let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
-        let gain = |table: &Table| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
-        let [low, high] = sorted(a, b);
+        let gain = |table: &PairTable| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
+        let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend(shown.values);
         out.extend([shown.saddle, shown.saddle * m / level.noise]);
@@ -107,7 +115,7 @@ pub fn image_features(scene: &Scene, voxel: f64, centre: Point, arms: &[Arm], tu
     pairs.iter().zip(&shown).map(of_pair).collect()
 }
 
-fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&Arm; 2], tube: &Tube, saddle: f64) -> Shown {
+fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tube: &LumenTube, saddle: f64) -> PairShown {
     let along: Vec<f64> = tube.points.iter().map(|p| contrast(*p)).collect();
     let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |x: &[f64]| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -141,7 +149,7 @@ fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&Arm; 2], tube: &
     let after = |n: usize| most(&way[n..]);
     let dip = (0..way.len()).map(|n| before(n).min(after(n)) - way[n]).fold(0.0, f64::max);
     let bulge = most(&along) - contrast(a.middle).max(contrast(b.middle));
-    Shown {
+    PairShown {
         least: least(&along),
         mean: mean(&along),
         saddle,
@@ -163,7 +171,7 @@ fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&Arm; 2], tube: &
 }
 
 /// Per pair of arms the highest contrast that a way from the middle of one to that of the other need not fall below, near the cluster.
-fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[Arm]) -> Vec<f64> {
+fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> Vec<f64> {
     let reach = arms.iter().map(|arm| distance(arm.middle, centre)).fold(voxel, f64::max) + 2.0 * voxel;
     let steps = (reach / voxel).ceil().min(MOST_STEPS);
     let (step, half) = (reach / steps, steps as isize);

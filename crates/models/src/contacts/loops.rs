@@ -9,8 +9,8 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use super::branches::{BranchEnd, Branches};
-use super::features::Table;
-use super::partition::{Blocks, PartitionWeights, Together, most_probable};
+use super::features::PairTable;
+use super::partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
 use willis_core::support::geometry::{Point, lerp};
 use willis_core::support::statistics::median;
 use willis_io::masks::Field;
@@ -36,7 +36,7 @@ struct Loop {
 /// The blocks of clusters, and which of their ends may not be one vessel.
 struct Opening<'a> {
     branches: &'a Branches,
-    tables: &'a [Option<Table>],
+    tables: &'a [Option<PairTable>],
     weights: &'a PartitionWeights,
     blocks: Vec<Blocks>,
     apart: Vec<BTreeSet<[usize; 2]>>,
@@ -49,7 +49,7 @@ struct Opening<'a> {
 /// The blocks of clusters with narrow loops opened; `tables` are the scores of the pairs of ends of each cluster.
 pub fn without_narrow_loops(
     branches: &Branches,
-    tables: &[Option<Table>],
+    tables: &[Option<PairTable>],
     blocks: Vec<Blocks>,
     weights: &PartitionWeights,
     field: &Field,
@@ -159,10 +159,10 @@ impl Opening<'_> {
             let Some(table) = &self.tables[cluster] else { continue };
             let pair = [a.min(b), a.max(b)];
             let ends = self.branches.clusters[cluster].ends.len();
-            let now = most_probable(table, ends, self.weights, Together::except(&self.apart[cluster]));
+            let now = most_probable(table, ends, self.weights, JoinableEnds::except(&self.apart[cluster]));
             let mut apart = self.apart[cluster].clone();
             apart.insert(pair);
-            let then = most_probable(table, ends, self.weights, Together::except(&apart));
+            let then = most_probable(table, ends, self.weights, JoinableEnds::except(&apart));
             let cost = now.log - then.log;
             if best.as_ref().is_none_or(|(least, ..)| cost < *least) {
                 best = Some((cost, cluster, pair, then));

@@ -6,6 +6,7 @@
 //! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
 //! ([`split()`]), vessels of origin contact whose probability a decision goes by.
 
+mod basis;
 pub mod branches;
 pub mod courses;
 pub mod crowding;
@@ -13,6 +14,7 @@ pub mod evidence;
 pub mod features;
 pub mod image;
 mod loops;
+mod lumen;
 pub mod model;
 pub mod pairings;
 pub mod partition;
@@ -20,17 +22,18 @@ pub mod sections;
 pub mod split;
 pub mod suggested_cuts;
 
+pub use basis::Basis;
+
 use ndarray::Array2;
 
 use branches::Branches;
 use courses::Courses;
 use crowding::Crowding;
-use evidence::{mask_feature_names, mask_features};
-use features::{Pair, Table, pairs_of, skeleton_feature_names, skeleton_features};
-use image::image_feature_names;
+use evidence::mask_features;
+use features::{Pair, PairTable, pairs_of, skeleton_features};
 use loops::without_narrow_loops;
 use model::ContactModel;
-use partition::{Blocks, PartitionWeights, Together, most_probable};
+use partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
 use split::{Opened, split};
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
@@ -43,40 +46,6 @@ pub struct ContactTable {
     /// Pairs of ends, cluster by cluster.
     pub pairs: Vec<Pair>,
     courses: Courses,
-}
-
-/// What contacts are judged by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Basis {
-    /// The centerlines alone.
-    Skeleton,
-    /// Their mask.
-    Mask,
-    /// The mask and an image beside it.
-    Image,
-}
-
-impl Basis {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Skeleton, Self::Mask, Self::Image];
-
-    /// By what is there: an image without a mask says nothing.
-    pub fn of(mask: Option<&Field>, scene: Option<&Scene>) -> Self {
-        match (mask, scene) {
-            (None, _) => Self::Skeleton,
-            (Some(_), None) => Self::Mask,
-            (Some(_), Some(_)) => Self::Image,
-        }
-    }
-
-    /// The names of the features, in their order.
-    pub fn feature_names(self) -> Vec<String> {
-        match self {
-            Self::Skeleton => skeleton_feature_names(),
-            Self::Mask => mask_feature_names(),
-            Self::Image => [mask_feature_names(), image_feature_names()].concat(),
-        }
-    }
 }
 
 impl ContactTable {
@@ -99,8 +68,8 @@ impl ContactTable {
     }
 
     /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
-    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<Table>> {
-        let mut out: Vec<Option<Table>> = self.branches.clusters.iter().map(|_| None).collect();
+    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<PairTable>> {
+        let mut out: Vec<Option<PairTable>> = self.branches.clusters.iter().map(|_| None).collect();
         let mut from = 0;
         for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
             let own = &scores[from..from + pairs.len()];
@@ -111,16 +80,16 @@ impl ContactTable {
                 let [i, j] = pair.ends;
                 values[i * ends + j] = next.next().copied().unwrap_or(0.0);
             }
-            out[pairs[0].cluster] = Some(Table::of(ends, 0.0, |i, j| values[i * ends + j]));
+            out[pairs[0].cluster] = Some(PairTable::of(ends, 0.0, |i, j| values[i * ends + j]));
             from += pairs.len();
         }
         out
     }
 
     /// The most probable blocks of each cluster, given the scores of its pairs.
-    pub fn blocks(&self, tables: &[Option<Table>], weights: &PartitionWeights) -> Vec<Blocks> {
-        let of = |(table, cluster): (&Option<Table>, &branches::Cluster)| match table {
-            Some(table) => most_probable(table, cluster.ends.len(), weights, Together::ANY),
+    pub fn blocks(&self, tables: &[Option<PairTable>], weights: &PartitionWeights) -> Vec<Blocks> {
+        let of = |(table, cluster): (&Option<PairTable>, &branches::Cluster)| match table {
+            Some(table) => most_probable(table, cluster.ends.len(), weights, JoinableEnds::ANY),
             None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
         };
         tables.iter().zip(&self.branches.clusters).map(of).collect()

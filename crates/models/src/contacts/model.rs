@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::Basis;
+use super::basis::Basis;
 use super::crowding::Crowding;
 use super::partition::PartitionWeights;
 use willis_core::error::Fault;

@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::features::Table;
+use super::features::PairTable;
 use willis_core::support::statistics::sigmoid;
 
 /// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
@@ -43,7 +43,7 @@ pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
 
 /// The features of a partition: the scores of pairs in one block, the negative ones alone, blocks, blocks of one, blocks of two (from
 /// four ends on), and whether exactly one pair is left together (from three ends on).
-pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_FEATURES] {
+pub fn partition_features(blocks: &[usize], scores: &PairTable) -> [f64; PARTITION_FEATURES] {
     let ends = blocks.len();
     let (mut sum, mut against) = (0.0, 0.0);
     for i in 0..ends {
@@ -61,9 +61,9 @@ pub fn partition_features(blocks: &[usize], scores: &Table) -> [f64; PARTITION_F
 
 /// Which ends of a cluster may be one vessel.
 #[derive(Debug, Clone, Copy)]
-pub struct Together<'a>(Option<&'a BTreeSet<[usize; 2]>>);
+pub struct JoinableEnds<'a>(Option<&'a BTreeSet<[usize; 2]>>);
 
-impl<'a> Together<'a> {
+impl<'a> JoinableEnds<'a> {
     /// Any.
     pub const ANY: Self = Self(None);
 
@@ -98,7 +98,7 @@ impl Blocks {
 }
 
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs, of those that are allowed.
-pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights, together: Together<'_>) -> Blocks {
+pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, together: JoinableEnds<'_>) -> Blocks {
     if ends > MOST_ENDS {
         return greedy(scores, ends, together);
     }
@@ -126,7 +126,7 @@ pub fn most_probable(scores: &Table, ends: usize, weights: &PartitionWeights, to
 }
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
-pub fn pair_probabilities(scores: &Table, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
+pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
     let theta = weights[size_of(ends)];
     let all = partitions(ends);
     let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
@@ -145,7 +145,7 @@ fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Ve
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
-fn greedy(scores: &Table, ends: usize, together: Together<'_>) -> Blocks {
+fn greedy(scores: &PairTable, ends: usize, together: JoinableEnds<'_>) -> Blocks {
     let mut of_end: Vec<usize> = (0..ends).collect();
     let between = |of_end: &[usize], a: usize, b: usize| {
         let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());

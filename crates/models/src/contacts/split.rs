@@ -17,7 +17,7 @@ const SHORTEST: f64 = 0.05;
 
 /// What becomes of the nodes and vessels of the clusters that fall apart.
 #[derive(Default)]
-struct Plan {
+struct SplitPlan {
     /// The ids that nodes have.
     taken: BTreeSet<String>,
     /// Per branch end at such a cluster its node.
@@ -49,7 +49,7 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
     for node in network.nodes() {
         graph.add_node(node.clone());
     }
-    let mut plan = Plan { taken: network.nodes().map(|n| n.id.clone()).collect(), ..Plan::default() };
+    let mut plan = SplitPlan { taken: network.nodes().map(|n| n.id.clone()).collect(), ..SplitPlan::default() };
     let mut paths = ShortestPaths::new(network.node_count());
     for (row, blocks) in blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1) {
         part(&mut graph, branches, row, blocks, &mut paths, &mut plan);
@@ -106,7 +106,7 @@ fn ways(branches: &Branches, cluster: usize, paths: &mut ShortestPaths, from: us
 }
 
 /// Plans the copies of one cluster.
-fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, paths: &mut ShortestPaths, plan: &mut Plan) {
+fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, paths: &mut ShortestPaths, plan: &mut SplitPlan) {
     let cluster = &branches.clusters[row];
     // Per block the junctions of its ends, and the one that is nearest to all of them.
     let hub_of = |block: usize| {

@@ -6,30 +6,30 @@ use willis_core::support::geometry::Point;
 use willis_core::support::simd::{Kernel, Simd};
 
 /// A matrix by rows.
-pub type Matrix = [[f64; 3]; 3];
+pub type Matrix3 = [[f64; 3]; 3];
 /// A symmetric matrix: xx, yy, zz, xy, xz, yz.
 pub type Symmetric = [f64; 6];
 
 /// The unit matrix.
-pub const UNIT: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub const UNIT: Matrix3 = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// A v.
-pub fn times(a: &Matrix, v: Point) -> Point {
+pub fn times(a: &Matrix3, v: Point) -> Point {
     [0, 1, 2].map(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
 }
 
 /// Aᵀ v.
-pub fn transposed_times(a: &Matrix, v: Point) -> Point {
+pub fn transposed_times(a: &Matrix3, v: Point) -> Point {
     [0, 1, 2].map(|i| a[0][i] * v[0] + a[1][i] * v[1] + a[2][i] * v[2])
 }
 
 /// A B.
-pub fn product(a: &Matrix, b: &Matrix) -> Matrix {
+pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
 }
 
 /// Aᵀ.
-pub fn transposed(a: &Matrix) -> Matrix {
+pub fn transposed(a: &Matrix3) -> Matrix3 {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[j][i]))
 }
 
@@ -44,7 +44,7 @@ pub fn outer_sum(sum: &mut Symmetric, v: Point, w: f64) {
 }
 
 /// The full matrix of a symmetric one.
-pub fn full(s: &Symmetric) -> Matrix {
+pub fn full(s: &Symmetric) -> Matrix3 {
     [[s[0], s[3], s[4]], [s[3], s[1], s[5]], [s[4], s[5], s[2]]]
 }
 
@@ -54,7 +54,7 @@ pub fn symmetric_times(s: &Symmetric, v: Point) -> Point {
 }
 
 /// R S Rᵀ.
-pub fn turned(r: &Matrix, s: &Symmetric) -> Symmetric {
+pub fn turned(r: &Matrix3, s: &Symmetric) -> Symmetric {
     let m = product(&product(r, &full(s)), &transposed(r));
     [m[0][0], m[1][1], m[2][2], m[0][1], m[0][2], m[1][2]]
 }
@@ -78,7 +78,7 @@ pub fn inverse(s: &Symmetric) -> (Symmetric, f64) {
 }
 
 /// The rotation by a vector: its axis, and its length as the angle in radians.
-pub fn rotation(v: Point) -> Matrix {
+pub fn rotation(v: Point) -> Matrix3 {
     let angle = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     if angle < 1e-12 {
         return UNIT;
@@ -91,7 +91,7 @@ pub fn rotation(v: Point) -> Matrix {
 }
 
 /// The vector of a rotation, by way of its quaternion.
-pub fn rotation_vector(r: &Matrix) -> Point {
+pub fn rotation_vector(r: &Matrix3) -> Point {
     let trace = r[0][0] + r[1][1] + r[2][2];
     // The largest of the four squares first, so that nothing is divided by a small number.
     let squares = [1.0 + trace, 1.0 + 2.0 * r[0][0] - trace, 1.0 + 2.0 * r[1][1] - trace, 1.0 + 2.0 * r[2][2] - trace];

@@ -1,12 +1,12 @@
 //! The atlas: where each piece of each artery lies, how it runs, how wide it is, and which pieces follow each other.
 
 use super::algebra::{Symmetric, inverse, plus_diagonal};
-use super::states::{LABELS, NOWHERE, STATES, State, StateTables};
+use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables};
 use willis_core::support::geometry::Point;
 
 /// Where a state lies and how it looks, in the frame of the atlas: mm, RAS, about the middle between the carotid bifurcations.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Piece {
+pub struct AtlasPiece {
     /// Mean position, mm.
     pub mean: Point,
     /// Covariance of the position, mm².
@@ -25,16 +25,16 @@ pub struct Counts {
     /// Length in each state, mm.
     pub length: Vec<f64>,
     /// Neighbours within a branch, and neighbours of which one is a junction: `[state, state, count]`.
-    pub neighbours: [Vec<(State, State, f64)>; 2],
+    pub neighbours: [Vec<(AtlasState, AtlasState, f64)>; 2],
     /// Bifurcations: the states of the three arms in order, the state of the middle, and how often they were seen.
-    pub bifurcations: Vec<([State; 3], State, f64)>,
+    pub bifurcations: Vec<([AtlasState; 3], AtlasState, f64)>,
 }
 
 /// What was fitted to labelled tracings.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AtlasData {
     /// Every state but [`NOWHERE`].
-    pub pieces: Vec<Piece>,
+    pub pieces: Vec<AtlasPiece>,
     /// Mean and standard deviation of the log radius of what is no artery of the circle.
     pub other_radius: [f64; 2],
     /// The mean of the middles of the tracings.
@@ -205,7 +205,7 @@ fn matrix_product(a: &[f64], b: &[f64]) -> Vec<f64> {
 
 impl Bifurcations {
     fn of(tables: &StateTables, counts: &Counts, prior: &[f64]) -> Self {
-        let labels = |arms: &[State; 3]| arms.map(|state| tables.label[state]);
+        let labels = |arms: &[AtlasState; 3]| arms.map(|state| tables.label[state]);
         let mut kinds: Vec<[usize; 3]> = counts.bifurcations.iter().map(|(arms, ..)| labels(arms)).collect();
         kinds.sort_unstable();
         kinds.dedup();
@@ -242,7 +242,7 @@ impl Bifurcations {
 }
 
 /// Shares of a state over those some bins further; what would leave the artery stays.
-fn spread(tables: &StateTables, state: State, shares: &[(isize, f64)], mut add: impl FnMut(State, f64)) {
+fn spread(tables: &StateTables, state: AtlasState, shares: &[(isize, f64)], mut add: impl FnMut(AtlasState, f64)) {
     for (bins, share) in shares {
         add(tables.step(state, *bins).unwrap_or(state), *share);
     }
@@ -258,11 +258,11 @@ fn normalise(row: &mut [f64]) {
 }
 
 /// The states that are pieces of arteries.
-pub fn arteries() -> std::ops::Range<State> {
+pub fn arteries() -> std::ops::Range<AtlasState> {
     0..NOWHERE
 }
 
 /// All states.
-pub fn all_states() -> Vec<State> {
+pub fn all_states() -> Vec<AtlasState> {
     (0..STATES).collect()
 }

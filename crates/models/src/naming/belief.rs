@@ -21,14 +21,14 @@ const LEAST: f64 = 1e-30;
 
 /// How two neighbours are linked.
 #[derive(Debug, Clone, Copy, PartialEq)]
-enum Link {
+enum ForestLink {
     /// Within a branch (0), or one of them is a junction (1).
     Vessel(usize),
     /// Over a gap of about 2, 4 or 8 mm (0 to 2) with a probability; the number of the bridge.
     Gap { length: usize, probability: f64, bridge: usize },
 }
 
-impl Link {
+impl ForestLink {
     fn probability(self) -> f64 {
         if let Self::Gap { probability, .. } = self { probability } else { 1.0 }
     }
@@ -46,33 +46,33 @@ pub struct Beliefs {
 }
 
 /// A neighbour in the forest.
-type Arm = (usize, Link);
+type Neighbour = (usize, ForestLink);
 
 /// The forest in which messages pass.
-pub struct Forest {
+pub struct NamingForest {
     /// Nodes, parents before children.
     pub order: Vec<usize>,
-    parent: Vec<Option<Arm>>,
-    children: Vec<Vec<Arm>>,
+    parent: Vec<Option<Neighbour>>,
+    children: Vec<Vec<Neighbour>>,
     /// Nodes that have the factor of a bifurcation.
     is_bifurcation: Vec<bool>,
     bridges: usize,
 }
 
-impl Forest {
+impl NamingForest {
     /// The spanning forest of the nodes and those of their bridges that are `used`.
     pub fn of(nodes: &Nodes, used: &[usize]) -> Self {
         let n = nodes.len();
-        let mut arms: Vec<Vec<Arm>> = vec![Vec::new(); n];
+        let mut arms: Vec<Vec<Neighbour>> = vec![Vec::new(); n];
         for [a, b] in &nodes.links {
-            let link = Link::Vessel(usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2));
+            let link = ForestLink::Vessel(usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2));
             arms[*a].push((*b, link));
             arms[*b].push((*a, link));
         }
         for bridge in used {
             let found = &nodes.bridges[*bridge];
             let length = if found.gap < 3.0 { 0 } else { 1 + usize::from(found.gap >= 6.0) };
-            let link = Link::Gap { length, probability: found.probability, bridge: *bridge };
+            let link = ForestLink::Gap { length, probability: found.probability, bridge: *bridge };
             let [a, b] = found.nodes;
             arms[a].push((b, link));
             arms[b].push((a, link));
@@ -103,7 +103,7 @@ impl Forest {
         by_degree.sort_by_key(|node| std::cmp::Reverse(nodes.degree(*node)));
         let mut is_bifurcation = vec![false; n];
         for node in by_degree {
-            let arms: Vec<usize> = children[node].iter().chain(&parent[node]).map(|arm: &Arm| arm.0).collect();
+            let arms: Vec<usize> = children[node].iter().chain(&parent[node]).map(|arm: &Neighbour| arm.0).collect();
             is_bifurcation[node] = arms.len() == 3 && nodes.degree(node) >= 2 && arms.iter().all(|arm| !is_bifurcation[*arm]);
         }
         Self { order, parent, children, is_bifurcation, bridges: nodes.bridges.len() }
@@ -129,7 +129,7 @@ impl Forest {
         without.collect()
     }
 
-    fn pass<'a>(&'a self, atlas: &'a Atlas, log_likelihood: &[f64]) -> Pass<'a> {
+    fn pass<'a>(&'a self, atlas: &'a Atlas, log_likelihood: &[f64]) -> MessagePass<'a> {
         let prior: Vec<f64> = atlas.prior.iter().map(|p| p.ln()).collect();
         let mut own = log_likelihood.to_vec();
         for row in own.chunks_mut(STATES) {
@@ -139,7 +139,7 @@ impl Forest {
                 *e = (*e - most).exp() + LEAST;
             }
         }
-        Pass { forest: self, atlas, own, instructions: InstructionSet::detect() }
+        MessagePass { forest: self, atlas, own, instructions: InstructionSet::detect() }
     }
 }
 
@@ -154,21 +154,21 @@ struct Upward {
 }
 
 /// One pass up and down the forest.
-struct Pass<'a> {
-    forest: &'a Forest,
+struct MessagePass<'a> {
+    forest: &'a NamingForest,
     atlas: &'a Atlas,
     /// The weight of each state of each node by itself.
     own: Vec<f64>,
     instructions: InstructionSet,
 }
 
-impl Pass<'_> {
+impl MessagePass<'_> {
     fn own(&self, node: usize) -> &[f64] {
         &self.own[node * STATES..(node + 1) * STATES]
     }
 
     fn upward(&self) -> Upward {
-        let Forest { order, parent, children, is_bifurcation, .. } = self.forest;
+        let NamingForest { order, parent, children, is_bifurcation, .. } = self.forest;
         let (mut below, mut log) = (self.own.clone(), 0.0);
         let mut up: Vec<Option<Vec<f64>>> = vec![None; order.len()];
         for node in order.iter().rev() {
@@ -191,7 +191,7 @@ impl Pass<'_> {
     }
 
     fn run(self) -> Beliefs {
-        let Forest { order, parent, children, is_bifurcation, bridges } = self.forest;
+        let NamingForest { order, parent, children, is_bifurcation, bridges } = self.forest;
         let Upward { below, up, log } = self.upward();
         let mut all = below.clone();
         let mut bridge_ratio = vec![None; *bridges];
@@ -219,7 +219,7 @@ impl Pass<'_> {
             if let Some((above, link)) = parent[*node].filter(|arm| !is_bifurcation[arm.0]) {
                 let cavity = divided(row(&all, above), up[*node].as_deref());
                 let message = self.over(link, &cavity);
-                if let Link::Gap { bridge, length, .. } = link {
+                if let ForestLink::Gap { bridge, length, .. } = link {
                     bridge_ratio[bridge] = Some(ratio(&self.atlas.gaps[length], row(&below, *node), &cavity));
                 }
                 multiply(row_mut(&mut all, *node), &message);
@@ -237,16 +237,16 @@ impl Pass<'_> {
     }
 
     /// A message over a link.
-    fn over(&self, link: Link, from: &[f64]) -> Vec<f64> {
+    fn over(&self, link: ForestLink, from: &[f64]) -> Vec<f64> {
         self.message(link, from).0
     }
 
     /// A message over a link, and the logarithm of what it was divided by.
-    fn message(&self, link: Link, from: &[f64]) -> (Vec<f64>, f64) {
+    fn message(&self, link: ForestLink, from: &[f64]) -> (Vec<f64>, f64) {
         let mut log = 0.0;
         let mut out = match link {
-            Link::Vessel(kind) => self.product(&self.atlas.pairs[kind], from),
-            Link::Gap { length, probability, .. } => {
+            ForestLink::Vessel(kind) => self.product(&self.atlas.pairs[kind], from),
+            ForestLink::Gap { length, probability, .. } => {
                 let sum: f64 = from.iter().sum();
                 log += sum.ln();
                 let mut out = self.product(&self.atlas.gaps[length], from);
@@ -261,12 +261,12 @@ impl Pass<'_> {
     }
 
     /// The arms of a node, the parent last.
-    fn arms(&self, node: usize) -> Vec<Arm> {
+    fn arms(&self, node: usize) -> Vec<Neighbour> {
         self.forest.children[node].iter().chain(&self.forest.parent[node]).copied().collect()
     }
 
     /// Per kind of bifurcation and arm the probability of an arm's message, kinds x 3.
-    fn arm_weights(&self, arms: &[Arm], messages: &[Option<&[f64]>]) -> [Vec<f64>; 3] {
+    fn arm_weights(&self, arms: &[Neighbour], messages: &[Option<&[f64]>]) -> [Vec<f64>; 3] {
         let kinds = self.atlas.bifurcations.kinds.len();
         [0, 1, 2].map(|arm| {
             let Some(message) = messages[arm] else { return Vec::new() };
@@ -282,9 +282,9 @@ impl Pass<'_> {
         })
     }
 
-    fn table_of(&self, link: Link) -> &[f64] {
+    fn table_of(&self, link: ForestLink) -> &[f64] {
         let kinds = &self.atlas.bifurcations;
-        if matches!(link, Link::Gap { .. }) { &kinds.arm_behind_gap } else { &kinds.arm }
+        if matches!(link, ForestLink::Gap { .. }) { &kinds.arm_behind_gap } else { &kinds.arm }
     }
 
     /// Per kind its probability and that of the middle.
@@ -302,7 +302,7 @@ impl Pass<'_> {
     }
 
     /// How probable it is that the arms meet at all: bridges may not exist.
-    fn joined(arms: &[Arm]) -> f64 {
+    fn joined(arms: &[Neighbour]) -> f64 {
         (1.0 - UNSEEN_KIND) * arms.iter().map(|arm| arm.1.probability()).product::<f64>()
     }
 

@@ -6,10 +6,10 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{BA, LABELS, Label, OTHER, Sided, side_of, states_of};
+use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment, side_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
-    Artery, Circle, LabelScheme, Posterior, RING, Side, VariantFrequencies, artery_of_label, identify_landmarks,
+    Artery, BodySide, Circle, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
 };
 use willis_core::decision::{KnownEnds, Topologies};
 use willis_core::error::{Fault, Place};
@@ -48,7 +48,7 @@ pub struct NamedCircle {
 
 /// What is known of people's circles before one is seen.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Prior {
+pub struct CirclePrior {
     /// How frequent each variant is.
     pub frequencies: VariantFrequencies,
     /// Whether they are those of the study at hand, which then stand for the shares that the model was fitted to.
@@ -75,7 +75,7 @@ impl NamedCircle {
     /// The probability of each segment, given the share of plausible topologies that have it, if a segment that is there is out of sight at
     /// the rate `unseen`: with π the usual share and Λ the ratio of the likelihoods of what is seen, its odds are π/(1 - π) (h + (1 - h) Λ).
     /// Of a segment out of view it is that of the frequencies, given the others.
-    pub fn presence(&self, topologies: &[f64; 7], prior: &Prior) -> [f64; 7] {
+    pub fn presence(&self, topologies: &[f64; 7], prior: &CirclePrior) -> [f64; 7] {
         let usual = if prior.is_own { prior.frequencies.marginals() } else { self.share };
         let odds = |p: f64| p / (1.0 - p);
         let seen = std::array::from_fn(|s| {
@@ -132,7 +132,7 @@ impl Names {
     /// Whether enough arteries were found to call this a circle of Willis.
     pub fn is_circle(&self) -> bool {
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.seen.length[label]).sum();
-        let feeds = [Sided::Ica.on(Side::Left), Sided::Ica.on(Side::Right), BA];
+        let feeds = [Sided::Ica.on(BodySide::Left), Sided::Ica.on(BodySide::Right), BA];
         named >= LEAST_NAMED && feeds.iter().any(|label| self.seen.length[*label] >= LEAST_SEEN)
     }
 
@@ -154,8 +154,8 @@ impl Names {
     }
 
     /// Whether arteries lie on the other side than their names say, by `places` (m, in the axes of the network's file) whose side is known.
-    pub fn is_mirrored(&self, places: &[(Side, Point)]) -> bool {
-        let middle_of = |side: Side| {
+    pub fn is_mirrored(&self, places: &[(BodySide, Point)]) -> bool {
+        let middle_of = |side: BodySide| {
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
                 let p: f64 = (0..LABELS).filter(|label| side_of(*label) == Some(side)).map(|label| labels[label]).sum();
@@ -164,21 +164,21 @@ impl Names {
             }
             (total > 0.0).then(|| sum.map(|x| x / total))
         };
-        let [Some(left), Some(right)] = Side::BOTH.map(middle_of) else { return false };
+        let [Some(left), Some(right)] = BodySide::BOTH.map(middle_of) else { return false };
         let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));
         let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
-        let agrees = |(side, at): &(Side, Point)| {
+        let agrees = |(side, at): &(BodySide, Point)| {
             let at = [sign * at[0], sign * at[1], at[2]].map(millimetres);
             let away = dot(sub(at, middle), rightward);
-            if *side == Side::Right { away } else { -away }
+            if *side == BodySide::Right { away } else { -away }
         };
         places.iter().map(agrees).sum::<f64>() < 0.0
     }
 
     /// Whether a segment, or what lies at both of its ends, is seen.
     fn is_decidable(&self, segment: usize) -> bool {
-        let sees = |label: Label| self.seen.length[label] >= LEAST_SEEN;
-        let on = |artery: Sided, side: Side| sees(artery.on(side));
+        let sees = |label: ArteryLabel| self.seen.length[label] >= LEAST_SEEN;
+        let on = |artery: Sided, side: BodySide| sees(artery.on(side));
         if self.is_seen[segment] {
             return true;
         }
@@ -186,27 +186,27 @@ impl Names {
             Artery::A1(side) => on(Sided::Ica, side) && on(Sided::A2, side),
             Artery::PComm(side) => on(Sided::Ica, side) && (on(Sided::P1, side) || on(Sided::P2, side)),
             Artery::P1(side) => on(Sided::P2, side) && (sees(BA) || on(Sided::P1, side.other())),
-            _ => Side::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)),
+            _ => BodySide::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)),
         }
     }
 
     /// Whether a segment, or what lies at one of its ends, is seen.
     fn has_surroundings(&self, segment: usize) -> bool {
-        let sees = |label: Label| self.seen.length[label] >= LEAST_SEEN;
-        let any = |labels: &[Label]| labels.iter().any(|label| sees(*label));
-        let on = |artery: Sided, side: Side| artery.on(side);
+        let sees = |label: ArteryLabel| self.seen.length[label] >= LEAST_SEEN;
+        let any = |labels: &[ArteryLabel]| labels.iter().any(|label| sees(*label));
+        let on = |artery: Sided, side: BodySide| artery.on(side);
         self.is_seen[segment]
             || match RING[segment] {
                 Artery::A1(side) => any(&[on(Sided::Ica, side), on(Sided::M1, side), on(Sided::A2, side)]),
                 Artery::PComm(side) => any(&[on(Sided::Ica, side), on(Sided::P1, side), on(Sided::P2, side)]),
                 Artery::P1(side) => any(&[BA, on(Sided::P2, side), on(Sided::P1, side.other())]),
-                _ => Side::BOTH.iter().any(|side| any(&[on(Sided::A1, *side), on(Sided::A2, *side)])),
+                _ => BodySide::BOTH.iter().any(|side| any(&[on(Sided::A1, *side), on(Sided::A2, *side)])),
             }
     }
 
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
     fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
-        let states = states_of(super::presence::label_of_segment(segment));
+        let states = states_of(label_of_segment(segment));
         let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
         (0..3).all(|k| {
             let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
@@ -217,7 +217,7 @@ impl Names {
     /// The mean diameter of each segment by the probability of its name, m, where half a millimetre of it is seen.
     fn diameters(&self) -> [Option<f64>; 7] {
         std::array::from_fn(|segment| {
-            let label = super::presence::label_of_segment(segment);
+            let label = label_of_segment(segment);
             let (mut sum, mut total) = (0.0, 0.0);
             for (n, p) in self.labels.iter().enumerate() {
                 let w = p[label] * self.nodes.weight[n];
@@ -263,7 +263,7 @@ impl Names {
         // Where the ends of all arteries at a bifurcation are seen, these say more than a bifurcation that may lie in a gap.
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {
-            Side::BOTH.iter().all(|side| {
+            BodySide::BOTH.iter().all(|side| {
                 let on = |artery: Sided| super::name_of(artery.on(*side));
                 let (ica, m1, a2, p2) = (on(Sided::Ica), on(Sided::M1), on(Sided::A2), on(Sided::P2));
                 let meets = |a: &str, b: &str| [a, b].iter().all(|name| place.label.split('/').any(|part| part == *name));

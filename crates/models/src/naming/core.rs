@@ -1,9 +1,8 @@
 //! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
 
-use super::TEMPER;
 use super::atlas::{Atlas, all_states, arteries};
-use super::belief::Forest;
-use super::emission::{Parts, Pose, emission, radius_fit};
+use super::belief::NamingForest;
+use super::emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use super::nodes::Nodes;
 use super::pose::{Pulls, Scored, Search};
 use willis_core::support::geometry::{distance, dot, sub};
@@ -79,7 +78,7 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
         return None;
     }
     let radius = radius_fit(&named, atlas, median);
-    let forest = Forest::of(&named, &named.spanning_bridges(|_| true));
+    let forest = NamingForest::of(&named, &named.spanning_bridges(|_| true));
     let weight = vec![1.0; named.len()];
     let search = Search { nodes: &named, atlas, weight: &weight, radius: &radius, forest: &forest };
     let all: Vec<usize> = (0..named.len()).collect();
@@ -98,7 +97,7 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
 
 fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
     let radius = radius_fit(nodes, atlas, nodes.median_log_radius(|_| 1.0));
-    let forest = Forest::of(nodes, &nodes.spanning_bridges(|_| true));
+    let forest = NamingForest::of(nodes, &nodes.spanning_bridges(|_| true));
     let weight = vec![1.0; nodes.len()];
     Search { nodes, atlas, weight: &weight, radius: &radius, forest: &forest }.everywhere()
 }

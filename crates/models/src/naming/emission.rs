@@ -1,6 +1,6 @@
 //! How well each node fits each state of the atlas at a pose: position, direction and radius.
 
-use super::algebra::{Matrix, Symmetric, times, trace_of_product, turned};
+use super::algebra::{Matrix3, Symmetric, times, trace_of_product, turned};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
 use super::states::{NOWHERE, STATES};
@@ -10,7 +10,7 @@ use willis_core::support::geometry::{Point, sub};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
     /// R.
-    pub turn: Matrix,
+    pub turn: Matrix3,
     /// t, mm.
     pub shift: Point,
     /// The logarithm of the scale.
@@ -52,6 +52,8 @@ impl Parts {
     pub const REFINE: Self = Self { position: 1.0, direction: 1.0, radius: 1.0 };
 }
 
+/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
+pub const TEMPER: f64 = 0.3;
 /// Degrees of freedom of Student's t for the position: outliers are no proof.
 pub const POSITION_FREEDOM: f64 = 8.0;
 /// Those for the log radius.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Names;
-use super::states::{LABELS, Label, OTHER, name_of};
+use super::states::{ArteryLabel, LABELS, OTHER, name_of};
 use willis_core::network::units::metres;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis_core::support::geometry::{distance, lerp};
@@ -12,12 +12,12 @@ use willis_core::support::geometry::{distance, lerp};
 const CONNECTED: f64 = 0.5;
 
 /// A piece of a vessel: its nodes, and the probability of its name.
-type Piece = ([usize; 2], Vessel, Option<f64>);
+type NamedPiece = ([usize; 2], Vessel, Option<f64>);
 
 /// A run of one name along a vessel: from and to (m along it), the name, and its mean probability.
-struct Run {
+struct NameRun {
     until: f64,
-    label: Label,
+    label: ArteryLabel,
     probability: f64,
 }
 
@@ -29,7 +29,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
         by_vessel.entry(names.nodes.place[n].vessel).or_default().push(n);
     }
     let mut nodes: Vec<Node> = graph.nodes().cloned().collect();
-    let mut pieces: Vec<Option<Piece>> = Vec::new();
+    let mut pieces: Vec<Option<NamedPiece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
         match vessel.origin {
             Origin::Observed => {}
@@ -70,7 +70,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
             along += step;
         }
         begun.extend_from_slice(rest);
-        let last = Run { until: f64::INFINITY, label: OTHER, probability: 1.0 };
+        let last = NameRun { until: f64::INFINITY, label: OTHER, probability: 1.0 };
         pieces.push(Some(piece([from, ends[1]], &begun, vessel, runs.last().unwrap_or(&last))));
     }
     merge(&mut pieces, nodes.len(), original, graph.node_count());
@@ -90,12 +90,12 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
 }
 
 /// The runs of names along a vessel, from the nodes that lie on it.
-fn runs_of(own: &[usize], names: &Names) -> Vec<Run> {
+fn runs_of(own: &[usize], names: &Names) -> Vec<NameRun> {
     let mut order: Vec<usize> = own.to_vec();
     order.sort_by(|a, b| names.nodes.place[*a].along.total_cmp(&names.nodes.place[*b].along));
     let best =
         |n: usize| (0..LABELS).fold(0, |best, label| if names.labels[n][label] > names.labels[n][best] { label } else { best });
-    let mut runs: Vec<(Run, f64)> = Vec::new();
+    let mut runs: Vec<(NameRun, f64)> = Vec::new();
     let mut before = 0.0;
     for n in order {
         let (label, along) = (best(n), metres(names.nodes.place[n].along));
@@ -109,12 +109,12 @@ fn runs_of(own: &[usize], names: &Names) -> Vec<Run> {
                 if let Some((run, _)) = last {
                     run.until = 0.5 * (before + along);
                 }
-                runs.push((Run { until: f64::INFINITY, label, probability: p }, 1.0));
+                runs.push((NameRun { until: f64::INFINITY, label, probability: p }, 1.0));
             }
         }
         before = along;
     }
-    runs.into_iter().map(|(run, count)| Run { probability: run.probability / count, ..run }).collect()
+    runs.into_iter().map(|(run, count)| NameRun { probability: run.probability / count, ..run }).collect()
 }
 
 fn path_of(graph: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<PathPoint> {
@@ -126,7 +126,7 @@ fn path_of(graph: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<PathPoint>
     ends.map(point).to_vec()
 }
 
-fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> Piece {
+fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &NameRun) -> NamedPiece {
     let is_named = run.label != OTHER;
     let label = if is_named { name_of(run.label) } else { String::new() };
     let vessel = Vessel { label, certain: whole.certain, ..Vessel::along(path.to_vec(), RadiusRule::Mean) };
@@ -134,7 +134,7 @@ fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &Run) -> Pie
 }
 
 /// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
-fn merge(pieces: &mut [Option<Piece>], nodes: usize, original: usize, divided: usize) {
+fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, original: usize, divided: usize) {
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
     for (row, (ends, ..)) in pieces.iter().enumerate().filter_map(|(row, piece)| Some((row, piece.as_ref()?))) {
         for end in ends {

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::atlas::Atlas;
 use super::emission::Pose;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, OTHER, STATES, Sided, bins_of, first_state, name_of};
-use crate::circle_of_willis::Side;
+use super::states::{ACOMM, ArteryLabel, BA, LABELS, OTHER, STATES, Sided, bins_of, first_state, name_of};
+use crate::circle_of_willis::BodySide;
 use willis_core::support::geometry::{Point, distance, lerp};
 
 /// Nodes of two arteries that meet are no further apart, mm.
@@ -28,17 +28,17 @@ pub struct Meeting {
     /// Its name.
     pub label: String,
     /// The labels on the one side, and those on the other.
-    pub between: [Vec<Label>; 2],
+    pub between: [Vec<ArteryLabel>; 2],
     /// The label at whose reference end it lies.
-    pub at: Label,
+    pub at: ArteryLabel,
 }
 
 /// Every bifurcation that has a name.
 pub fn meetings() -> Vec<Meeting> {
     let mut all = Vec::new();
-    for side in Side::BOTH {
+    for side in BodySide::BOTH {
         let on = |artery: Sided| artery.on(side);
-        let mut add = |labels: &[Label], one: &[Label], other: &[Label], at: Label| {
+        let mut add = |labels: &[ArteryLabel], one: &[ArteryLabel], other: &[ArteryLabel], at: ArteryLabel| {
             let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
             all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
         };
@@ -51,15 +51,20 @@ pub fn meetings() -> Vec<Meeting> {
         add(&[p1, p2, pcomm], &[pcomm], &[p1, p2], p2);
         add(&[p1, p2], &[p1], &[p2], p2);
     }
-    let p1 = Side::BOTH.map(|side| Sided::P1.on(side));
+    let p1 = BodySide::BOTH.map(|side| Sided::P1.on(side));
     all.push(Meeting { label: format!("BA/{}/{}", name_of(p1[0]), name_of(p1[1])), between: [vec![BA], p1.to_vec()], at: BA });
     all
 }
 
 /// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
 /// meet. `best` is the label of each node.
-pub fn meeting_place(nodes: &Nodes, labels: &[[f64; LABELS]], best: &[Label], between: &[Vec<Label>; 2]) -> Option<(Point, f64)> {
-    let of = |group: &[Label]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
+pub fn meeting_place(
+    nodes: &Nodes,
+    labels: &[[f64; LABELS]],
+    best: &[ArteryLabel],
+    between: &[Vec<ArteryLabel>; 2],
+) -> Option<(Point, f64)> {
+    let of = |group: &[ArteryLabel]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
     let [one, other] = [of(&between[0]), of(&between[1])];
     let mut closest: Option<(f64, usize, usize)> = None;
     for a in &one {
@@ -71,7 +76,7 @@ pub fn meeting_place(nodes: &Nodes, labels: &[[f64; LABELS]], best: &[Label], be
         }
     }
     let (d, a, b) = closest?;
-    let sure = |n: usize, group: &[Label]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
+    let sure = |n: usize, group: &[ArteryLabel]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
     (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
 }
 
@@ -82,10 +87,16 @@ const ONE_SIDED: f64 = 0.25;
 
 /// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
 /// or where the posterior communicating artery that makes it is not.
-pub fn expected_place(nodes: &Nodes, best: &[Label], atlas: &Atlas, pose: &Pose, meeting: &Meeting) -> Option<(Point, f64)> {
-    let has = |label: Label| best.contains(&label);
+pub fn expected_place(
+    nodes: &Nodes,
+    best: &[ArteryLabel],
+    atlas: &Atlas,
+    pose: &Pose,
+    meeting: &Meeting,
+) -> Option<(Point, f64)> {
+    let has = |label: ArteryLabel| best.contains(&label);
     let labels = || meeting.between.iter().flatten().copied();
-    let is_pcomm = |label: &Label| Side::BOTH.iter().any(|side| *label == Sided::PComm.on(*side));
+    let is_pcomm = |label: &ArteryLabel| BodySide::BOTH.iter().any(|side| *label == Sided::PComm.on(*side));
     if labels().find(is_pcomm).is_some_and(|pcomm| !has(pcomm)) {
         return None;
     }
@@ -97,7 +108,7 @@ pub fn expected_place(nodes: &Nodes, best: &[Label], atlas: &Atlas, pose: &Pose,
 
 /// Where PComm ends at P1 and P2, that is where they meet too.
 pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
-    for side in Side::BOTH {
+    for side in BodySide::BOTH {
         let name = |artery: Sided| name_of(artery.on(side));
         let short = format!("{}/{}", name(Sided::P1), name(Sided::P2));
         let long = format!("{short}/{}", name(Sided::PComm));
@@ -108,8 +119,8 @@ pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
 }
 
 /// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.
-pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[Label]) -> Vec<NamedPlace> {
-    let mut found: BTreeMap<Label, (f64, usize)> = BTreeMap::new();
+pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[ArteryLabel]) -> Vec<NamedPlace> {
+    let mut found: BTreeMap<ArteryLabel, (f64, usize)> = BTreeMap::new();
     for n in (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1 && best[*n] != OTHER) {
         let of_states = &states[n * atlas.tables.label.len()..(n + 1) * atlas.tables.label.len()];
         let label = best[n];
@@ -124,8 +135,8 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
         }
     }
     // An artery that goes on under another name ends there.
-    let leaves = |label: Label| {
-        Side::BOTH.iter().any(|side| {
+    let leaves = |label: ArteryLabel| {
+        BodySide::BOTH.iter().any(|side| {
             let on = |artery: Sided| artery.on(*side);
             [on(Sided::Ica), on(Sided::A2), on(Sided::P2)].contains(&label)
                 || label == on(Sided::M2)
@@ -135,7 +146,7 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
     let kept = found.iter().filter(|(label, _)| leaves(**label));
     let mut places: Vec<NamedPlace> = kept
         .map(|(label, (_, n))| {
-            let shown = if Side::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
+            let shown = if BodySide::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
             NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
         })
         .collect();
@@ -148,7 +159,7 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
 
 /// The free end that is likeliest of an artery by which blood enters; `None` without a free end.
 pub fn likeliest_inlet(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Option<NamedPlace> {
-    let enters = [Sided::Ica.on(Side::Left), Sided::Ica.on(Side::Right), BA];
+    let enters = [Sided::Ica.on(BodySide::Left), Sided::Ica.on(BodySide::Right), BA];
     let ends = (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1);
     let each = ends
         .flat_map(|n| enters.map(|label| NamedPlace { label: name_of(label), at: nodes.at[n], probability: labels[n][label] }));
@@ -161,17 +172,17 @@ const VERTEBRAL: f64 = 15.0;
 
 /// Where the vertebral arteries enter: of the free ends that lie as far along the basilar artery as its states go, the lowest on the left
 /// and on the right of their middle.
-fn vertebral_ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], best: &[Label]) -> Option<[NamedPlace; 2]> {
+fn vertebral_ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], best: &[ArteryLabel]) -> Option<[NamedPlace; 2]> {
     let last = first_state(BA) + bins_of(BA) - 1;
     let is_end = |n: &usize| best[*n] == BA && nodes.degree(*n) <= 1 && states[n * STATES + last] > 0.5;
     let ends: Vec<usize> = (0..nodes.len()).filter(is_end).collect();
     let across = |n: usize| nodes.at[n][0];
     let (least, most) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), n| (a.min(across(*n)), b.max(across(*n))));
-    let lowest = |side: Side| {
-        let own = ends.iter().filter(|n| (2.0 * across(**n) < least + most) == (side == Side::Left));
+    let lowest = |side: BodySide| {
+        let own = ends.iter().filter(|n| (2.0 * across(**n) < least + most) == (side == BodySide::Left));
         own.min_by(|a, b| nodes.at[**a][2].total_cmp(&nodes.at[**b][2]))
     };
-    let (left, right) = (lowest(Side::Left)?, lowest(Side::Right)?);
+    let (left, right) = (lowest(BodySide::Left)?, lowest(BodySide::Right)?);
     let place = |label: &str, n: usize| NamedPlace { label: label.to_owned(), at: nodes.at[n], probability: labels[n][BA] };
     (most - least > VERTEBRAL).then(|| [place("L-VA", *left), place("R-VA", *right)])
 }

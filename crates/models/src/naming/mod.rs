@@ -27,26 +27,24 @@ pub mod ways;
 pub use algebra::{outer_sum, rotation, symmetric_times, turned};
 pub use circle::log_odds;
 pub use circle::topologies_say;
-pub use circle::{NamedCircle, Prior};
+pub use circle::{CirclePrior, NamedCircle};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
 pub use models::NamingModels;
 pub use nodes::Nodes;
-pub use states::{LABELS, Label, OTHER, name_of};
+pub use states::{ArteryLabel, LABELS, OTHER, name_of};
 
-use belief::{Beliefs, Forest};
-use emission::{Parts, Pose, emission, radius_fit};
+use belief::{Beliefs, NamingForest};
+use emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use exclusion::exclusion;
 use model::logistic_probability;
 use pieces::{label_probabilities, piece_features};
 use pose::{Scored, Search};
 use presence::Seen;
-use states::STATES;
+use states::{STATES, label_of_segment, states_of};
 use willis_core::network::{Frame, Network};
 
-/// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
-pub(crate) const TEMPER: f64 = 0.3;
 /// Rounds in which pieces of arteries that are taken twice settle.
 const ROUNDS: usize = 3;
 /// A name that fewer nodes than this are expected to have has no evidence.
@@ -92,8 +90,8 @@ pub struct Names {
 }
 
 /// What one pass finds.
-struct Pass {
-    forest: Forest,
+struct NamingPass {
+    forest: NamingForest,
     beliefs: Beliefs,
     /// The log likelihoods that they are of: nodes x states.
     log_likelihood: Vec<f64>,
@@ -189,7 +187,7 @@ fn names_at(
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
         if let Poses::Found(poses) = poses {
             let radius = radius_fit(&nodes, atlas, median);
-            let forest = Forest::of(&nodes, &used);
+            let forest = NamingForest::of(&nodes, &used);
             let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
             if let Some(found) = search.around(poses).first() {
                 (pose, fit) = (found.pose, found.score);
@@ -242,14 +240,14 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &at
 }
 
 /// The names at a pose, with one of every artery, and the features of the pieces.
-fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> Pass {
+fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> NamingPass {
     let radius = radius_fit(nodes, atlas, median);
     let all: Vec<usize> = (0..nodes.len()).collect();
     let mut own = emission(nodes, [&all, &atlas::all_states()], atlas, pose, &atlas.position, Parts::ALL, &radius);
     for e in &mut own {
         *e *= TEMPER;
     }
-    let forest = Forest::of(nodes, used);
+    let forest = NamingForest::of(nodes, used);
     let mut penalty: Option<Vec<f64>> = None;
     let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
         penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
@@ -265,12 +263,12 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
     let log_likelihood = with(&penalty);
     let beliefs = forest.beliefs(atlas, &log_likelihood);
     let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
-    Pass { forest, beliefs, log_likelihood, features }
+    NamingPass { forest, beliefs, log_likelihood, features }
 }
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
-fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
-    let states: [_; 7] = std::array::from_fn(|segment| states::states_of(presence::label_of_segment(segment)));
+fn evidence(pass: &NamingPass, atlas: &atlas::Atlas) -> [f64; 7] {
+    let states: [_; 7] = std::array::from_fn(|segment| states_of(label_of_segment(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
         let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
@@ -284,7 +282,7 @@ fn evidence(pass: &Pass, atlas: &atlas::Atlas) -> [f64; 7] {
 impl Names {
     /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
     pub fn seen_length(&self, segment: usize) -> f64 {
-        self.seen.length[presence::label_of_segment(segment)]
+        self.seen.length[label_of_segment(segment)]
     }
 
     /// The share of the length that is an artery of the circle.
@@ -294,7 +292,7 @@ impl Names {
     }
 
     /// The most probable label of each node.
-    pub fn best(&self) -> Vec<Label> {
+    pub fn best(&self) -> Vec<ArteryLabel> {
         let most = |p: &[f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
         self.labels.iter().map(most).collect()
     }

@@ -5,11 +5,11 @@ use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::atlas::{Atlas, AtlasData, Counts, Piece};
+use super::atlas::{Atlas, AtlasData, AtlasPiece, Counts};
 use super::pieces::PIECE_FEATURES;
 use super::presence::{KINDS, PRESENCE_FEATURES};
-use super::states::{LABELS, NOWHERE, STATES, State, StateTables, bins_of, first_state, label_of, name_of, side_of};
-use crate::circle_of_willis::Side;
+use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables, bins_of, first_state, label_of, name_of, side_of};
+use crate::circle_of_willis::BodySide;
 use willis_core::error::{Fault, Result};
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::statistics::sigmoid;
@@ -65,7 +65,7 @@ pub fn logistic_probability(weights: &[f64], features: &[f64]) -> f64 {
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct NamingFile {
     format: String,
     other_radius: [f64; 2],
     centroid: [f64; 3],
@@ -130,7 +130,7 @@ impl NamingModel {
     ///
     /// Not the TOML of a model; a state that is missing, unknown or no distribution; another number of weights.
     pub fn read(text: &str) -> Result<Self, Fault> {
-        let file: File = parse(text, "expected a model as `willis train --model labels` writes it")?;
+        let file: NamingFile = parse(text, "expected a model as `willis train --model labels` writes it")?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());
         if file.format != FORMAT {
             return Err(wrong(format!("format \"{}\"", file.format), &format!("expected \"{FORMAT}\"")));
@@ -143,7 +143,7 @@ impl NamingModel {
         lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
         lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
         let tables = StateTables::default();
-        let mut pieces: Vec<Option<Piece>> = vec![None; NOWHERE];
+        let mut pieces: Vec<Option<AtlasPiece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
         for row in &file.states {
             let state =
@@ -153,7 +153,7 @@ impl NamingModel {
             if state == NOWHERE {
                 continue;
             }
-            let piece = Piece {
+            let piece = AtlasPiece {
                 mean: row.mean,
                 covariance: row.covariance,
                 direction: row.direction,
@@ -175,7 +175,7 @@ impl NamingModel {
             ));
         }
         let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
-        let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(State, State, f64)>, Fault> {
+        let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(AtlasState, AtlasState, f64)>, Fault> {
             let mut all = BTreeMap::new();
             for (a, b, n) in rows {
                 if !(*n >= 0.0 && *n < 1e9) {
@@ -229,9 +229,9 @@ impl NamingModel {
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         let (AtlasData { pieces, other_radius, centroid, counts }, tables) = (&self.atlas.data, &self.atlas.tables);
-        let name = |state: State| state_name(state, tables);
-        let pairs = |list: &[(State, State, f64)]| {
-            let is_first = |(a, b, _): &&(State, State, f64)| {
+        let name = |state: AtlasState| state_name(state, tables);
+        let pairs = |list: &[(AtlasState, AtlasState, f64)]| {
+            let is_first = |(a, b, _): &&(AtlasState, AtlasState, f64)| {
                 let (ma, mb) = (tables.mirrored[*a], tables.mirrored[*b]);
                 [(*b, *a), (ma, mb), (mb, ma)].iter().all(|other| (*a, *b) <= *other)
             };
@@ -247,11 +247,11 @@ impl NamingModel {
                 *bifurcations.entry(own).or_insert(0.0) += if own == other { 0.5 * n } else { *n };
             }
         }
-        let bifurcation = |((arms, middle), n): (([State; 3], State), f64)| {
+        let bifurcation = |((arms, middle), n): (([AtlasState; 3], AtlasState), f64)| {
             let [a, b, c] = arms.map(name);
             (a, b, c, name(middle), n)
         };
-        let row = |state: State| {
+        let row = |state: AtlasState| {
             let piece = pieces.get(state).copied().unwrap_or_default();
             StateRow {
                 name: name(state),
@@ -271,7 +271,7 @@ impl NamingModel {
             exact: rounded(of.exact, 4),
             ..of.clone()
         });
-        let file = File {
+        let file = NamingFile {
             format: FORMAT.to_owned(),
             other_radius: rounded(*other_radius, 6),
             centroid: rounded(*centroid, 4),
@@ -284,27 +284,27 @@ impl NamingModel {
             bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
             provenance: self.provenance.clone(),
             figures: figures.collect(),
-            states: (0..STATES).filter(|state| side_of(tables.label[*state]) != Some(Side::Right)).map(row).collect(),
+            states: (0..STATES).filter(|state| side_of(tables.label[*state]) != Some(BodySide::Right)).map(row).collect(),
         };
         write(out, HEADING, false, &file)
     }
 }
 
 /// `L-ICA 0`.
-fn state_name(state: State, tables: &StateTables) -> String {
+fn state_name(state: AtlasState, tables: &StateTables) -> String {
     format!("{} {}", name_of(tables.label[state]), tables.bin[state])
 }
 
-fn state_of(name: &str) -> Option<State> {
+fn state_of(name: &str) -> Option<AtlasState> {
     let (label, bin) = name.rsplit_once(' ')?;
     let (label, bin): (usize, usize) = (label_of(label)?, bin.parse().ok()?);
     (label < LABELS && bin < bins_of(label)).then(|| first_state(label) + bin)
 }
 
 /// The piece on the other side; one in the middle is made symmetric by the caller's data.
-fn mirrored(piece: &Piece) -> Piece {
+fn mirrored(piece: &AtlasPiece) -> AtlasPiece {
     let flip = |s: &[f64; 6]| [s[0], s[1], s[2], -s[3], -s[4], s[5]];
-    Piece {
+    AtlasPiece {
         mean: [-piece.mean[0], piece.mean[1], piece.mean[2]],
         covariance: flip(&piece.covariance),
         direction: flip(&piece.direction),

@@ -16,7 +16,7 @@ const LEAST_RADIUS: f64 = 0.1;
 
 /// Where a node lies in the network.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place {
+pub struct VesselPlace {
     /// The row of a vessel.
     pub vessel: usize,
     /// The distance from its first node along it, mm.
@@ -60,7 +60,7 @@ pub struct Nodes {
     /// How many pieces there are.
     pub pieces: usize,
     /// Where each node lies.
-    pub place: Vec<Place>,
+    pub place: Vec<VesselPlace>,
     /// The number of the nearest point of the input, where it has one.
     pub id: Vec<Option<u64>>,
     /// The candidates and contacts of the network.
@@ -79,7 +79,7 @@ struct BranchPoint {
     at: Point,
     radius: f64,
     id: Option<u64>,
-    place: Place,
+    place: VesselPlace,
 }
 
 impl Nodes {
@@ -114,7 +114,7 @@ impl Nodes {
                         at: to_ras(p.position),
                         radius: millimetres(p.radius),
                         id: p.id,
-                        place: Place { vessel, along },
+                        place: VesselPlace { vessel, along },
                     }));
                     from = if is_forward { b } else { a };
                     passed.push((from, points.len().saturating_sub(1)));
@@ -327,7 +327,7 @@ fn between(a: &BranchPoint, b: &BranchPoint, arc: [f64; 2], s: f64) -> BranchPoi
         at: lerp(a.at, b.at, share),
         radius: a.radius + share * (b.radius - a.radius),
         id: near.id,
-        place: Place { vessel: near.place.vessel, along },
+        place: VesselPlace { vessel: near.place.vessel, along },
     }
 }
 

@@ -3,15 +3,14 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 
-use super::TEMPER;
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
-use super::belief::Forest;
-use super::emission::{Parts, Pose, emission};
+use super::belief::NamingForest;
+use super::emission::{Parts, Pose, TEMPER, emission};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
 use super::single::Single;
-use super::states::{NOWHERE, STATES, State};
+use super::states::{AtlasState, NOWHERE, STATES};
 use willis_core::support::geometry::{Point, distance, dot, norm, sub};
 use willis_core::support::simd::InstructionSet;
 
@@ -43,7 +42,7 @@ pub struct Search<'a> {
     /// From [`super::emission::radius_fit`].
     pub radius: &'a [f64],
     /// The forest of names.
-    pub forest: &'a Forest,
+    pub forest: &'a NamingForest,
 }
 
 /// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
@@ -56,7 +55,7 @@ pub struct Pulls {
 
 impl Pulls {
     /// Of some states at the precisions of the atlas, possibly widened.
-    pub fn of(atlas: &Atlas, states: &[State], precisions: &[(Symmetric, f64)]) -> Self {
+    pub fn of(atlas: &Atlas, states: &[AtlasState], precisions: &[(Symmetric, f64)]) -> Self {
         let mut table = vec![0.0; 10 * states.len()];
         for (column, state) in states.iter().enumerate().filter(|(_, state)| **state != NOWHERE) {
             let precision = &precisions[*state].0;
@@ -90,14 +89,14 @@ impl Search<'_> {
     pub fn everywhere(&self) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
-        let coarse: Vec<State> =
+        let coarse: Vec<AtlasState> =
             all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
         let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
         let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], self.radius, Parts::SEARCH.radius);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
             let precisions = self.atlas.widened(tau);
-            let states: &[State] = if tau > 8.0 { &coarse } else { &all };
+            let states: &[AtlasState] = if tau > 8.0 { &coarse } else { &all };
             (single, single.places(&precisions), Pulls::of(self.atlas, states, &precisions))
         });
         let mut starts: Vec<Scored> = Vec::new();

@@ -2,9 +2,9 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, OTHER, Sided};
+use super::states::{ACOMM, ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment};
 use super::ways::{Way, ways};
-use crate::circle_of_willis::{Artery, RING, Side};
+use crate::circle_of_willis::{Artery, BodySide, RING};
 
 /// How many features a segment has.
 pub const PRESENCE_FEATURES: usize = 20;
@@ -22,16 +22,6 @@ pub fn kind_of(segment: usize) -> usize {
         Artery::AComm => 1,
         Artery::PComm(_) => 2,
         _ => 3,
-    }
-}
-
-/// The label of a segment of [`RING`].
-pub fn label_of_segment(segment: usize) -> Label {
-    match RING[segment] {
-        Artery::A1(side) => Sided::A1.on(side),
-        Artery::PComm(side) => Sided::PComm.on(side),
-        Artery::P1(side) => Sided::P1.on(side),
-        _ => ACOMM,
     }
 }
 
@@ -97,7 +87,7 @@ impl Seen {
     /// lies around it, the evidence for its name, the cheapest way between its ends, and how broken the case is.
     pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
         let (kind, label) = (kind_of(segment), label_of_segment(segment));
-        let cm = |label: Label| (self.length[label] / 10.0).min(1.5);
+        let cm = |label: ArteryLabel| (self.length[label] / 10.0).min(1.5);
         let around = match RING[segment] {
             Artery::A1(side) => {
                 let other = side.other();
@@ -113,8 +103,8 @@ impl Seen {
                 [a, b, c, d, 0.0]
             }
             _ => {
-                let [a, b] = Side::BOTH.map(|side| cm(Sided::A1.on(side)));
-                let [c, d] = Side::BOTH.map(|side| cm(Sided::A2.on(side)));
+                let [a, b] = BodySide::BOTH.map(|side| cm(Sided::A1.on(side)));
+                let [c, d] = BodySide::BOTH.map(|side| cm(Sided::A2.on(side)));
                 [a.min(b), a.max(b), c.min(d), 0.0, 0.0]
             }
         };

@@ -10,7 +10,7 @@ use super::algebra::{Symmetric, turned};
 use super::atlas::Atlas;
 use super::emission::{POSITION_FREEDOM, Pose};
 use super::nodes::Nodes;
-use super::states::{NOWHERE, STATES, State};
+use super::states::{AtlasState, NOWHERE, STATES};
 use willis_core::support::geometry::Point;
 use willis_core::support::simd::{InstructionSet, Kernel, Simd};
 
@@ -19,7 +19,7 @@ pub struct Single<'a> {
     nodes: &'a Nodes,
     atlas: &'a Atlas,
     subset: &'a [usize],
-    states: &'a [State],
+    states: &'a [AtlasState],
     /// The weight of each state of each node by its radius and its prior: nodes x states.
     weight: Vec<f64>,
     /// The direction matrices, each entry over the states.
@@ -28,7 +28,7 @@ pub struct Single<'a> {
 }
 
 /// The positions of states, widened.
-pub struct Places {
+pub struct StatePlaces {
     mean: [Vec<f64>; 3],
     precision: [Vec<f64>; 6],
     /// What the determinants say.
@@ -45,7 +45,7 @@ impl<'a> Single<'a> {
         radius_weight: f64,
     ) -> Self {
         let of = |node: &usize| &radius[node * STATES..(node + 1) * STATES];
-        let weight = |row: &[f64], state: State| (radius_weight * row[state]).exp() * atlas.prior[state];
+        let weight = |row: &[f64], state: AtlasState| (radius_weight * row[state]).exp() * atlas.prior[state];
         let weight =
             subset.iter().flat_map(|node| states.iter().map(move |state| (of(node), *state))).map(|(row, s)| weight(row, s));
         let weight = weight.collect();
@@ -54,10 +54,10 @@ impl<'a> Single<'a> {
     }
 
     /// The positions of the states at some precisions of the atlas.
-    pub fn places(&self, precisions: &[(Symmetric, f64)]) -> Places {
+    pub fn places(&self, precisions: &[(Symmetric, f64)]) -> StatePlaces {
         let states = || arteries(self.states);
         let normal = (2.0 * std::f64::consts::PI).powf(-1.5);
-        Places {
+        StatePlaces {
             mean: std::array::from_fn(|k| states().map(|state| self.atlas.data.pieces[state].mean[k]).collect()),
             precision: std::array::from_fn(|k| states().map(|state| precisions[state].0[k]).collect()),
             scale: states().map(|s| normal * (-0.5 * (precisions[s].1 + self.atlas.direction[s].1)).exp()).collect(),
@@ -65,7 +65,7 @@ impl<'a> Single<'a> {
     }
 
     /// The probabilities of the states (nodes x states) at a pose, and the sum over the nodes of the logarithms of what they were divided by.
-    pub fn probabilities(&self, pose: &Pose, places: &Places) -> (Vec<f64>, f64) {
+    pub fn probabilities(&self, pose: &Pose, places: &StatePlaces) -> (Vec<f64>, f64) {
         let other = self.atlas.log_other.exp();
         let mut log = 0.0;
         let mut all = vec![0.0; self.weight.len()];
@@ -87,7 +87,7 @@ impl<'a> Single<'a> {
     }
 }
 
-fn arteries(states: &[State]) -> impl Iterator<Item = State> + '_ {
+fn arteries(states: &[AtlasState]) -> impl Iterator<Item = AtlasState> + '_ {
     states.iter().copied().filter(|state| *state != NOWHERE)
 }
 
@@ -96,7 +96,7 @@ struct Fit<'a> {
     at: Point,
     direction: Symmetric,
     weight: &'a [f64],
-    places: &'a Places,
+    places: &'a StatePlaces,
     along: &'a [Vec<f64>; 6],
     out: &'a mut [f64],
 }
@@ -107,7 +107,7 @@ impl Kernel for Fit<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, _: S) {
         let n = self.out.len();
-        let Places { mean, precision, scale } = self.places;
+        let StatePlaces { mean, precision, scale } = self.places;
         let [x, y, z] = [0, 1, 2].map(|k| &mean[k][..n]);
         let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|k| &precision[k][..n]);
         let [t, u, v, p, q, r] = [0, 1, 2, 3, 4, 5].map(|k| &self.along[k][..n]);

@@ -1,11 +1,11 @@
 //! The labels of arteries and the states of the atlas: 4 mm pieces along each artery, and one state for what is no artery of the circle.
 
-use crate::circle_of_willis::Side;
+use crate::circle_of_willis::{Artery, BodySide, RING};
 
 /// An artery of the circle, or [`OTHER`]: sided arteries left then right, then the basilar and the anterior communicating artery.
-pub type Label = usize;
+pub type ArteryLabel = usize;
 /// A piece of an artery, or [`NOWHERE`].
-pub type State = usize;
+pub type AtlasState = usize;
 
 /// The length of a state along its artery, mm.
 pub const BIN: f64 = 4.0;
@@ -58,15 +58,15 @@ const SIDED: usize = 8;
 /// How many labels there are, [`OTHER`] included.
 pub const LABELS: usize = 2 * SIDED + 3;
 /// No artery of the circle.
-pub const OTHER: Label = LABELS - 1;
+pub const OTHER: ArteryLabel = LABELS - 1;
 /// The basilar artery.
-pub const BA: Label = 2 * SIDED;
+pub const BA: ArteryLabel = 2 * SIDED;
 /// The anterior communicating artery.
-pub const ACOMM: Label = BA + 1;
+pub const ACOMM: ArteryLabel = BA + 1;
 /// How many states there are, [`NOWHERE`] included.
 pub const STATES: usize = 2 * (12 + 6 + 8 + 5 + 6 + 4 + 7 + 4) + 7 + 1 + 1;
 /// The state of what is no artery of the circle.
-pub const NOWHERE: State = STATES - 1;
+pub const NOWHERE: AtlasState = STATES - 1;
 
 /// The sided arteries, in the order of their labels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -91,68 +91,78 @@ pub enum Sided {
 
 impl Sided {
     /// Its label on a side.
-    pub const fn on(self, side: Side) -> Label {
+    pub const fn on(self, side: BodySide) -> ArteryLabel {
         2 * self as usize + side as usize
     }
 }
 
+/// The label of a segment of [`RING`].
+pub fn label_of_segment(segment: usize) -> ArteryLabel {
+    match RING[segment] {
+        Artery::A1(side) => Sided::A1.on(side),
+        Artery::PComm(side) => Sided::PComm.on(side),
+        Artery::P1(side) => Sided::P1.on(side),
+        _ => ACOMM,
+    }
+}
+
 /// The artery of a label without its side.
-fn family_of(label: Label) -> &'static Family {
+fn family_of(label: ArteryLabel) -> &'static Family {
     &FAMILIES[if label < 2 * SIDED { label / 2 } else { label - SIDED }]
 }
 
 /// The side of a label; `None` in the midline and for [`OTHER`].
-pub fn side_of(label: Label) -> Option<Side> {
-    (label < 2 * SIDED).then(|| Side::BOTH[label % 2])
+pub fn side_of(label: ArteryLabel) -> Option<BodySide> {
+    (label < 2 * SIDED).then(|| BodySide::BOTH[label % 2])
 }
 
 /// The name that willis writes: `L-M2`, `BA`, `other`.
-pub fn name_of(label: Label) -> String {
+pub fn name_of(label: ArteryLabel) -> String {
     match side_of(label) {
         _ if label == OTHER => "other".to_owned(),
-        Some(Side::Left) => format!("L-{}", family_of(label).name),
-        Some(Side::Right) => format!("R-{}", family_of(label).name),
+        Some(BodySide::Left) => format!("L-{}", family_of(label).name),
+        Some(BodySide::Right) => format!("R-{}", family_of(label).name),
         None => family_of(label).name.to_owned(),
     }
 }
 
 /// The label of a name that willis writes.
-pub fn label_of(name: &str) -> Option<Label> {
+pub fn label_of(name: &str) -> Option<ArteryLabel> {
     (0..LABELS).find(|label| name_of(*label) == name)
 }
 
 /// The label on the other side.
-pub fn mirrored(label: Label) -> Label {
+pub fn mirrored(label: ArteryLabel) -> ArteryLabel {
     if label < 2 * SIDED { label ^ 1 } else { label }
 }
 
 /// The first state of a label.
-pub fn first_state(label: Label) -> State {
+pub fn first_state(label: ArteryLabel) -> AtlasState {
     (0..label).map(bins_of).sum()
 }
 
 /// How many states a label has.
-pub fn bins_of(label: Label) -> usize {
+pub fn bins_of(label: ArteryLabel) -> usize {
     if label == OTHER { 1 } else { family_of(label).bins }
 }
 
 /// The states of a label.
-pub fn states_of(label: Label) -> std::ops::Range<State> {
+pub fn states_of(label: ArteryLabel) -> std::ops::Range<AtlasState> {
     first_state(label)..first_state(label) + bins_of(label)
 }
 
 /// The state at a distance (mm) along an artery from its reference end.
-pub fn state_at(label: Label, along: f64) -> State {
+pub fn state_at(label: ArteryLabel, along: f64) -> AtlasState {
     first_state(label) + ((along / BIN) as usize).min(bins_of(label) - 1)
 }
 
 /// Whether the reference end of the first label is where the second one begins or ends.
-pub fn begins_at(label: Label, other: Label) -> bool {
+pub fn begins_at(label: ArteryLabel, other: ArteryLabel) -> bool {
     label != OTHER && other != OTHER && family_of(label).begins_at.contains(&family_of(other).name)
 }
 
 /// Where the reference end of a label lies if no artery at it is traced.
-pub fn begins(label: Label) -> Direction {
+pub fn begins(label: ArteryLabel) -> Direction {
     if label == OTHER { Direction::Up } else { family_of(label).begins }
 }
 
@@ -160,11 +170,11 @@ pub fn begins(label: Label) -> Direction {
 #[derive(Debug, Clone)]
 pub struct StateTables {
     /// The label of each state.
-    pub label: Vec<Label>,
+    pub label: Vec<ArteryLabel>,
     /// The state's number within its label.
     pub bin: Vec<usize>,
     /// The state on the other side.
-    pub mirrored: Vec<State>,
+    pub mirrored: Vec<AtlasState>,
     /// Whether only one stretch of a patient's arteries can be in the state: not M2, of which there are several, and not a last state,
     /// which has no end.
     pub once: Vec<bool>,
@@ -173,8 +183,9 @@ pub struct StateTables {
 impl Default for StateTables {
     /// The tables.
     fn default() -> Self {
-        let all: Vec<(Label, usize)> = (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
-        let is_m2 = |label: Label| label / 2 == Sided::M2 as usize && label < BA;
+        let all: Vec<(ArteryLabel, usize)> =
+            (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
+        let is_m2 = |label: ArteryLabel| label / 2 == Sided::M2 as usize && label < BA;
         Self {
             label: all.iter().map(|(label, _)| *label).collect(),
             bin: all.iter().map(|(_, bin)| *bin).collect(),
@@ -189,7 +200,7 @@ impl Default for StateTables {
 
 impl StateTables {
     /// The state so many bins further along the same artery, or none.
-    pub fn step(&self, state: State, bins: isize) -> Option<State> {
+    pub fn step(&self, state: AtlasState, bins: isize) -> Option<AtlasState> {
         let to = state.checked_add_signed(bins)?;
         (to < STATES && self.label[to] == self.label[state]).then_some(to)
     }

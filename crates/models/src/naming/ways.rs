@@ -2,8 +2,8 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, BA, LABELS, Label, Sided};
-use crate::circle_of_willis::{Artery, RING, Side};
+use super::states::{ACOMM, ArteryLabel, BA, LABELS, Sided, label_of_segment};
+use crate::circle_of_willis::{Artery, BodySide, RING};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::distance;
 
@@ -37,19 +37,20 @@ pub fn ways(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64]) -> [
 }
 
 /// The labels at either end of a segment.
-fn ends(segment: usize) -> [Vec<Label>; 2] {
+fn ends(segment: usize) -> [Vec<ArteryLabel>; 2] {
     match RING[segment] {
         Artery::A1(side) => [vec![Sided::Ica.on(side), Sided::M1.on(side)], vec![Sided::A2.on(side), ACOMM]],
         Artery::PComm(side) => [vec![Sided::Ica.on(side)], vec![Sided::P2.on(side), Sided::P1.on(side)]],
         Artery::P1(side) => [vec![BA, Sided::P1.on(side.other())], vec![Sided::P2.on(side), Sided::PComm.on(side)]],
-        _ => Side::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
+        _ => BodySide::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
     }
 }
 
 fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: usize, paths: &mut ShortestPaths) -> Way {
-    let own = super::presence::label_of_segment(segment);
-    let of =
-        |arteries: Vec<Label>| -> Vec<f64> { labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect() };
+    let own = label_of_segment(segment);
+    let of = |arteries: Vec<ArteryLabel>| -> Vec<f64> {
+        labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect()
+    };
     let [from, to] = ends(segment).map(of);
     let belongs: Vec<f64> = (0..nodes.len()).map(|n| (from[n] + to[n] + labels[n][own]).min(1.0)).collect();
     let elsewhere = |[a, b]: [usize; 2], length: f64| ELSEWHERE * length * (1.0 - 0.5 * (belongs[a] + belongs[b]));

@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use super::cases::LabelledCase;
 use super::truth::LabelledNodes;
 use willis_core::support::geometry::{Point, sub};
-use willis_models::circle_of_willis::Side;
-use willis_models::naming::atlas::{Atlas, AtlasData, Counts, Piece, all_states};
-use willis_models::naming::belief::Forest;
+use willis_models::circle_of_willis::BodySide;
+use willis_models::naming::atlas::{Atlas, AtlasData, AtlasPiece, Counts, all_states};
+use willis_models::naming::belief::NamingForest;
 use willis_models::naming::emission::Pose;
 use willis_models::naming::pose::{Pulls, Search};
-use willis_models::naming::states::{BA, NOWHERE, OTHER, STATES, Sided, State, StateTables, first_state};
+use willis_models::naming::states::{AtlasState, BA, NOWHERE, OTHER, STATES, Sided, StateTables, first_state};
 use willis_models::naming::{outer_sum, rotation, turned};
 
 /// Rounds of distributions and poses.
@@ -43,7 +43,7 @@ struct Posed<'a> {
 /// What an observation of a state adds.
 #[derive(Clone, Copy)]
 struct Observed {
-    state: State,
+    state: AtlasState,
     at: Point,
     direction: [f64; 6],
     log_radius: f64,
@@ -67,7 +67,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
         for one in &mut posed {
             let nodes = &one.truth.nodes;
             let (weight, all) = (vec![1.0; nodes.len()], (0..nodes.len()).collect::<Vec<_>>());
-            let forest = Forest::of(nodes, &[]);
+            let forest = NamingForest::of(nodes, &[]);
             let search = Search { nodes, atlas: &atlas, weight: &weight, radius: &[], forest: &forest };
             for _ in 0..POSE_STEPS {
                 one.pose = search.step(&all, &one.pose, &pulls, &one.known, false);
@@ -89,13 +89,13 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
 /// The middle of the carotid bifurcations comes to lie at zero; the frame is that of the file.
 fn first_pose(truth: &LabelledNodes) -> Posed<'_> {
     let nodes = &truth.nodes;
-    let tip = |side: Side| {
+    let tip = |side: BodySide| {
         let state = first_state(Sided::Ica.on(side));
         let own: Vec<Point> = (0..nodes.len()).filter(|n| truth.state[*n] == state).map(|n| nodes.at[n]).collect();
         let sum = own.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
         (!own.is_empty()).then(|| sum.map(|x| x / own.len() as f64))
     };
-    let middle = match Side::BOTH.map(tip) {
+    let middle = match BodySide::BOTH.map(tip) {
         [Some(a), Some(b)] => [0, 1, 2].map(|k| 0.5 * (a[k] + b[k])),
         [Some(a), None] => [a[0] + HALF_WIDTH, a[1], a[2]],
         [None, Some(b)] => [b[0] - HALF_WIDTH, b[1], b[2]],
@@ -113,7 +113,7 @@ fn first_pose(truth: &LabelledNodes) -> Posed<'_> {
 }
 
 /// The distribution of each state over the tracings and their mirror images.
-fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<Piece> {
+fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<AtlasPiece> {
     let mut by_state: Vec<Vec<Observed>> = vec![Vec::new(); STATES];
     for one in posed {
         let nodes = &one.truth.nodes;
@@ -127,14 +127,14 @@ fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<Piece> {
             by_state[mirror].push(Observed { state: mirror, at: [-at[0], at[1], at[2]], direction: flipped, log_radius, weight });
         }
     }
-    let mut pieces: Vec<Piece> = Vec::with_capacity(NOWHERE);
+    let mut pieces: Vec<AtlasPiece> = Vec::with_capacity(NOWHERE);
     for (state, seen) in by_state.iter().enumerate().take(NOWHERE) {
         let before = (state > 0 && tables.label[state] == tables.label[state - 1]).then(|| pieces[state - 1]);
         pieces.push(distribution(seen, before));
     }
     // The spread of the radius is that of the whole artery.
     for label in 0..OTHER {
-        let states: Vec<State> = (0..NOWHERE).filter(|state| tables.label[*state] == label).collect();
+        let states: Vec<AtlasState> = (0..NOWHERE).filter(|state| tables.label[*state] == label).collect();
         let (mut sum, mut count) = (0.0, 0);
         for observed in states.iter().flat_map(|state| &by_state[*state]) {
             sum += (observed.log_radius - pieces[observed.state].log_radius).powi(2);
@@ -147,13 +147,13 @@ fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<Piece> {
     pieces
 }
 
-fn distribution(seen: &[Observed], before: Option<Piece>) -> Piece {
+fn distribution(seen: &[Observed], before: Option<AtlasPiece>) -> AtlasPiece {
     let total: f64 = seen.iter().map(|o| o.weight).sum();
     let third = [1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0, 0.0, 0.0, 0.0];
     if seen.len() < LEAST_NODES || total <= 0.0 {
         let (mean, log_radius) = before.map_or(([0.0; 3], 0.0), |piece| (piece.mean, piece.log_radius));
         let covariance = [100.0, 100.0, 100.0, 0.0, 0.0, 0.0];
-        return Piece { mean, covariance, direction: third, log_radius, radius_spread: 0.5 };
+        return AtlasPiece { mean, covariance, direction: third, log_radius, radius_spread: 0.5 };
     }
     let average = |of: &dyn Fn(&Observed) -> f64| seen.iter().map(|o| o.weight * of(o)).sum::<f64>() / total;
     let mean = [0, 1, 2].map(|k| average(&|o| o.at[k]));
@@ -171,14 +171,14 @@ fn distribution(seen: &[Observed], before: Option<Piece>) -> Piece {
     for (k, d) in direction.iter_mut().enumerate() {
         *d = (*d + if k < 3 { NO_DIRECTION } else { 0.0 }) / (1.0 + NO_DIRECTION);
     }
-    Piece { mean, covariance, direction, log_radius: average(&|o| o.log_radius), radius_spread: 0.5 }
+    AtlasPiece { mean, covariance, direction, log_radius: average(&|o| o.log_radius), radius_spread: 0.5 }
 }
 
 /// How often states were side by side, with mirror images.
 fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
     let mut length = vec![0.0; STATES];
-    let mut pairs: [BTreeMap<(State, State), f64>; 2] = [BTreeMap::new(), BTreeMap::new()];
-    let mut bifurcations: BTreeMap<([State; 3], State), f64> = BTreeMap::new();
+    let mut pairs: [BTreeMap<(AtlasState, AtlasState), f64>; 2] = [BTreeMap::new(), BTreeMap::new()];
+    let mut bifurcations: BTreeMap<([AtlasState; 3], AtlasState), f64> = BTreeMap::new();
     let whole = cases.iter().filter(|case| case.is_whole).count().max(1) as f64;
     let of_whole = ((cases.len() as f64 - whole) / (BROKEN * whole)).round().max(1.0);
     for case in cases {
@@ -198,7 +198,7 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
         }
         for n in (0..nodes.len()).filter(|n| nodes.degree(*n) == 3) {
             for flip in [false, true] {
-                let seen = |s: State| if flip { tables.mirrored[s] } else { s };
+                let seen = |s: AtlasState| if flip { tables.mirrored[s] } else { s };
                 let mut arms = [0, 1, 2].map(|k| seen(state[nodes.neighbours[n][k]]));
                 arms.sort_unstable();
                 *bifurcations.entry((arms, seen(state[n]))).or_insert(0.0) += times;

@@ -15,7 +15,7 @@ use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as r
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::{CandidateOptions, build_with_evidence};
 use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
-use willis_models::naming::states::{LABELS, Label, OTHER, label_of};
+use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, label_of};
 
 /// Folders further down are not looked into.
 const DEEPEST: usize = 8;
@@ -143,7 +143,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
 }
 
 /// The label of each point.
-fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, Label>, Fault> {
+fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, ArteryLabel>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
     let line = rows.header_line();
     let column =

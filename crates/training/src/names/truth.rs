@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use willis_core::network::Network;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance};
-use willis_models::circle_of_willis::Side;
+use willis_models::circle_of_willis::BodySide;
 use willis_models::naming::Nodes;
 use willis_models::naming::states::{
-    Direction, Label, NOWHERE, OTHER, State, begins, begins_at, bins_of, first_state, side_of, state_at,
+    ArteryLabel, AtlasState, Direction, NOWHERE, OTHER, begins, begins_at, bins_of, first_state, side_of, state_at,
 };
 
 /// The nodes of a case with what they are.
@@ -17,21 +17,21 @@ pub struct LabelledNodes {
     /// The nodes.
     pub nodes: Nodes,
     /// The label of each.
-    pub label: Vec<Label>,
+    pub label: Vec<ArteryLabel>,
     /// The state of each.
-    pub state: Vec<State>,
+    pub state: Vec<AtlasState>,
 }
 
 /// The nodes of a graph with the labels of the points that they lie nearest to.
-pub fn label_nodes(graph: &Network, labels: &BTreeMap<u64, Label>) -> LabelledNodes {
+pub fn label_nodes(graph: &Network, labels: &BTreeMap<u64, ArteryLabel>) -> LabelledNodes {
     let nodes = Nodes::of(graph);
-    let label: Vec<Label> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
+    let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     let state = true_states(&nodes, &label);
     LabelledNodes { nodes, label, state }
 }
 
 /// The states of nodes whose labels are known.
-fn true_states(nodes: &Nodes, label: &[Label]) -> Vec<State> {
+fn true_states(nodes: &Nodes, label: &[ArteryLabel]) -> Vec<AtlasState> {
     let mut state = vec![NOWHERE; nodes.len()];
     let mut paths = ShortestPaths::new(nodes.len());
     for artery in 0..OTHER {
@@ -76,8 +76,8 @@ fn true_states(nodes: &Nodes, label: &[Label]) -> Vec<State> {
 }
 
 /// How far a position lies in the direction in which the reference end of an artery is expected.
-fn height(at: Point, artery: Label) -> f64 {
-    let medial = if side_of(artery) == Some(Side::Right) { -at[0] } else { at[0] };
+fn height(at: Point, artery: ArteryLabel) -> f64 {
+    let medial = if side_of(artery) == Some(BodySide::Right) { -at[0] } else { at[0] };
     match begins(artery) {
         Direction::Up => at[2],
         Direction::Down => -at[2],

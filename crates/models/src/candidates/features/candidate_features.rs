@@ -126,8 +126,8 @@ pub fn far_kink_from(c: &MeasuredCandidate) -> f64 {
 
 /// [`kink_towards`] less the mean of the same four points away on either side: this distinguishes a kink from a long bend.
 pub fn kink_excess(c: &MeasuredCandidate) -> f64 {
-    let headings = c.extraction.headings(c.point);
-    let around = headings.iter().map(|heading| kink_at(c, c.extraction.walk(*heading, AROUND))).sum::<f64>();
+    let headings = c.extraction.graph.headings(&c.extraction.lines, c.point);
+    let around = headings.iter().map(|heading| kink_at(c, heading.walk(AROUND))).sum::<f64>();
     c.between_ends() * (kink_towards(c) - around / headings.len().max(1) as f64)
 }
 

@@ -2,11 +2,12 @@
 
 use std::collections::BTreeSet;
 
+use super::branch_graph::BranchGraph;
 use super::fragment::{Fragment, Largest};
-use super::path_lengths::BranchGraph;
+use super::orientation::set_orientations;
 use super::smoothing::{SmoothPoints, smooth};
 use super::tangent::{BranchShape, branch_shapes};
-use crate::candidates::NetworkPoint;
+use crate::candidates::network_point::NetworkPoint;
 use crate::candidates::search::free_ends::{FreeEnd, free_ends};
 use crate::candidates::search::limits::check_junctions;
 use crate::candidates::search::point_index::PointIndex;
@@ -67,6 +68,11 @@ impl Extraction {
     /// What an image is measured by: positions, averaged radii, branches.
     pub fn centerlines(&self) -> Centerlines<'_> {
         Centerlines { position: &self.position, radius: &self.smooth.radius, lines: &self.lines, spacing: self.spacing }
+    }
+
+    /// The radius (m) at a point that the evidence measures with: that of the free end there, else the averaged one.
+    pub fn radius_at(&self, point: usize) -> f64 {
+        self.end_at[point].map_or(self.smooth.radius[point], |end| self.ends[end].radius)
     }
 
     /// The points of a network's observed vessels; `inlets` are nodes where blood is known to enter.
@@ -138,7 +144,8 @@ impl Extraction {
         let branch = owners(&lines, &radius, &graph, place.len());
         let smooth = smooth(&lines, &degree, &position, &radius);
         let vessels: Vec<&Vessel> = observed.iter().map(|(_, vessel)| *vessel).collect();
-        let ends = free_ends(&lines, &vessels, [&fragment, &degree], &position, &radius, spacing);
+        let mut ends = free_ends(&lines, &vessels, [&fragment, &degree], &position, &radius, spacing);
+        set_orientations(&mut ends, &graph, &lines, &smooth, spacing);
         let mut end_at = vec![None; place.len()];
         for (row, end) in ends.iter().enumerate() {
             end_at[end.point] = Some(row);
@@ -169,11 +176,8 @@ impl Extraction {
             graph,
         };
         this.mark_border(network);
-        this.fragments = this.measure_fragments(parts.count);
-        this.largest = this.measure_largest();
-        for (end, orientation) in this.orientations().into_iter().enumerate() {
-            this.ends[end].orientation = orientation;
-        }
+        this.fragments = this.measured_fragments(parts.count);
+        this.largest = Largest::of(&this.fragments, &this.ends, spacing);
         Ok(this)
     }
 
@@ -185,6 +189,50 @@ impl Extraction {
                 self.at_border[point] = true;
             }
         }
+    }
+
+    /// The fragments, so many.
+    fn measured_fragments(&self, count: usize) -> Vec<Fragment> {
+        let mut out = vec![Fragment::default(); count];
+        for (line, length) in self.lines.iter().zip(&self.graph.length) {
+            out[self.fragment[line[0]]].length += length;
+        }
+        let mut points = vec![0.0; count];
+        for (part, radius) in self.fragment.iter().zip(&self.radius) {
+            out[*part].radius += radius.ln();
+            points[*part] += 1.0;
+        }
+        for (part, points) in out.iter_mut().zip(&points) {
+            part.radius = f64::exp(part.radius / f64::max(*points, 1.0));
+        }
+        for (part, spread) in out.iter_mut().zip(self.radius_spreads(&points)) {
+            part.radius_spread = spread;
+        }
+        for (node, degree) in self.degree.iter().enumerate() {
+            out[self.fragment[node]].junctions += usize::from(*degree > 2);
+        }
+        for end in &self.ends {
+            let widest = &mut out[end.fragment].widest_end;
+            *widest = Some(widest.map_or(end.radius, |r: f64| r.max(end.radius)));
+            out[end.fragment].free_ends += 1;
+        }
+        for inlet in &self.inlets {
+            out[self.fragment[*inlet]].fed = true;
+        }
+        out
+    }
+
+    /// Per fragment the standard deviation of ln of the smooth radii of its so many points.
+    fn radius_spreads(&self, points: &[f64]) -> Vec<f64> {
+        let mean = |of: &dyn Fn(usize, f64) -> f64| {
+            let mut sum = vec![0.0; points.len()];
+            for (part, radius) in self.fragment.iter().zip(&self.smooth.radius) {
+                sum[*part] += of(*part, radius.ln());
+            }
+            sum.iter().zip(points).map(|(sum, points)| sum / f64::max(*points, 1.0)).collect::<Vec<f64>>()
+        };
+        let middle = mean(&|_, log| log);
+        mean(&|part, log| (log - middle[part]).powi(2)).into_iter().map(f64::sqrt).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use super::extraction::Extraction;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
 use willis_core::forest_posterior::{Forests, Marginals, rooted_in};
 use willis_core::support::geometry::{distance, dot, sub, unit};
@@ -34,7 +34,7 @@ const MOST_COMPETITORS: f64 = 2.0;
 /// The part of the feedback that does not change from one posterior to the next.
 pub struct Feedback<'a> {
     extraction: &'a Extraction,
-    candidates: Vec<Candidate>,
+    candidates: Vec<EndCandidate>,
     inflow: InflowBalance,
     competitors: Competitors,
     /// Per fragment whether it is taken to be fed.
@@ -47,7 +47,7 @@ impl<'a> Feedback<'a> {
     /// # Panics
     ///
     /// When a candidate is within a fragment.
-    pub fn new(extraction: &'a Extraction, candidates: &[Candidate]) -> Self {
+    pub fn new(extraction: &'a Extraction, candidates: &[EndCandidate]) -> Self {
         assert!(candidates.iter().all(|candidate| !candidate.within), "candidates between fragments");
         let fragments = &extraction.fragments;
         let longest = fragments.iter().map(|f| f.length).fold(0.0, f64::max);
@@ -124,7 +124,7 @@ pub struct Competitors {
 
 impl Competitors {
     /// The competitors of each candidate.
-    pub fn new(e: &Extraction, candidates: &[Candidate]) -> Self {
+    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
         let child = |row: usize| e.ends[candidates[row].end].fragment;
         let parent = |row: usize| e.fragment[candidates[row].point];
         let mut from = vec![Vec::new(); e.ends.len()];
@@ -136,7 +136,7 @@ impl Competitors {
         let nearby = near_each(e, &at);
         let none = Vec::new();
         let of = |rows: &Vec<usize>, keep: &dyn Fn(usize) -> bool| rows.iter().copied().filter(|row| keep(*row)).collect();
-        let each = |rows_of: &dyn Fn(usize, &Candidate) -> Vec<usize>| {
+        let each = |rows_of: &dyn Fn(usize, &EndCandidate) -> Vec<usize>| {
             candidates.iter().enumerate().map(|(row, candidate)| rows_of(row, candidate)).collect::<Vec<Vec<usize>>>()
         };
         Self {
@@ -247,7 +247,7 @@ impl InflowBalance {
     ///
     /// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
     /// that it is a root, and without inlets half of that goes to the widest end.
-    pub fn balance(&self, e: &Extraction, candidates: &[Candidate], marginals: &Marginals) -> Vec<f64> {
+    pub fn balance(&self, e: &Extraction, candidates: &[EndCandidate], marginals: &Marginals) -> Vec<f64> {
         let mut entries = vec![0.0; self.order.len()];
         for (candidate, p) in candidates.iter().zip(&marginals.edges) {
             entries[e.ends[candidate.end].point] += p;

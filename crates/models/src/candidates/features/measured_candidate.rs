@@ -1,7 +1,7 @@
 //! A candidate with what its features are computed from: its two ends, its gap, and its rivals.
 
 use super::extraction::Extraction;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use crate::candidates::search::free_ends::FreeEnd;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, cross, distance, dot, norm_squared, sub, unit};
@@ -58,7 +58,7 @@ pub fn angle(a: Point, b: Point) -> f64 {
 }
 
 /// The candidates of one search, measured, in their order.
-pub fn measured<'a>(extraction: &'a Extraction, candidates: &[Candidate]) -> Vec<MeasuredCandidate<'a>> {
+pub fn measured<'a>(extraction: &'a Extraction, candidates: &[EndCandidate]) -> Vec<MeasuredCandidate<'a>> {
     let mut out: Vec<MeasuredCandidate<'a>> = candidates.iter().map(|c| without_rivals(extraction, *c)).collect();
     let mut of_end = vec![Vec::new(); extraction.ends.len()];
     for (row, candidate) in candidates.iter().enumerate() {
@@ -97,7 +97,7 @@ pub fn measured<'a>(extraction: &'a Extraction, candidates: &[Candidate]) -> Vec
     out
 }
 
-fn without_rivals(extraction: &Extraction, candidate: Candidate) -> MeasuredCandidate<'_> {
+fn without_rivals(extraction: &Extraction, candidate: EndCandidate) -> MeasuredCandidate<'_> {
     let child = &extraction.ends[candidate.end];
     let parent_end = extraction.end_at[candidate.point].map(|end| &extraction.ends[end]);
     let (from, to) = (extraction.position[child.point], extraction.position[candidate.point]);
@@ -108,7 +108,7 @@ fn without_rivals(extraction: &Extraction, candidate: Candidate) -> MeasuredCand
         point: candidate.point,
         gap: distance(from, to).max(LEAST_GAP * extraction.spacing),
         across: unit(sub(to, from)),
-        parent_radius: parent_end.map_or(extraction.smooth.radius[candidate.point], |end| end.radius),
+        parent_radius: extraction.radius_at(candidate.point),
         rank: 0,
         rival_gap: 0.0,
         mutual: false,
@@ -117,7 +117,7 @@ fn without_rivals(extraction: &Extraction, candidate: Candidate) -> MeasuredCand
 }
 
 /// The detours of the candidates within a fragment.
-fn add_detours(extraction: &Extraction, candidates: &[Candidate], out: &mut [MeasuredCandidate]) {
+fn add_detours(extraction: &Extraction, candidates: &[EndCandidate], out: &mut [MeasuredCandidate]) {
     let mut paths = ShortestPaths::new(extraction.graph.nodes());
     let mut from = None;
     for (row, candidate) in candidates.iter().enumerate().filter(|(_, c)| c.within) {

@@ -4,12 +4,13 @@
 //! one set of weights serves thin trees and wide circles, in any unit. A feature is a function of a `MeasuredCandidate` and a row of
 //! [`FEATURES`]: that is all it takes to add or drop one.
 
+pub(crate) mod branch_graph;
 pub mod candidate_features;
 pub(crate) mod extraction;
 pub(crate) mod feedback;
 mod fragment;
 pub(crate) mod measured_candidate;
-pub(crate) mod path_lengths;
+mod orientation;
 pub(crate) mod root_features;
 pub(crate) mod smoothing;
 mod tangent;
@@ -21,7 +22,7 @@ pub use root_features::{ROOT_FEATURES, root_features};
 
 use ndarray::Array2;
 
-use super::search::Candidate;
+use super::search::EndCandidate;
 use measured_candidate::MeasuredCandidate;
 
 /// A feature of a candidate.
@@ -68,7 +69,7 @@ pub const FEATURES: &[(&str, Feature)] = &[
 ///
 /// Rank, margin and mutual choice compare the candidates given, so these should be all of a search. [`Feedback`] measures what the
 /// posterior of these features says of the other candidates.
-pub fn features(extraction: &Extraction, candidates: &[Candidate]) -> Array2<f64> {
+pub fn features(extraction: &Extraction, candidates: &[EndCandidate]) -> Array2<f64> {
     let measured = measured(extraction, candidates);
     Array2::from_shape_fn((measured.len(), FEATURES.len()), |(row, column)| FEATURES[column].1(&measured[row]))
 }

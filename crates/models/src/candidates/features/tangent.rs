@@ -1,8 +1,6 @@
 //! The shape of a branch at each of its points: tangent, kinks, and which side is the wider one.
 
-use super::extraction::Extraction;
 use super::smoothing::SmoothPoints;
-use crate::candidates::NetworkPoint;
 use willis_core::support::geometry::{Point, sub, unit};
 use willis_core::support::ties::steady;
 
@@ -59,44 +57,4 @@ pub fn branch_shapes(lines: &[Vec<usize>], smooth: &SmoothPoints, radius: &[f64]
 /// So many radii in points, within bounds.
 pub fn steps(radii: f64, points: [f64; 2], radius: f64, spacing: f64) -> usize {
     steady(radii * radius / spacing).round_ties_even().clamp(points[0], points[1]) as usize
-}
-
-/// One of the two directions along a branch, from a point of it.
-#[derive(Debug, Clone, Copy)]
-pub struct Heading {
-    /// The branch.
-    pub branch: usize,
-    /// The point's place on the branch.
-    at: usize,
-    forwards: bool,
-}
-
-impl Extraction {
-    /// The directions in which branches leave a point: two between the ends of a branch, at a node as many as branches end there.
-    pub(crate) fn headings(&self, point: usize) -> Vec<Heading> {
-        let heading = |branch, at, forwards| Heading { branch, at, forwards };
-        if let NetworkPoint::Along { .. } = self.place[point] {
-            let branch = self.branch[point];
-            // The inner points of a branch have consecutive numbers.
-            let at = 1 + point - self.lines[branch][1];
-            return vec![heading(branch, at, false), heading(branch, at, true)];
-        }
-        let mut branches: Vec<usize> = self.graph.branches(point).iter().map(|(branch, _)| *branch).collect();
-        // A branch that returns to its node is there twice.
-        branches.dedup();
-        let mut headings = Vec::with_capacity(self.degree[point]);
-        for branch in branches {
-            let line = &self.lines[branch];
-            let last = line.len() - 1;
-            headings.extend((line[0] == point).then(|| heading(branch, 0, true)));
-            headings.extend((line[last] == point).then(|| heading(branch, last, false)));
-        }
-        headings
-    }
-
-    /// The point so many steps on, or the node that ends the branch before that.
-    pub(crate) fn walk(&self, heading: Heading, steps: usize) -> usize {
-        let line = &self.lines[heading.branch];
-        line[if heading.forwards { (heading.at + steps).min(line.len() - 1) } else { heading.at.saturating_sub(steps) }]
-    }
 }

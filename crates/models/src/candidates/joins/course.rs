@@ -20,7 +20,7 @@ const CURVED_RADII: f64 = 6.0;
 const RIDGE: f64 = 0.02;
 
 /// What is measured along the course of a free end. Lengths in m.
-pub struct Course {
+pub struct EndCourse {
     /// Unit vectors out of the vessel, by [`SCALES`].
     pub directions: [Point; 4],
     /// The unit vector out of the vessel at its end, by a parabola.
@@ -41,7 +41,7 @@ pub struct Course {
     pub wiggle: f64,
 }
 
-impl Course {
+impl EndCourse {
     /// The course of a free end of an extraction, by its row.
     pub fn new(extraction: &Extraction, row: usize) -> Self {
         let end = &extraction.ends[row];
@@ -118,8 +118,8 @@ fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize
         let smooth = |p: usize| e.smooth.position[p];
         let back = unit(sub(smooth(node), smooth(way[way.len().saturating_sub(LOOK + 1)])));
         let mut best: Option<(f64, usize)> = None;
-        for heading in e.headings(node).into_iter().filter(|heading| !seen.contains(&heading.branch)) {
-            let (next, far) = (e.walk(heading, 1), e.walk(heading, LOOK));
+        for heading in e.graph.headings(&e.lines, node).into_iter().filter(|heading| !seen.contains(&heading.branch)) {
+            let (next, far) = (heading.walk(1), heading.walk(LOOK));
             let straight = dot(unit(sub(smooth(far), smooth(node))), back);
             let wider = (e.smooth.radius[next] / e.smooth.radius[node]).ln();
             let score = steady(straight + WIDER * wider);

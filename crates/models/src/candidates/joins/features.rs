@@ -6,12 +6,12 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::Array2;
 
-use super::course::Course;
+use super::course::EndCourse;
 use super::rivals::{Rivals, rivals};
 use crate::candidates::features::candidate_features::{log_detour, slenderness};
 use crate::candidates::features::measured_candidate::{MeasuredCandidate, angle, measured};
 use crate::candidates::features::{Extraction, FEATURES, Feature};
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use willis_core::support::geometry::{Point, dot, norm_squared, sub, unit};
 use willis_core::support::in_order;
 use willis_core::support::statistics::median;
@@ -21,9 +21,9 @@ pub struct Join<'a> {
     /// Its gap, bends and nearest rivals.
     pub measured: MeasuredCandidate<'a>,
     /// The course of the child.
-    pub child: &'a Course,
+    pub child: &'a EndCourse,
     /// The course of the parent's free end, where it is met there.
-    pub parent: Option<&'a Course>,
+    pub parent: Option<&'a EndCourse>,
     /// Other candidates for the same places.
     pub rivals: Rivals,
     /// What lies around.
@@ -111,7 +111,7 @@ pub fn join_feature_names() -> Vec<&'static str> {
 }
 
 /// The features of the candidates of one search: a row a candidate, a column a feature of [`join_feature_names`].
-pub fn join_features(extraction: &Extraction, courses: &[Course], candidates: &[Candidate]) -> Array2<f64> {
+pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Array2<f64> {
     let measured = measured(extraction, candidates);
     let costs: Vec<f64> = measured.iter().zip(candidates).map(|(m, c)| cost(m, courses, extraction, c)).collect();
     let rivals = rivals(extraction, courses, candidates, &costs);
@@ -137,9 +137,9 @@ pub fn join_features(extraction: &Extraction, courses: &[Course], candidates: &[
 }
 
 /// What a candidate costs by length and bends, as a logarithm: by this candidates compete before any model.
-fn cost(m: &MeasuredCandidate, courses: &[Course], extraction: &Extraction, candidate: &Candidate) -> f64 {
+fn cost(m: &MeasuredCandidate, courses: &[EndCourse], extraction: &Extraction, candidate: &EndCandidate) -> f64 {
     let least =
-        |course: &Course, across: Point| (0..3).map(|k| angle(course.directions[k], across)).fold(f64::INFINITY, f64::min);
+        |course: &EndCourse, across: Point| (0..3).map(|k| angle(course.directions[k], across)).fold(f64::INFINITY, f64::min);
     let parent = extraction.end_at[candidate.point].map_or(0.6, |end| least(&courses[end], reversed(m.across)));
     (m.gap + 0.5 * extraction.spacing).ln() - extraction.spacing.ln()
         + 0.9 * least(&courses[candidate.end], m.across)
@@ -175,7 +175,7 @@ fn least_parent_bend(j: &Join) -> f64 {
 }
 
 /// How far from the other place a course ends that is continued with its curvature over the gap, in gaps, at most 3.
-fn miss(j: &Join, course: &Course, across: Point) -> f64 {
+fn miss(j: &Join, course: &EndCourse, across: Point) -> f64 {
     let d = j.measured.gap;
     let curved = d.min(12.0 * h(j) + 4.0 * j.measured.child.radius).powi(2);
     let off = [0, 1, 2].map(|k| course.tip_direction[k] * d + course.curvature[k] * curved - across[k] * d);
@@ -196,7 +196,7 @@ fn bending(j: &Join, scale: usize) -> [f64; 2] {
 }
 
 /// ln of the first run over the radius at its junction: what is shorter than wide is a spur.
-fn spur(j: &Join, course: &Course) -> f64 {
+fn spur(j: &Join, course: &EndCourse) -> f64 {
     ((course.first_run + 0.5 * h(j)) / (course.junction_radius + h(j))).ln()
 }
 
@@ -240,7 +240,7 @@ pub struct Surroundings {
     extraction: [f64; 4],
 }
 
-fn surroundings(e: &Extraction, courses: &[Course], candidates: &[Candidate]) -> Vec<Surroundings> {
+fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<Surroundings> {
     let is_end = |point: &usize| e.end_at[*point].is_some();
     let h = e.spacing;
     let ends_within = |point: usize, reach: f64| {
@@ -248,21 +248,21 @@ fn surroundings(e: &Extraction, courses: &[Course], candidates: &[Candidate]) ->
         let ends = near.iter().filter(|(_, point)| is_end(point)).count();
         (ends as f64, near.len() as f64)
     };
-    let places: BTreeSet<usize> = candidates.iter().flat_map(|c| [e.ends[c.end].point, c.point]).collect();
+    let places: BTreeSet<usize> = candidates.iter().flat_map(|c| c.points(e)).collect();
     let places: Vec<usize> = places.into_iter().collect();
     let near = in_order(&places, |_, point| ends_within(*point, NEARBY * h));
     let near: BTreeMap<usize, (f64, f64)> = places.into_iter().zip(near).collect();
     let rate = |(ends, points): (f64, f64)| ((ends + 1.0) / (points / 20.0 + 1.0)).ln();
     let crowd: Vec<f64> = e.ends.iter().map(|end| ends_within(end.point, CROWD * h).0.ln_1p()).collect();
     let whole = of_extraction(e, courses);
-    let of = |c: &Candidate| {
-        let [child, parent] = [e.ends[c.end].point, c.point].map(|point| near[&point]);
+    let of = |c: &EndCandidate| {
+        let [child, parent] = c.points(e).map(|point| near[&point]);
         Surroundings { crowd: crowd[c.end], ends: [rate(child), rate(parent)], points: child.1.ln(), extraction: whole }
     };
     candidates.iter().map(of).collect()
 }
 
-fn of_extraction(e: &Extraction, courses: &[Course]) -> [f64; 4] {
+fn of_extraction(e: &Extraction, courses: &[EndCourse]) -> [f64; 4] {
     let h = e.spacing;
     let length: f64 = e.fragments.iter().map(|f| f.length).sum();
     let faces = |row: &usize| {

@@ -2,18 +2,20 @@
 
 use ndarray::{Array2, Axis, Slice, concatenate};
 
+use super::features::join_features;
 use super::image::ahead::Ahead;
 use super::image::features::ImageTable;
+use super::model::JoinModel;
 use super::rivals::{Pairs, second_features};
-use super::{JoinTable, Scores, join_features};
-use crate::candidates::search::Candidate;
+use super::table::{JoinTable, ShapeScores};
+use crate::candidates::search::EndCandidate;
 use willis_core::support::boosted_trees::{Boosted, stored};
 use willis_io::masks::Scene;
 
 /// The candidates of a skeleton in an image.
 pub struct InImage {
     /// Those of the table, then those that only the image shows.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<EndCandidate>,
     /// The candidates as pairs of points; those of the table come first.
     pub pairs: Pairs,
     /// What lies between the points of each pair.
@@ -27,7 +29,7 @@ impl InImage {
     pub fn new(table: &JoinTable, scene: &Scene, scores: Option<&[f64]>) -> Self {
         let e = &table.extraction;
         let ahead = Ahead::new(scene, e);
-        let (more, ways): (Vec<Candidate>, Vec<_>) = ahead.candidates(e, &table.candidates).into_iter().unzip();
+        let (more, ways): (Vec<EndCandidate>, Vec<_>) = ahead.candidates(e, &table.candidates).into_iter().unzip();
         let candidates = [table.candidates.clone(), more].concat();
         let pairs = Pairs::new(e, &candidates);
         let all = join_features(e, &table.courses, &candidates);
@@ -37,7 +39,7 @@ impl InImage {
     }
 
     /// Per pair its score by shape: those of the table have theirs, the others are compared with them and with one another.
-    pub fn scores(&self, table: &JoinTable, [first, second]: [&Boosted; 2], scores: &Scores) -> Vec<f64> {
+    pub fn scores(&self, table: &JoinTable, [first, second]: [&Boosted; 2], scores: &ShapeScores) -> Vec<f64> {
         let known = table.candidates.len();
         let firsts = [scores.first.clone(), first.scores(&self.more)].concat();
         let features = second_features(&table.extraction, &self.candidates, &self.pairs, &firsts);
@@ -48,6 +50,19 @@ impl InImage {
         all.extend(second.scores(&features));
         let more = self.pairs.mean(&all).split_off(scores.second.len());
         scores.second.iter().copied().chain(more).collect()
+    }
+
+    /// Per pair its probability: by what the image shows where it decides, else by shape.
+    pub fn probabilities(&self, table: &JoinTable, model: &JoinModel, scores: &ShapeScores) -> Vec<f64> {
+        let scores = self.scores(table, model.passes.each_ref(), scores);
+        let mut probability: Vec<f64> = scores.iter().map(|score| model.probability(*score)).collect();
+        if let Some(pass) = &model.image {
+            let seen = pass.trees.scores(&self.features(table, &scores));
+            for (pair, score) in seen.into_iter().enumerate().filter(|(pair, _)| self.between.is_seen(*pair, scores[*pair])) {
+                probability[pair] = pass.probability(score);
+            }
+        }
+        probability
     }
 
     /// The features of the third pass, given the scores by shape: a row a pair.

@@ -103,12 +103,6 @@ pub struct JoinScores {
     pub right: usize,
 }
 
-/// What tells a join model from weights of a tracing.
-#[derive(Deserialize)]
-struct Kind {
-    kind: Option<String>,
-}
-
 impl ImagePass {
     /// Probability of each score.
     pub fn probability(&self, score: f64) -> f64 {
@@ -128,7 +122,7 @@ impl JoinModel {
 
     /// Whether a text is a join model, as opposed to weights of a tracing.
     pub fn is_one(text: &str) -> bool {
-        toml::from_str::<Kind>(text).is_ok_and(|file| file.kind.is_some())
+        toml::from_str::<toml::Table>(text).is_ok_and(|file| file.get("kind").is_some_and(toml::Value::is_str))
     }
 
     /// Probability of each score.

@@ -4,9 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::Array2;
 
-use super::course::Course;
+use super::course::EndCourse;
 use crate::candidates::features::Extraction;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
 use willis_core::support::geometry::{dot, norm_squared, sub};
 use willis_core::support::statistics::sigmoid;
@@ -51,12 +51,11 @@ pub struct Pairs {
 
 impl Pairs {
     /// The pairs, in the order of their first candidates.
-    pub fn new(e: &Extraction, candidates: &[Candidate]) -> Self {
+    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
         let mut number = BTreeMap::new();
         let mut this = Self { of: Vec::with_capacity(candidates.len()), points: Vec::new(), first: Vec::new() };
         for (row, c) in candidates.iter().enumerate() {
-            let ends = [e.ends[c.end].point, c.point];
-            let points = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+            let points = unordered(c.points(e));
             let pair = *number.entry(points).or_insert_with(|| {
                 this.points.push(points);
                 this.first.push(row);
@@ -78,21 +77,16 @@ impl Pairs {
     }
 }
 
-fn fragments(e: &Extraction, c: &Candidate) -> [usize; 2] {
-    [e.ends[c.end].fragment, e.fragment[c.point]]
-}
-
 fn unordered([a, b]: [usize; 2]) -> [usize; 2] {
     [a.min(b), a.max(b)]
 }
 
 fn site(e: &Extraction, point: usize) -> f64 {
-    let radius = e.end_at[point].map_or(e.smooth.radius[point], |end| e.ends[end].radius);
-    SITE_SPACINGS * e.spacing + radius
+    SITE_SPACINGS * e.spacing + e.radius_at(point)
 }
 
 /// Compares the candidates of one search by their costs.
-pub fn rivals(e: &Extraction, courses: &[Course], candidates: &[Candidate], costs: &[f64]) -> Vec<Rivals> {
+pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<Rivals> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
     let mut out = vec![Rivals::default(); candidates.len()];
     let mut of_end = vec![Vec::new(); e.ends.len()];
@@ -121,12 +115,12 @@ pub fn rivals(e: &Extraction, courses: &[Course], candidates: &[Candidate], cost
     let sites = PointIndex::new(candidates.iter().map(|c| e.position[c.point]).collect());
     let mut by_fragments: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     for (row, c) in candidates.iter().enumerate() {
-        by_fragments.entry(unordered(fragments(e, c))).or_default().push(row);
+        by_fragments.entry(unordered(c.fragments(e))).or_default().push(row);
         let own_branch = e.ends[c.end].branch;
         let there = e.end_at[c.point].and_then(|end| preferred[end]);
         out[row].mutual = there == Some(own_branch) && preferred[c.end] == Some(e.branch[c.point]);
         let near = sites.around(e.position[c.point], site(e, c.point)).into_iter().map(|(_, other)| other);
-        let [child, parent] = fragments(e, c);
+        let [child, parent] = c.fragments(e);
         let rivals: Vec<usize> =
             near.filter(|o| e.fragment[candidates[*o].point] == parent && e.ends[candidates[*o].end].fragment != child).collect();
         let cheaper = rivals.iter().filter(|o| costs[**o] < costs[row]).map(|o| e.ends[candidates[*o].end].fragment);
@@ -150,7 +144,7 @@ pub fn rivals(e: &Extraction, courses: &[Course], candidates: &[Candidate], cost
 }
 
 /// Free ends of other fragments that are nearer than the candidate's point and no further off the child's course.
-fn in_cone(e: &Extraction, course: &Course, c: &Candidate) -> usize {
+fn in_cone(e: &Extraction, course: &EndCourse, c: &EndCandidate) -> usize {
     let end = &e.ends[c.end];
     let across = sub(e.position[c.point], e.position[end.point]);
     let gap = norm_squared(across).sqrt();
@@ -190,17 +184,17 @@ const LEAST_STEP: f64 = 0.02;
 const LEAST_TWO_STEPS: f64 = 1e-3;
 
 /// The features of the second pass that come from the scores (log-odds) of the first: a row a candidate, a column one of [`SECOND_FEATURES`].
-pub fn second_features(e: &Extraction, candidates: &[Candidate], pairs: &Pairs, scores: &[f64]) -> Array2<f64> {
+pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pairs, scores: &[f64]) -> Array2<f64> {
     let score = pairs.mean(scores);
     let p: Vec<f64> = score.iter().map(|s| sigmoid(*s)).collect();
-    let firsts: Vec<&Candidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
+    let firsts: Vec<&EndCandidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
     let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     let mut between: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
     let mut of_fragment = vec![0.0; e.fragments.len()];
     let mut steps: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); e.fragments.len()];
     for (pair, c) in firsts.iter().enumerate() {
         pairs.points[pair].iter().for_each(|point| at.entry(*point).or_default().push(pair));
-        let [a, b] = fragments(e, c);
+        let [a, b] = c.fragments(e);
         between.entry(unordered([a, b])).or_default().push(pair);
         of_fragment[a] += p[pair];
         of_fragment[b] += p[pair];
@@ -227,7 +221,7 @@ pub fn second_features(e: &Extraction, candidates: &[Candidate], pairs: &Pairs, 
             at[&from].iter().copied().filter(|pair| e.branch[other_place(pair, from)] != e.branch[to]).collect()
         };
         let at_child = best_and_sum(&elsewhere(child, c.point));
-        let [own, parent] = fragments(e, c);
+        let [own, parent] = c.fragments(e);
         let at_parent = if e.end_at[c.point].is_some() {
             best_and_sum(&elsewhere(c.point, child))
         } else {

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::course::Course;
+use super::course::EndCourse;
 use crate::candidates::features::Extraction;
-use crate::candidates::search::{Candidate, SearchOptions, search};
+use crate::candidates::search::{EndCandidate, SearchOptions, search};
 use willis_core::error::Result;
 use willis_core::support::geometry::{dot, sub};
 use willis_core::support::in_order;
@@ -26,9 +26,9 @@ const BRANCH_COS: f64 = 0.9;
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search_joins(e: &Extraction, courses: &[Course], branches: usize) -> Result<Vec<Candidate>> {
+pub fn search_joins(e: &Extraction, courses: &[EndCourse], branches: usize) -> Result<Vec<EndCandidate>> {
     let near = search(e, &SearchOptions { branches, ..SearchOptions::default() })?;
-    let mut of_end: Vec<Vec<Candidate>> = vec![Vec::new(); e.ends.len()];
+    let mut of_end: Vec<Vec<EndCandidate>> = vec![Vec::new(); e.ends.len()];
     for candidate in near {
         of_end[candidate.end].push(candidate);
     }
@@ -36,14 +36,14 @@ pub fn search_joins(e: &Extraction, courses: &[Course], branches: usize) -> Resu
     let far = in_order(&rows, |_, end| if e.at_border[e.ends[*end].point] { Vec::new() } else { ahead(e, courses, *end) });
     for (candidates, far) in of_end.iter_mut().zip(far) {
         let there: BTreeSet<usize> = candidates.iter().map(|c| c.point).collect();
-        let fits = |c: &Candidate| !there.contains(&c.point) && !e.at_border[c.point];
+        let fits = |c: &EndCandidate| !there.contains(&c.point) && !e.at_border[c.point];
         candidates.extend(far.into_iter().filter(fits));
     }
     Ok(of_end.concat())
 }
 
 /// The free ends and branches of other fragments that lie ahead of a free end.
-fn ahead(e: &Extraction, courses: &[Course], row: usize) -> Vec<Candidate> {
+fn ahead(e: &Extraction, courses: &[EndCourse], row: usize) -> Vec<EndCandidate> {
     let (end, course) = (&e.ends[row], &courses[row]);
     let from = e.position[end.point];
     let reach = REACH_SPACINGS * e.spacing + REACH_RADII * end.radius;
@@ -76,5 +76,5 @@ fn ahead(e: &Extraction, courses: &[Course], row: usize) -> Vec<Candidate> {
     by_order(&mut branches);
     let found = free.iter().take(ENDS).chain(branches.iter().take(BRANCHES));
     let points: BTreeSet<usize> = found.map(|(_, point)| *point).collect();
-    points.into_iter().map(|point| Candidate { end: row, point, within: false }).collect()
+    points.into_iter().map(|point| EndCandidate { end: row, point, within: false }).collect()
 }

@@ -4,15 +4,14 @@ use std::collections::BTreeMap;
 
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
-use super::weights::Pass;
+use super::pass::PassWeights;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::features;
 use crate::candidates::features::root_features::root_features;
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Edge, Forests, MOST_PAIRS, is_tangle};
 use willis_core::network::units::millimetres;
-use willis_core::support::geometry::distance;
 
 /// Log weights are cut at ±25, so that one odd feature does not decide everything.
 const MOST_LOG_WEIGHT: f64 = 25.0;
@@ -21,9 +20,9 @@ const MOST_LOG_WEIGHT: f64 = 25.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct CandidateTable {
     /// The candidates between fragments, in the order of the search.
-    pub candidates: Vec<Candidate>,
+    pub candidates: Vec<EndCandidate>,
     /// The candidates within a fragment.
-    pub within: Vec<Candidate>,
+    pub within: Vec<EndCandidate>,
     /// The features of those within a fragment, shape (candidates within a fragment, features).
     pub within_features: Array2<f64>,
     /// Child and parent fragment of each candidate between fragments.
@@ -44,7 +43,7 @@ impl CandidateTable {
     /// # Errors
     ///
     /// Fragments in a tangle, before anything is measured.
-    pub fn new(extraction: &Extraction, found: &[Candidate]) -> Result<Self> {
+    pub fn new(extraction: &Extraction, found: &[EndCandidate]) -> Result<Self> {
         check_tangle(extraction, found)?;
         let (within, between): (Vec<usize>, Vec<usize>) = (0..found.len()).partition(|row| found[*row].within);
         let all = features(extraction, found);
@@ -54,10 +53,10 @@ impl CandidateTable {
         let mut pair = Vec::with_capacity(candidates.len());
         let mut fragments = Vec::with_capacity(candidates.len());
         for candidate in &candidates {
-            let points = [extraction.ends[candidate.end].point, candidate.point];
+            let points = candidate.points(extraction);
             let next = pairs.len();
             pair.push(*pairs.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
-            fragments.push(points.map(|point| extraction.fragment[point]));
+            fragments.push(candidate.fragments(extraction));
         }
         let (pairs, root_features) = (pairs.len(), root_features(extraction));
         Ok(Self { candidates, within, within_features, fragments, pair, pairs, features, root_features })
@@ -85,7 +84,7 @@ impl CandidateTable {
     /// # Errors
     ///
     /// A feature or weight that is no number.
-    pub fn forests(&self, pass: &Pass, features: &Array2<f64>) -> Result<Forests> {
+    pub fn forests(&self, pass: &PassWeights, features: &Array2<f64>) -> Result<Forests> {
         let cut = |x: &f64| x.clamp(-MOST_LOG_WEIGHT, MOST_LOG_WEIGHT);
         let log_weights: Array1<f64> = features.dot(&ArrayView1::from(&pass.candidate));
         let edge = |([child, parent], w): (&[usize; 2], &f64)| Edge { child: *child, parent: *parent, log_weight: cut(w) };
@@ -99,18 +98,16 @@ impl CandidateTable {
 /// # Errors
 ///
 /// More than 500 million pairs of fragments meet when they are eliminated one after another.
-fn check_tangle(extraction: &Extraction, candidates: &[Candidate]) -> Result<()> {
+fn check_tangle(extraction: &Extraction, candidates: &[EndCandidate]) -> Result<()> {
     let between = || candidates.iter().filter(|candidate| !candidate.within);
-    let fragments = |c: &Candidate| [extraction.ends[c.end].fragment, extraction.fragment[c.point]];
-    let mut links: Vec<[usize; 2]> = between().map(fragments).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let mut links: Vec<[usize; 2]> = between().map(|c| c.fragments(extraction)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
     links.sort_unstable();
     links.dedup();
     let count = extraction.fragments.len();
     if !is_tangle(count, &links) {
         return Ok(());
     }
-    let gap = |c: &Candidate| distance(extraction.position[extraction.ends[c.end].point], extraction.position[c.point]);
-    let mut gaps: Vec<f64> = between().map(gap).collect();
+    let mut gaps: Vec<f64> = between().map(|c| c.gap(extraction)).collect();
     gaps.sort_unstable_by(f64::total_cmp);
     let found = format!(
         "{count}, of which {} pairs may be joined: by way of others, more than {MOST_PAIRS} pairs depend on one another",

@@ -6,12 +6,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::feature_table::CandidateTable;
-use super::posterior::known_or_likely_inlets;
-use super::weights::Pass;
+use super::likely_inlets::known_or_likely_inlets;
+use super::pass::PassWeights;
 use crate::candidates::features::candidate_features;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::measured_candidate::{MeasuredCandidate, measured};
-use crate::candidates::search::Candidate;
+use crate::candidates::search::EndCandidate;
 use willis_core::forest_posterior::Marginals;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::distance;
@@ -28,7 +28,7 @@ const LEAST_SCORE: f64 = -3.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
     /// The candidate; of two directions the one with the better score.
-    pub candidate: Candidate,
+    pub candidate: EndCandidate,
     /// Its features, as [`CLOSURE_FEATURES`] names them.
     pub features: [f64; 10],
 }
@@ -50,16 +50,15 @@ impl Closure {
 pub fn closures(
     extraction: &Extraction,
     table: &CandidateTable,
-    first: &Pass,
+    first: &PassWeights,
     marginals: &Marginals,
     kept: &[Option<usize>],
 ) -> Vec<Closure> {
-    let points = |c: &Candidate| [extraction.ends[c.end].point, c.point];
-    let kept: Vec<[usize; 2]> = kept.iter().flatten().map(|row| points(&table.candidates[*row])).collect();
+    let kept: Vec<[usize; 2]> = kept.iter().flatten().map(|row| table.candidates[*row].points(extraction)).collect();
     let used: BTreeSet<usize> = kept.iter().flatten().copied().collect();
     let mut claimed = vec![0.0; extraction.position.len()];
     for (candidate, p) in table.candidates.iter().zip(&marginals.edges) {
-        for point in points(candidate) {
+        for point in candidate.points(extraction) {
             claimed[point] += p;
         }
     }

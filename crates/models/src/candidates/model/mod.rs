@@ -7,14 +7,17 @@
 //! P = σ(a + b l + c min(l, 0) + d m + e s + f m s), l = ln p/(1 - p), m and s of the whole extraction ([`weights::input_features`]).
 
 pub mod feature_table;
+mod likely_inlets;
 pub mod loop_closures;
+pub mod pass;
 pub mod posterior;
 pub mod usual;
 pub mod weights;
 pub(crate) mod weights_file;
 
 pub use loop_closures::CLOSURE_FEATURES;
+pub use pass::PassWeights;
 pub use posterior::posterior;
 pub use usual::Usual;
-pub use weights::{Fold, HeldOutScores, Pass, Weights};
+pub use weights::{Fold, HeldOutScores, Weights};
 pub use willis_core::support::calibration::Calibration;

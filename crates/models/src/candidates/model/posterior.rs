@@ -1,21 +1,19 @@
 //! The posterior over the forests of an extraction, and the probability of every candidate.
 
 use super::feature_table::CandidateTable;
+use super::likely_inlets::known_or_likely_inlets;
 use super::loop_closures::closures;
 use super::weights::{FEW, Weights};
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::feedback::Feedback;
-use crate::candidates::search::Candidate;
-use crate::candidates::search::free_ends::FreeEnd;
+use crate::candidates::search::EndCandidate;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Forests, Marginals, arborescence, marginals};
 use willis_core::support::calibration::Calibration;
-use willis_core::support::geometry::{distance, sub};
-use willis_core::support::ties::{compare, near_zero, steady};
 
 /// The posterior over how the fragments of an extraction are connected.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Posterior {
+pub struct ForestPosterior {
     /// The candidates with their features; those between fragments are the edges of the forests, in their order.
     pub table: CandidateTable,
     /// The weights of the last pass.
@@ -27,7 +25,7 @@ pub struct Posterior {
     /// Per fragment the score of leaving it a root then.
     pub root_scores: Vec<f64>,
     /// The candidates within a fragment with the probability that they close a loop that is there.
-    pub closures: Vec<(Candidate, f64)>,
+    pub closures: Vec<(EndCandidate, f64)>,
 }
 
 /// The posterior that `weights` give the candidates of an extraction, which should be all of a search.
@@ -35,7 +33,7 @@ pub struct Posterior {
 /// # Errors
 ///
 /// Weights without a pass, or of other features than this program measures; fragments in a tangle.
-pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &Weights) -> Result<Posterior> {
+pub fn posterior(extraction: &Extraction, candidates: &[EndCandidate], weights: &Weights) -> Result<ForestPosterior> {
     weights.validate()?;
     let table = CandidateTable::new(extraction, candidates)?;
     let (forests, marginals) = last_pass(extraction, &table, weights)?;
@@ -50,7 +48,7 @@ pub fn posterior(extraction: &Extraction, candidates: &[Candidate], weights: &We
         let found = closures(extraction, &table, &weights.passes[0], &marginals, &kept);
         found.iter().map(|c| (c.candidate, c.probability(&weights.closure))).collect()
     };
-    Ok(Posterior { table, forests, marginals, probability, root_scores, closures })
+    Ok(ForestPosterior { table, forests, marginals, probability, root_scores, closures })
 }
 
 /// Weights and marginals of the last of all passes; each pass sees the posterior of the one before.
@@ -77,9 +75,7 @@ pub fn last_pass(extraction: &Extraction, table: &CandidateTable, weights: &Weig
 
 /// A fragment that blood enters is no false one, so leaving it a root can only lose a connection.
 const FED: f64 = 0.3;
-/// Where no inlet is given, so many of the widest free ends are taken for inlets ...
-const LIKELY_INLETS: usize = 3;
-/// ... and the others that nobody marked make every fragment somewhat more likely to lead to one.
+/// Where no inlet is given, inlets that nobody marked make every fragment somewhat more likely to lead to one.
 const UNMARKED: f64 = 0.7;
 
 /// Per fragment P(root) times 0.3 where blood enters it, times n/(n + 10) elsewhere, n the number of fragments; times 0.7 when no
@@ -92,23 +88,6 @@ pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
     }
     let unmarked = if extraction.inlets.is_empty() { UNMARKED } else { 1.0 };
     marginals.roots.iter().zip(fed).map(|(p, fed)| p * unmarked * if fed { FED } else { n / (n + FEW) }).collect()
-}
-
-/// The points where blood enters: the inlets given, without any the three widest free ends, of equally wide ones those farthest from the middle
-/// of all.
-pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
-    if !extraction.inlets.is_empty() {
-        return extraction.inlets.clone();
-    }
-    let mut ends: Vec<_> = extraction.ends.iter().collect();
-    let at = |end: &FreeEnd| extraction.position[end.point];
-    let middle = [0, 1, 2].map(|axis| ends.iter().map(|end| at(end)[axis]).sum::<f64>() / ends.len().max(1) as f64);
-    let order = |end: &FreeEnd| {
-        let [x, y, z] = sub(at(end), middle).map(|x| near_zero(x / extraction.spacing));
-        [-steady(end.radius / extraction.spacing), -near_zero(distance(at(end), middle) / extraction.spacing), z, y, x]
-    };
-    ends.sort_by(|a, b| compare(&order(a), &order(b)).then(a.point.cmp(&b.point)));
-    ends.iter().take(LIKELY_INLETS).map(|end| end.point).collect()
 }
 
 /// Per candidate the score of attaching its child by it: the share that its direction has of the calibrated probability of its pair.

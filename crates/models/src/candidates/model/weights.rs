@@ -3,10 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::pass::PassWeights;
 use super::usual::Usual;
-use crate::candidates::features::FEATURES;
-use crate::candidates::features::feedback::FEEDBACK_FEATURES;
-use crate::candidates::features::root_features::ROOT_FEATURES;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::Marginals;
 use willis_core::support::calibration::Calibration;
@@ -17,32 +15,11 @@ const SHIPPED: &str = include_str!("weights.toml");
 /// Those for tubes.
 const TUBES: &str = include_str!("tubes.toml");
 
-/// One pass over the candidates.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub struct Pass {
-    /// Per feature of a candidate, as [`Pass::candidate_features`] orders them.
-    pub candidate: Vec<f64>,
-    /// Per feature of a root, as [`ROOT_FEATURES`] orders them.
-    pub root: Vec<f64>,
-}
-
-impl Pass {
-    /// The names of a candidate's features in the pass of a number, counted from 0: feedback comes with the second.
-    pub fn candidate_features(number: usize) -> impl Iterator<Item = &'static str> {
-        FEATURES.iter().map(|(name, _)| *name).chain(FEEDBACK_FEATURES.iter().copied().filter(move |_| number > 0))
-    }
-
-    /// The names of a root's features.
-    pub fn root_features() -> impl Iterator<Item = &'static str> {
-        ROOT_FEATURES.iter().map(|(name, _)| *name)
-    }
-}
-
 /// What is fitted to cases whose connections are known.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
-    pub passes: Vec<Pass>,
+    pub passes: Vec<PassWeights>,
     /// [`Calibration`] of the last pass.
     pub calibration: [f64; 3],
     /// How much the calibration is moved by the [`input_features`] of an extraction; zeros where too few cases were seen.
@@ -141,8 +118,8 @@ impl Weights {
         }
         for (number, pass) in self.passes.iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);
-            check(&place("bridge"), &pass.candidate, Pass::candidate_features(number).collect())?;
-            check(&place("root"), &pass.root, Pass::root_features().collect())?;
+            check(&place("bridge"), &pass.candidate, PassWeights::candidate_features(number).collect())?;
+            check(&place("root"), &pass.root, PassWeights::root_features().collect())?;
         }
         if !self.closure.is_empty() {
             check("closure", &self.closure, CLOSURE_FEATURES.to_vec())?;

@@ -6,8 +6,9 @@ use std::io::{self, Write};
 use serde::{Deserialize, Serialize};
 
 use super::loop_closures::CLOSURE_FEATURES;
+use super::pass::PassWeights;
 use super::usual::{FIGURES, Usual};
-use super::weights::{Fold, HeldOutScores, Pass, Weights};
+use super::weights::{Fold, HeldOutScores, Weights};
 use willis_core::error::Fault;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::suggestions::did_you_mean;
@@ -16,7 +17,7 @@ use willis_core::support::toml_text::{parse, write};
 const HEADING: &str = "\
 # Weights of the evidence model, fitted by `willis train`; read by `willis infer --prior FILE`.
 # A bridge weighs exp(sum of weight times feature), a root likewise. Features have no unit: angles are in rad, lengths are
-# divided by lengths. Pass 2 and later see the posterior of the pass before.
+# divided by lengths. PassWeights 2 and later see the posterior of the pass before.
 # P = 1/(1 + exp(-(a + b l + c min(l, 0) + d m + e s + f m s))), [a, b, c] the calibration and [d, e, f] of_input; l = ln p/(1 - p), p the
 # posterior of a link in the last pass; m = ln((A + 1)/(n - A + 1)), A of n fragments being attached by the posterior, s = 10/(n + 10).
 # closure: a bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).
@@ -27,7 +28,7 @@ const HEADING: &str = "\
 
 #[derive(Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct WeightsFile {
     calibration: [f64; 3],
     #[serde(default)]
     of_input: [f64; 3],
@@ -56,13 +57,13 @@ impl Weights {
     ///
     /// Not TOML, a name that is unknown, missing or comes twice, a number that is not finite: the line or the name.
     pub fn read(text: &str) -> Result<Self, Fault> {
-        let file: File = parse(text, "expected weights as `willis train` writes them")?;
+        let file: WeightsFile = parse(text, "expected weights as `willis train` writes them")?;
         let mut passes = Vec::new();
         for (number, entry) in file.pass.into_iter().enumerate() {
             let place = |of: &str| format!("pass {} {of}", number + 1);
-            passes.push(Pass {
-                candidate: in_order(&place("bridge"), entry.bridge, Pass::candidate_features(number).collect())?,
-                root: in_order(&place("root"), entry.root, Pass::root_features().collect())?,
+            passes.push(PassWeights {
+                candidate: in_order(&place("bridge"), entry.bridge, PassWeights::candidate_features(number).collect())?,
+                root: in_order(&place("root"), entry.root, PassWeights::root_features().collect())?,
             });
         }
         let closure = file.closure.map(|given| in_order("closure", given, CLOSURE_FEATURES.to_vec())).transpose()?;
@@ -87,11 +88,11 @@ impl Weights {
     ///
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
-        let pass = |(number, pass): (usize, &Pass)| PassEntry {
-            bridge: by_name(Pass::candidate_features(number), &pass.candidate),
-            root: by_name(Pass::root_features(), &pass.root),
+        let pass = |(number, pass): (usize, &PassWeights)| PassEntry {
+            bridge: by_name(PassWeights::candidate_features(number), &pass.candidate),
+            root: by_name(PassWeights::root_features(), &pass.root),
         };
-        let file = File {
+        let file = WeightsFile {
             calibration: self.calibration,
             of_input: self.of_input,
             pass: self.passes.iter().enumerate().map(pass).collect(),

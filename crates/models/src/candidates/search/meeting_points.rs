@@ -1,13 +1,11 @@
 //! Where a candidate may meet a branch: the points that a lost branch could have left from.
 
 use super::free_ends::FreeEnd;
-use super::neighbourhood::Hit;
+use super::neighbourhood::{BEND, Hit};
 use crate::candidates::features::extraction::Extraction;
 use willis_core::support::geometry::{distance, dot, sub, unit};
 use willis_core::support::ties::{compare, steady};
 
-/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
-pub const BEND: f64 = 1.3;
 /// A meeting point so many spacings from a free end of its branch is moved there.
 const SNAP_SPACINGS: f64 = 3.0;
 /// A vessel that runs along its parent joins it further on: about so many spacings from the nearest point.

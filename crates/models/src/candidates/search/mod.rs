@@ -12,7 +12,7 @@ pub use point_index::join_nearest;
 use std::collections::BTreeMap;
 
 use super::features::extraction::Extraction;
-use super::{Attach, CandidateOptions, NEAREST};
+use super::options::{Attach, CandidateOptions, NEAREST};
 use free_ends::FreeEnd;
 use limits::SearchBudget;
 use meeting_points::{least_bent, snapped};
@@ -55,13 +55,31 @@ impl Default for SearchOptions {
 
 /// A connection that may exist, from a free end to a point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
-pub struct Candidate {
+pub struct EndCandidate {
     /// The free end it leaves, a row of [`Extraction::ends`].
     pub end: usize,
     /// The point it reaches.
     pub point: usize,
     /// Whether both are in one fragment, so that it closes a loop.
     pub within: bool,
+}
+
+impl EndCandidate {
+    /// Its two points, that of its free end first.
+    pub fn points(self, e: &Extraction) -> [usize; 2] {
+        [e.ends[self.end].point, self.point]
+    }
+
+    /// Their fragments: the child and the parent.
+    pub fn fragments(self, e: &Extraction) -> [usize; 2] {
+        self.points(e).map(|point| e.fragment[point])
+    }
+
+    /// The distance between them, m.
+    pub fn gap(self, e: &Extraction) -> f64 {
+        let [from, to] = self.points(e).map(|point| e.position[point]);
+        distance(from, to)
+    }
 }
 
 /// The candidates of an extraction, by free end, other fragments first.
@@ -73,7 +91,7 @@ pub struct Candidate {
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<Candidate>> {
+pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<EndCandidate>> {
     from_each_end(extraction, |end, paths| {
         let around = Neighbourhood::new(extraction, end, reach(extraction.spacing, end.radius));
         let mut points = around.other_fragments(options);
@@ -89,7 +107,7 @@ pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<Ca
 /// # Errors
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
-pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<Candidate>> {
+pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<EndCandidate>> {
     from_each_end(extraction, |end, _| {
         let reach = reach(extraction.spacing, end.mean_radius);
         let around = Neighbourhood::new(extraction, end, options.max_gap.map_or(reach, |most| reach.min(most)));
@@ -106,7 +124,7 @@ pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
 fn from_each_end(
     extraction: &Extraction,
     choose: impl Fn(&FreeEnd, &mut ShortestPaths) -> (Vec<usize>, usize) + Sync,
-) -> Result<Vec<Candidate>> {
+) -> Result<Vec<EndCandidate>> {
     let budget = SearchBudget::new(extraction.ends.len());
     let parts: Vec<&[FreeEnd]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
@@ -122,7 +140,7 @@ fn from_each_end(
             let (mut points, looked_at) = choose(end, &mut paths);
             points.retain(|point| !extraction.at_border[*point]);
             let within = |point: usize| extraction.fragment[point] == end.fragment;
-            candidates.extend(points.into_iter().map(|point| Candidate { end: row, point, within: within(point) }));
+            candidates.extend(points.into_iter().map(|point| EndCandidate { end: row, point, within: within(point) }));
             budget.spend(looked_at);
         }
         candidates

@@ -3,7 +3,6 @@
 use std::collections::BTreeSet;
 
 use super::free_ends::FreeEnd;
-use super::meeting_points::BEND;
 use crate::candidates::features::extraction::Extraction;
 use willis_core::support::geometry::{Point, dot, sub};
 use willis_core::support::ties::{compare, steady};
@@ -14,6 +13,9 @@ const REACH_RADII: f64 = 10.0;
 /// So many of the nearest points are sorted first, and so many times as many when those are not enough.
 const FIRST: usize = 1024;
 const MORE: usize = 8;
+
+/// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
+pub const BEND: f64 = 1.3;
 
 /// How far (m) a free end of a radius (m) may reach.
 pub fn reach(spacing: f64, radius: f64) -> f64 {

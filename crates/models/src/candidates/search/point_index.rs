@@ -11,7 +11,7 @@ use willis_core::support::geometry::{Point, distance, norm_squared, sub};
 use willis_core::support::in_order;
 
 /// The nearest points, all at one distance.
-pub struct Nearest {
+pub struct NearestPoints {
     /// Their distance, m; infinite when there is none.
     pub distance: f64,
     /// Their numbers, in rising order.
@@ -75,7 +75,7 @@ impl PointIndex {
     }
 
     /// The points nearest to `p` of those no further than `reach`; those that only rounding parts are all nearest.
-    pub fn nearest(&self, p: Point, reach: f64) -> Nearest {
+    pub fn nearest(&self, p: Point, reach: f64) -> NearestPoints {
         let first = self.tree.as_ref().map(|tree| tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute());
         let distance = first.map_or(f64::INFINITY, |hit| norm_squared(sub(self.points[hit.item as usize], p)).sqrt());
         let mut points = Vec::new();
@@ -83,7 +83,7 @@ impl PointIndex {
             points.extend(self.within(p, distance * (1.0 + 1e-9)).into_iter().map(|(_, point)| point));
             points.sort_unstable();
         }
-        Nearest { distance, points }
+        NearestPoints { distance, points }
     }
 }
 

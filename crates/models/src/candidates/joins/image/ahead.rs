@@ -6,7 +6,7 @@ use std::collections::{BTreeSet, BinaryHeap};
 use super::path::{price, rounded};
 use crate::candidates::features::Extraction;
 use crate::candidates::search::meeting_points::snapped;
-use crate::candidates::search::{Candidate, least_detour};
+use crate::candidates::search::{EndCandidate, least_detour};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance, norm};
 use willis_core::support::in_order;
@@ -62,7 +62,7 @@ impl Ahead {
     }
 
     /// The candidates that are not among those found before, and their ways, by free end.
-    pub fn candidates(&self, e: &Extraction, found: &[Candidate]) -> Vec<(Candidate, &[Point])> {
+    pub fn candidates(&self, e: &Extraction, found: &[EndCandidate]) -> Vec<(EndCandidate, &[Point])> {
         let mut known: Vec<Vec<usize>> = vec![Vec::new(); e.ends.len()];
         for c in found {
             known[c.end].push(c.point);
@@ -84,7 +84,7 @@ impl Ahead {
                 if let Some(other) = e.end_at[met.point] {
                     known[other].push(end.point);
                 }
-                more.push((Candidate { end: row, point: met.point, within }, met.path.as_slice()));
+                more.push((EndCandidate { end: row, point: met.point, within }, met.path.as_slice()));
             }
         }
         more

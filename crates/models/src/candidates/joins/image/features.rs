@@ -79,7 +79,7 @@ const MOST_MARGIN: f64 = 8.0;
 /// What the image shows between the points of pairs, before any score.
 pub struct ImageTable {
     /// Per pair its features but those of scores and rivals; `None` where the image ends.
-    rows: Vec<Option<Seen>>,
+    rows: Vec<Option<PairSeen>>,
     /// Per pair the cheapest path, or the way to the vessel met.
     paths: Vec<Option<CheapestPath>>,
     /// The first of the pairs that were found in the image.
@@ -88,7 +88,7 @@ pub struct ImageTable {
 
 /// What one pair shows.
 #[derive(Clone, Copy)]
-struct Seen {
+struct PairSeen {
     values: [f64; BETWEEN],
     /// ln of the cost of the path as a share of that of a straight line of background.
     cost: f64,
@@ -179,10 +179,10 @@ fn see(
     points: [usize; 2],
     ahead: &Ahead,
     way: Option<&[Point]>,
-) -> (Option<Seen>, Option<CheapestPath>) {
+) -> (Option<PairSeen>, Option<CheapestPath>) {
     let h = e.spacing;
     let ends = points.map(|p| e.position[p]);
-    let radius = points.map(|p| e.end_at[p].map_or(e.smooth.radius[p], |end| e.ends[end].radius));
+    let radius = points.map(|p| e.radius_at(p));
     let gap = distance(ends[0], ends[1]);
     let own = points.map(|p| scene.contrast[p]);
     let dimmer = own[0].min(own[1]);
@@ -237,7 +237,7 @@ fn see(
         met.1,
         met.2,
     ];
-    (Some(Seen { values, cost, contrast: mean(&course.contrast) }), Some(path))
+    (Some(PairSeen { values, cost, contrast: mean(&course.contrast) }), Some(path))
 }
 
 /// The cheapest path, or the way by which the pair was found.

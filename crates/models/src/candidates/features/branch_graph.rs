@@ -1,4 +1,4 @@
-//! Path lengths along the branches.
+//! The branches as a graph: path lengths along them, and the directions in which they leave a point.
 
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance};
@@ -64,5 +64,46 @@ impl BranchGraph {
         let mut paths = ShortestPaths::new(self.nodes());
         self.search(sources, f64::INFINITY, &mut paths, |_, _| true);
         (0..self.nodes() + self.arc.len()).map(|point| self.to_point(paths.lengths(), point)).collect()
+    }
+    /// The directions in which branches leave a point: two between the ends of a branch, at a node as many as branches end there. The
+    /// `lines` are those of the graph; others may follow.
+    pub fn headings<'a>(&self, lines: &'a [Vec<usize>], point: usize) -> Vec<Heading<'a>> {
+        let heading = |branch: usize, at, forwards| Heading { branch, line: &lines[branch], at, forwards };
+        if let Some(inner) = point.checked_sub(self.nodes()) {
+            let (branch, _) = self.arc[inner];
+            // The inner points of a branch have consecutive numbers.
+            let at = 1 + point - lines[branch][1];
+            return vec![heading(branch, at, false), heading(branch, at, true)];
+        }
+        let mut branches: Vec<usize> = self.branches(point).iter().map(|(branch, _)| *branch).collect();
+        // A branch that returns to its node is there twice.
+        branches.dedup();
+        let mut headings = Vec::new();
+        for branch in branches {
+            let line = &lines[branch];
+            let last = line.len() - 1;
+            headings.extend((line[0] == point).then(|| heading(branch, 0, true)));
+            headings.extend((line[last] == point).then(|| heading(branch, last, false)));
+        }
+        headings
+    }
+}
+
+/// One of the two directions along a branch, from a point of it.
+#[derive(Debug, Clone, Copy)]
+pub struct Heading<'a> {
+    /// The branch.
+    pub branch: usize,
+    /// Its points.
+    line: &'a [usize],
+    /// The point's place among them.
+    at: usize,
+    forwards: bool,
+}
+
+impl Heading<'_> {
+    /// The point so many steps on, or the node that ends the branch before that.
+    pub fn walk(&self, steps: usize) -> usize {
+        self.line[if self.forwards { (self.at + steps).min(self.line.len() - 1) } else { self.at.saturating_sub(steps) }]
     }
 }
