@@ -30,7 +30,7 @@ pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
         let pressures: Vec<Option<Indices>> =
             pulse.vessels.iter().map(|v| v.pressure.as_ref().map(|p| Indices::of(p, period, 0.0))).collect();
         let shears: Vec<[f64; 3]> = rows.clone().map(|row| shear(pulses, pulse, row)).collect();
-        let speed = |row: usize, of: &dyn Fn(&willis_core::simulation::pulse::womersley::Segment) -> f64| {
+        let speed = |row: usize, of: &dyn Fn(&willis_core::simulation::pulse::womersley::TubeSegment) -> f64| {
             pulse.walls[row].halves[0].first().map_or(f64::NAN, of)
         };
         let frequency = TAU / period;

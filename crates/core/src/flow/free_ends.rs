@@ -1,6 +1,5 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
-use super::boundary_conditions::Boundary;
 use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use crate::support::ties::{compare, near_zero, steady};
@@ -193,7 +192,7 @@ impl FreeEnds {
 }
 
 /// The parts that the vessels make which can be open.
-fn joinable_parts(network: &Network) -> Fragments {
+pub fn joinable_parts(network: &Network) -> Fragments {
     fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed)
 }
 
@@ -227,20 +226,4 @@ impl JoinableParts {
         let [length, area] = self.measured[self.parts.of_node[node]];
         may_be_speck(length, area / length) && !self.is_long(node)
     }
-}
-
-/// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
-pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
-    let whole = joinable_parts(network);
-    let mut fed = vec![false; whole.count];
-    for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
-        fed[whole.of_node[*node]] = true;
-    }
-    let observed = |v: &Vessel| v.origin != Origin::Candidate;
-    let parts = fragments(network, |_, v| observed(v));
-    let mut unfed = vec![false; parts.count];
-    for ([a, _], _) in network.vessels().filter(|(_, v)| observed(v)) {
-        unfed[parts.of_node[a]] = !fed[whole.of_node[a]];
-    }
-    unfed.into_iter().filter(|unfed| *unfed).count()
 }
