@@ -1,5 +1,5 @@
-//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
-//! Only an enumeration of equal vessels does.
+//! The sampler: block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first
+//! block; only an enumeration of equal vessels does.
 
 use super::block::Block;
 use super::choose_solver::{Method, most_joins_in_full};
