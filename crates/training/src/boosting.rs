@@ -47,7 +47,7 @@ pub fn boost(rows: usize, columns: usize, feature: impl Fn(usize, usize) -> f32,
 }
 
 /// A tree of the booster in preorder.
-fn of_booster(tree: &forust_ml::tree::RegressionTree) -> Option<RegressionTree> {
+fn of_booster(tree: &forust_ml::tree::Tree) -> Option<RegressionTree> {
     let (mut nodes, mut open) = (Vec::new(), vec![0]);
     while let Some(at) = open.pop() {
         let node = &tree.nodes[at];
