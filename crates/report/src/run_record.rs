@@ -13,7 +13,6 @@ use willis_core::flow::boundary_conditions::unfed_fragments;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Condition, Frame, Network, Origin, Role, fragments};
-use willis_core::sampling::Weight;
 use willis_models::candidates;
 
 /// Where a run comes from.
@@ -73,14 +72,6 @@ pub enum Built<'a> {
     Given,
     /// Candidates were added.
     Candidates(&'a candidates::CandidateOptions),
-}
-
-/// The unit of L.
-pub(crate) fn unit_of(weight: Weight) -> &'static str {
-    match weight {
-        Weight::Resilience | Weight::Global => "W/m\u{b3}",
-        Weight::Count => "samples",
-    }
 }
 
 impl Provenance {

@@ -3,7 +3,7 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::ModulationOutcome;
+use super::outcome::ModulationOutcome;
 use crate::run_record::{conditions, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
 use willis_core::network::Role;
@@ -25,7 +25,7 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
 
 /// The content of run.json.
 #[derive(Debug, Serialize)]
-pub struct Record<'a> {
+struct ModulationRecord<'a> {
     willis: &'static str,
     command: &'a str,
     input: Value,
@@ -40,9 +40,9 @@ pub struct Record<'a> {
     time: Value,
 }
 
-impl<'a> Record<'a> {
+impl<'a> ModulationRecord<'a> {
     /// Gathers the record of a run.
-    pub fn of(outcome: &ModulationOutcome<'a>) -> Self {
+    fn of(outcome: &ModulationOutcome<'a>) -> Self {
         let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
         let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
         let by_class = outcome.result.classes.iter().zip(&outcome.hypertension.classes);
@@ -78,5 +78,12 @@ impl<'a> Record<'a> {
             notes: &provenance.notes,
             time: json!({ "solving_s": outcome.seconds }),
         }
+    }
+}
+
+impl ModulationOutcome<'_> {
+    /// The content of run.json.
+    pub fn record(&self) -> impl serde::Serialize {
+        ModulationRecord::of(self)
     }
 }

@@ -5,8 +5,8 @@ use std::path::Path;
 
 use num_complex::Complex64;
 
-use super::figures::{ArteryWaveform, Figure, waveform_panels};
-use super::simulation::{Simulated, picture_names};
+use super::simulated::{Simulated, picture_names};
+use crate::figures::{ArteryWaveform, Figure, waveform_panels};
 use willis_core::error::Result;
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
 use willis_core::simulation::pulse::fourier::samples;
