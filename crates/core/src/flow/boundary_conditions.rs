@@ -133,7 +133,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found.into_iter().filter(|node| !is_named_outlet(network, *node)).collect();
+            boundary.found_outlets = found.into_iter().filter(|node| !ends.is_named_outlet(*node)).collect();
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -276,12 +276,6 @@ pub fn stated(network: &Network) -> Vec<Given> {
         Some(Given { node, role: n.role.filter(|r| *r != Role::Inner).unwrap_or_else(|| role(&condition)), condition })
     });
     given.collect()
-}
-
-/// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
-fn is_named_outlet(network: &Network, node: usize) -> bool {
-    let node = network.node(node);
-    node.role == Some(Role::Outlet) && node.condition.is_none()
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {

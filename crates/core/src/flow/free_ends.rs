@@ -93,6 +93,11 @@ impl FreeEnds {
         self.radius[node]
     }
 
+    /// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
+    pub fn is_named_outlet(&self, node: usize) -> bool {
+        self.named_outlet[node]
+    }
+
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
     /// where there is none, those that the input states as its source ([`Node::is_source`](crate::network::Node::is_source)); where there is
     /// none either, the first two of [`FreeEnds::ranked`], and up to two more that lie on the same side (`LEAST_OUT`). With `spare` every

@@ -52,6 +52,15 @@ pub struct Method {
     pub instructions: &'static str,
 }
 
+impl Method {
+    /// With a forest program, or Kruskal's algorithm.
+    pub fn new(solver: &'static str, solver_size: usize, forest: Option<&ForestProgram>, instructions: &'static str) -> Self {
+        let forest_joins = forest.map(ForestProgram::joins);
+        let forest = if forest_joins.is_some() { "bottleneck" } else { "kruskal" };
+        Self { solver, solver_size, forest, forest_joins, instructions }
+    }
+}
+
 /// The most joins of a graph whose samples are computed vessel by vessel; `None` where it is reduced first.
 pub fn most_joins_in_full(vessels: usize, solver: Solver) -> Option<usize> {
     match solver {

@@ -62,7 +62,7 @@ struct VesselResilience {
 
 /// The memory of one worker.
 #[derive(Debug)]
-pub struct FullGraphWorkspace {
+pub struct FullWorkspace {
     flow: StarMeshWorkspace<B>,
     nodes: Vec<NodePressure>,
     /// ρ of every vessel, one group after another.
@@ -143,20 +143,14 @@ impl FullGraph {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        Method {
-            solver: "lanes",
-            solver_size: self.solver.updates(),
-            forest: if self.forest.is_some() { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest.as_ref().map(ForestProgram::joins),
-            instructions: self.instructions.name(),
-        }
+        Method::new("lanes", self.solver.updates(), self.forest.as_ref(), self.instructions.name())
     }
 
     /// Memory for one worker.
-    pub fn workspace(&self) -> FullGraphWorkspace {
+    pub fn workspace(&self) -> FullWorkspace {
         let (vessels, groups) = (self.vessels.len(), BLOCK as usize / B);
         let flow = self.solver.workspace();
-        FullGraphWorkspace {
+        FullWorkspace {
             nodes: vec![NodePressure { pressure: Lanes::ZERO, rounding: Lanes::ZERO }; flow.pressure.len()],
             flow,
             resilience: vec![Lanes::ZERO; vessels * groups],
@@ -171,7 +165,7 @@ impl FullGraph {
     }
 
     /// Replaces `sums` by those of a block.
-    pub fn block(&self, block: &Block<'_>, work: &mut FullGraphWorkspace, sums: &mut Sums) {
+    pub fn block(&self, block: &Block<'_>, work: &mut FullWorkspace, sums: &mut Sums) {
         let stranded = stranded(&self.circuit, block.masks, block.samples);
         self.instructions.run(FullGraphKernel { graph: self, block, stranded: &stranded, work, sums });
     }
@@ -183,7 +177,7 @@ struct FullGraphKernel<'a> {
     block: &'a Block<'a>,
     /// Nodes whose injected flow has nowhere to go, with the samples in which that is so.
     stranded: &'a [(usize, u64)],
-    work: &'a mut FullGraphWorkspace,
+    work: &'a mut FullWorkspace,
     sums: &'a mut Sums,
 }
 
@@ -252,14 +246,7 @@ struct Coin<'a> {
 impl FullGraph {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
-    fn resiliences<S: Simd>(
-        &self,
-        simd: S,
-        masks: &[u64],
-        group: usize,
-        coin: Coin<'_>,
-        work: &mut FullGraphWorkspace,
-    ) -> Lanes<B> {
+    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
         for (node, pressure) in work.nodes.iter_mut().zip(&work.flow.pressure) {
             node.pressure = *pressure;
             node.rounding = rounding_drops(simd, pressure, self.circuit.level);
@@ -283,7 +270,7 @@ impl FullGraph {
     /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly; returns
     /// whether there are any.
     #[cold]
-    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, work: &mut FullGraphWorkspace) -> bool {
+    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, work: &mut FullWorkspace) -> bool {
         let (vessels, rounding, group) = (self.vessels.len(), FEW_DIGITS / DROP_CUT, samples.start / B);
         let resilience = &mut work.resilience[group * vessels..][..vessels];
         let mut found = false;
@@ -315,7 +302,7 @@ impl FullGraph {
 
     /// Puts the forest key of every vessel in a group anew; returns Σ ρ of each sample.
     #[inline(always)]
-    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, work: &mut FullGraphWorkspace) -> Lanes<B> {
+    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
         let resilience = &work.resilience[group * self.vessels.len()..][..self.vessels.len()];
         let mut sum = Lanes::ZERO;
         for (row, (rho, key_slot)) in resilience.iter().zip(&self.key_slots).enumerate() {
@@ -344,10 +331,10 @@ impl FullGraph {
         probability: &[f64; BLOCK as usize],
         samples: usize,
         global: &PerSample,
-        work: &mut FullGraphWorkspace,
+        work: &mut FullWorkspace,
         sums: &mut Sums,
     ) {
-        let FullGraphWorkspace { resilience, expected, diffused, .. } = work;
+        let FullWorkspace { resilience, expected, diffused, .. } = work;
         let vessels = self.vessels.len();
         sums.likelihood.fill(0.0);
         sums.square.fill(0.0);

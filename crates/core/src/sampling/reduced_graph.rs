@@ -191,12 +191,6 @@ impl ReducedGraph {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        Method {
-            solver: self.solver.name(),
-            solver_size: self.solver.joins(),
-            forest: if self.forest.is_some() { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest.as_ref().map(ForestProgram::joins),
-            instructions: self.instructions.name(),
-        }
+        Method::new(self.solver.name(), self.solver.joins(), self.forest.as_ref(), self.instructions.name())
     }
 }

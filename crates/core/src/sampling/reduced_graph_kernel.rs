@@ -20,10 +20,10 @@ use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::residual::{Check, Residual};
 use crate::flow::resilience::{diffused_resilience, rounding_drops};
 use crate::support::random::BLOCK;
-use crate::support::simd::{Kernel, Lanes, Scalar, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::support::simd::{Kernel, Lanes, Scalar, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// The memory of one worker.
-pub struct ReducedGraphWorkspace {
+pub struct ReducedWorkspace {
     flow: BatchWorkspace<B>,
     /// ρ of the weakest vessel of every chain.
     resilience: Vec<Lanes<B>>,
@@ -43,9 +43,9 @@ pub struct ReducedGraphWorkspace {
 
 impl ReducedGraph {
     /// Memory for one worker.
-    pub fn workspace(&self) -> ReducedGraphWorkspace {
+    pub fn workspace(&self) -> ReducedWorkspace {
         let chains = self.chains.len();
-        ReducedGraphWorkspace {
+        ReducedWorkspace {
             // The keys of the forest program come to lie where the conductances were.
             flow: self.solver.workspace(self.forest.as_ref().map_or(0, ForestProgram::rays)),
             resilience: vec![Lanes::ZERO; chains],
@@ -66,8 +66,8 @@ impl ReducedGraph {
     /// # Errors
     ///
     /// Pressures that do not meet Kirchhoff's law.
-    pub fn block(&self, block: Block<'_>, work: &mut ReducedGraphWorkspace, sums: &mut Sums) -> Result<()> {
-        let Block { masks, probability, coins, coin, samples } = block;
+    pub fn block(&self, block: Block<'_>, work: &mut ReducedWorkspace, sums: &mut Sums) -> Result<()> {
+        let (masks, rows) = (&mut *block.masks, self.core.row_count());
         let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
         // Chains are in the order of their rows, so that none is overwritten before it is read.
         for (at, chain) in self.chains.iter().enumerate() {
@@ -76,21 +76,10 @@ impl ReducedGraph {
         for (at, row) in self.terminals.iter().enumerate() {
             masks[self.chains.len() + at] = masks[*row];
         }
-        let masks = &masks[..self.core.row_count()];
-        let stranded = &stranded(&self.core, masks, samples);
+        let block = &Block { masks: &mut masks[..rows], ..block };
+        let stranded = &stranded(&self.core, block.masks, block.samples);
         sums.clear();
-        let kernel = ReducedGraphKernel {
-            graph: self,
-            samples,
-            probability,
-            coins,
-            coin,
-            present,
-            masks,
-            stranded,
-            work,
-            sums: &mut *sums,
-        };
+        let kernel = ReducedGraphKernel { graph: self, block, present, stranded, work, sums: &mut *sums };
         let residual = self.instructions.run(kernel);
         sums.residual = residual.relative;
         if residual.backward > MOST_BACKWARD {
@@ -110,19 +99,13 @@ impl ReducedGraph {
 /// A block of samples; the output says how well the first is solved.
 struct ReducedGraphKernel<'a> {
     graph: &'a ReducedGraph,
-    samples: usize,
-    /// What each sample counts, for an enumeration; one without.
-    probability: Option<&'a [f64; BLOCK as usize]>,
-    /// What decides between equals, and the figure of each sample for that.
-    coins: &'a Coins,
-    coin: &'a PerSample,
-    /// |Ẽ| of each.
+    /// With a mask for each row of the core.
+    block: &'a Block<'a>,
+    /// |Ẽ| of each sample.
     present: &'a PerSample,
-    /// Per row of the core the samples in which it is open.
-    masks: &'a [u64],
     /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
     stranded: &'a [(usize, u64)],
-    work: &'a mut ReducedGraphWorkspace,
+    work: &'a mut ReducedWorkspace,
     /// Receives the sums of the vessels that stand for others, and what is no vessel's own.
     sums: &'a mut Sums,
 }
@@ -132,20 +115,11 @@ impl Kernel for ReducedGraphKernel<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Residual {
-        let Self { graph, samples, probability, coins, coin, present, masks, stranded, work, sums } = self;
-        let ReducedGraphWorkspace {
-            flow,
-            resilience,
-            key: keys,
-            in_forest,
-            is_last,
-            share,
-            kruskal,
-            expected,
-            diffused,
-            ties,
-            check,
-        } = work;
+        let Self { graph, block, present, stranded, work, sums } = self;
+        let Block { masks, probability, coins, coin, samples } = block;
+        let (samples, probability) = (*samples, *probability);
+        let ReducedWorkspace { flow, resilience, key: keys, in_forest, is_last, share, kruskal, expected, diffused, ties, check } =
+            work;
         let (mut global, mut residual) = (PerSample::ZERO, Residual::default());
         for first in (0..samples).step_by(B) {
             graph.solver.solve(simd, masks, first, stranded, flow);
@@ -168,7 +142,7 @@ impl Kernel for ReducedGraphKernel<'_> {
             });
             total = plus(simd, &of_chains, &total);
             let here = (samples - first).min(B);
-            let coin = part(&**coin, first);
+            let coin = part(&***coin, first);
             in_forest.fill([0; B]);
             match &graph.forest {
                 _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
@@ -370,8 +344,8 @@ impl SampleGroup<'_> {
                 Weight::Count => splat(simd, 1.0),
                 Weight::Global => *global,
             };
-            let weighted = zip(simd, &value, one, |value, one| simd.mul_f64s(value, one));
-            let square = zip(simd, &weighted, &value, |a, b| simd.mul_f64s(a, b));
+            let weighted = product(simd, &value, one);
+            let square = product(simd, &weighted, &value);
             let row = row as usize;
             add(&mut sums.likelihood[row], &weighted);
             add(&mut sums.square[row], &square);
@@ -381,13 +355,12 @@ impl SampleGroup<'_> {
         for (at, (chain, rho)) in chains.iter().zip(resilience).enumerate() {
             let whole = chosen.whole(chains.len() - at, at);
             let ChainFlow { row, others, .. } = chain;
-            let product = |a: &Lanes<B>, b: &Lanes<B>| zip(simd, a, b, |a, b| simd.mul_f64s(a, b));
             let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
             if chain.equals().is_empty() {
-                add(*row, rho, &product(&whole, counted));
+                add(*row, rho, &product(simd, &whole, counted));
             }
             for equal in chain.equals() {
-                add(graph.equals[equal], rho, &product(&chosen.share_of(&whole, equal, chain.equals().len()), &flows));
+                add(graph.equals[equal], rho, &product(simd, &chosen.share_of(&whole, equal, chain.equals().len()), &flows));
             }
             if let Some((row, share)) = *others {
                 let share = simd.splat_f64s(share);
@@ -395,7 +368,7 @@ impl SampleGroup<'_> {
             }
         }
         self.each_tree(simd, |tree, rho, flows| {
-            let one = zip(simd, flows, counted, |flows, one| simd.mul_f64s(flows, one));
+            let one = product(simd, flows, counted);
             add(trees[tree].row, rho, &one);
         });
     }

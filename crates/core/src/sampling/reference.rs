@@ -62,8 +62,7 @@ impl Reference {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        let solver_size = self.circuit.vessel_count();
-        Method { solver: "reference", solver_size, forest: "kruskal", forest_joins: None, instructions: "baseline" }
+        Method::new("reference", self.circuit.vessel_count(), None, "baseline")
     }
 
     /// Replaces `sums` by those of a block.

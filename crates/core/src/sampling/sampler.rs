@@ -4,12 +4,12 @@
 use super::block::Block;
 use super::choose_solver::{Method, most_joins_in_full};
 use super::coins::Coins;
-use super::full_graph::{FullGraph, FullGraphWorkspace};
+use super::full_graph::{FullGraph, FullWorkspace};
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Solver};
 use super::patterns::Patterns;
 use super::reduced_graph::ReducedGraph;
-use super::reduced_graph_kernel::ReducedGraphWorkspace;
+use super::reduced_graph_kernel::ReducedWorkspace;
 use super::reference::Reference;
 use crate::error::Result;
 use crate::flow::{Boundary, Circuit};
@@ -32,8 +32,8 @@ pub struct SamplerWorkspace {
 }
 
 enum PlanWorkspace {
-    Full(Box<FullGraphWorkspace>),
-    Reduced(Box<ReducedGraphWorkspace>),
+    Full(Box<FullWorkspace>),
+    Reduced(Box<ReducedWorkspace>),
     Reference,
 }
 

@@ -159,10 +159,16 @@ pub fn plus<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lan
     zip(simd, a, b, |a, b| simd.add_f64s(a, b))
 }
 
+/// a b, lane by lane.
+#[inline(always)]
+pub fn product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| simd.mul_f64s(a, b))
+}
+
 /// a + w b, lane by lane, with two roundings.
 #[inline(always)]
 pub fn plus_product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, w: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    plus(simd, a, &zip(simd, w, b, |w, b| simd.mul_f64s(w, b)))
+    plus(simd, a, &product(simd, w, b))
 }
 
 /// The bit of each sample in a word.

@@ -61,15 +61,19 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
 
 /// The columns of suggested-cuts.csv.
 pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
-    let place = |name, axis: usize| Column::real(name, cuts.iter().map(move |cut| millimetres(cut.position[axis])));
-    vec![
-        place("x_mm", 0),
-        place("y_mm", 1),
-        place("z_mm", 2),
+    let mut columns = positions(cuts.iter().map(|cut| cut.position));
+    columns.extend([
         Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
         Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
         Column::real("probability", cuts.iter().map(|cut| cut.probability)),
-    ]
+    ]);
+    columns
+}
+
+/// Three columns of positions.
+fn positions(of: impl Iterator<Item = Point> + Clone) -> Vec<Column> {
+    let along = |(axis, name): (usize, &'static str)| Column::real(name, of.clone().map(move |at| millimetres(at[axis])));
+    ["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(along).collect()
 }
 
 /// The columns of pairings.csv.
@@ -83,15 +87,13 @@ pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
             rows.push((pairings.position, pairings.told(&taken), f64::NAN, true));
         }
     }
-    let place = |name, axis: usize| Column::real(name, rows.iter().map(move |row| millimetres(row.0[axis])));
-    vec![
-        place("x_mm", 0),
-        place("y_mm", 1),
-        place("z_mm", 2),
+    let mut columns = positions(rows.iter().map(|row| row.0));
+    columns.extend([
         Column::text("vessels", rows.iter().map(|row| row.1.clone())),
         Column::real("probability", rows.iter().map(|row| row.2)),
         Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
-    ]
+    ]);
+    columns
 }
 
 /// The rows of some columns.

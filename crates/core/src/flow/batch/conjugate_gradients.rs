@@ -11,7 +11,7 @@ use super::star_mesh::{Open, StarMesh, StarMeshWorkspace, inverse};
 use crate::flow::circuit::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::support::elimination::{Incomplete, NOWHERE};
-use crate::support::simd::{Lanes, Simd, map, plus, plus_product, splat, zip};
+use crate::support::simd::{Lanes, Simd, map, plus, plus_product, product, splat, zip};
 
 /// Nodes of at most so many neighbours are eliminated exactly.
 const FEW: usize = 6;
@@ -174,13 +174,13 @@ impl ConjugateGradients {
             let to = &ray_to[star.clone()];
             let mut mesh = self.incomplete.mesh(k).iter();
             for i in 0..rays.len() {
-                let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
+                let weight = product(simd, &wide(&rays[i]), &one_over);
                 rays[i] = narrow(&weight, 1.0);
                 let mut lost = Lanes::ZERO;
                 for ((j, other), target) in rays.iter().enumerate().skip(i + 1).zip(&mut mesh) {
                     let other = &wide(other);
                     if *target == NOWHERE {
-                        let join = zip(simd, &weight, other, |w, c| simd.mul_f64s(w, c));
+                        let join = product(simd, &weight, other);
                         lost = plus(simd, &lost, &join);
                         let ground = &mut ground[to[j] as usize];
                         *ground = plus_product(simd, ground, &grounded, &join);
@@ -190,7 +190,7 @@ impl ConjugateGradients {
                     }
                 }
                 let ground = &mut ground[to[i] as usize];
-                let share = plus_product(simd, &zip(simd, &weight, &own, |w, g| simd.mul_f64s(w, g)), &grounded, &lost);
+                let share = plus_product(simd, &product(simd, &weight, &own), &grounded, &lost);
                 *ground = plus(simd, ground, &share);
             }
             // What single precision cannot hold belongs to a node that is all but cut off.
@@ -211,7 +211,7 @@ impl ConjugateGradients {
                 let sum = &mut better[*to as usize];
                 *sum = plus_product(simd, sum, &wide(weight), &own);
             }
-            better[k] = zip(simd, &own, &wide(&inverse[k]), |b, i| simd.mul_f64s(b, i));
+            better[k] = product(simd, &own, &wide(&inverse[k]));
         }
         for k in (0..self.incomplete.nodes()).rev() {
             let star = self.incomplete.star(k);
@@ -229,7 +229,7 @@ impl ConjugateGradients {
         let program = self.mesh.program();
         let core = program.eliminated();
         for (flow, (ground, at)) in flow.iter_mut().zip(mesh.ground[core..].iter().zip(at)) {
-            *flow = zip(simd, ground, at, |g, p| simd.mul_f64s(g, p));
+            *flow = product(simd, ground, at);
         }
         for k in 0..at.len() {
             let star = program.star(core + k);
@@ -237,7 +237,7 @@ impl ConjugateGradients {
             for (c, to) in mesh.conductance[star.clone()].iter().zip(&program.ray_to()[star]) {
                 let to = *to as usize - core;
                 let drop = zip(simd, &own, &at[to], |a, b| simd.sub_f64s(a, b));
-                let along = zip(simd, c, &drop, |c, d| simd.mul_f64s(c, d));
+                let along = product(simd, c, &drop);
                 out = plus(simd, &out, &along);
                 flow[to] = zip(simd, &flow[to], &along, |f, q| simd.sub_f64s(f, q));
             }
@@ -274,7 +274,7 @@ impl ConjugateGradients {
             let answer = &mut work.mesh.pressure[core.clone()];
             for (k, answer) in answer.iter_mut().enumerate() {
                 *answer = plus_product(simd, answer, &step, &work.direction[k]);
-                let lost = zip(simd, &step, &work.product[k], |s, f| simd.mul_f64s(s, f));
+                let lost = product(simd, &step, &work.product[k]);
                 work.residual[k] = zip(simd, &work.residual[k], &lost, |r, l| simd.sub_f64s(r, l));
             }
             self.improve(simd, work);

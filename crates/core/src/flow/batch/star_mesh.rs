@@ -9,7 +9,7 @@
 
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
-use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// The compiled elimination of a circuit.
 #[derive(Debug, Clone)]
@@ -316,7 +316,7 @@ impl StarMesh {
             let inverse = inverse(simd, &total);
             let mut mesh = self.program.mesh(k).iter();
             for (i, to) in ray_to[star.clone()].iter().enumerate() {
-                let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));
+                let weight = product(simd, &rays[i], &inverse);
                 rays[i] = weight;
                 let to = *to as usize;
                 work.ground[to] = plus_product(simd, &work.ground[to], &weight, &ground);
@@ -326,7 +326,7 @@ impl StarMesh {
                     *sum = plus_product(simd, sum, &weight, other);
                 }
             }
-            work.pressure[k] = zip(simd, &source, &inverse, |s, i| simd.mul_f64s(s, i));
+            work.pressure[k] = product(simd, &source, &inverse);
         }
     }
 
@@ -372,11 +372,6 @@ fn holds(circuit: &Circuit, slot: &[u32], program: &Elimination) -> Vec<Hold> {
         Some(Hold { terminal: row as u32, place: slot[node], pressure, rays: rays.remove(&node)? })
     };
     fixing.into_iter().filter_map(&mut hold).collect()
-}
-
-#[inline(always)]
-fn product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    zip(simd, a, b, |a, b| simd.mul_f64s(a, b))
 }
 
 /// Zero where `held` is one; the values where it is zero.
