@@ -107,6 +107,12 @@ pub fn candidate_parameters(built: Built<'_>) -> Value {
     })
 }
 
+/// How large a network is, and how many inlets and outlets it has.
+pub(crate) fn counts(network: &Network, boundary: &Boundary) -> Value {
+    let [inlets, outlets] = [Role::Inlet, Role::Outlet].map(|role| boundary.count(role));
+    json!({ "nodes": network.node_count(), "vessels": network.vessel_count(), "inlets": inlets, "outlets": outlets })
+}
+
 /// The boundary conditions that were used, by node.
 pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
     let found: HashSet<usize> = boundary.found_inlets.iter().chain(&boundary.found_outlets).copied().collect();

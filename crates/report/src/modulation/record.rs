@@ -4,9 +4,8 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::outcome::ModulationOutcome;
-use crate::run_record::{conditions, outlets_found};
+use crate::run_record::{conditions, counts, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
-use willis_core::network::Role;
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use willis_core::support::Distribution;
 
@@ -66,12 +65,7 @@ impl<'a> ModulationRecord<'a> {
                 "outlets_found": outlets_found(outcome.outlets),
             }),
             boundary_conditions: conditions(network, boundary),
-            counts: json!({
-                "nodes": network.node_count(),
-                "vessels": network.vessel_count(),
-                "inlets": boundary.count(Role::Inlet),
-                "outlets": boundary.count(Role::Outlet),
-            }),
+            counts: counts(network, boundary),
             unperturbed: figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
             classes: classes.collect(),
             solver: json!({ "flow": outcome.result.solver }),

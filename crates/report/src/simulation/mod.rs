@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::tables::condition_columns;
 use super::page::{PagePicture, simulation_page, write_page};
-use super::run_record::{Provenance, conditions, outlets_found};
+use super::run_record::{Provenance, conditions, counts, outlets_found};
 use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use simulated::picture_names;
 use transport::{transport_columns, write_transports};
@@ -20,9 +20,8 @@ use willis_core::error::Result;
 use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Network, RadiusRule, Role};
-use willis_core::simulation::PERTURBED;
-use willis_core::simulation::{Change, FlowChange, Perturbation, gains, reversals};
+use willis_core::network::{Network, RadiusRule};
+use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
 use willis_io::formats::{
     Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
     write_vtp,
@@ -75,13 +74,8 @@ impl FlowRecord {
             let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
             state.beyond_laminar().map(beyond).collect()
         };
-        let mut counts = json!({
-            "nodes": network.node_count(),
-            "vessels": network.vessel_count(),
-            "inlets": boundary.count(Role::Inlet),
-            "outlets": boundary.count(Role::Outlet),
-            "diffused": before.diffused(),
-        });
+        let mut counts = counts(network, boundary);
+        counts["diffused"] = json!(before.diffused());
         let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
         if let Some(after) = after {
             counts["diffused_perturbed"] = json!(after.diffused());
