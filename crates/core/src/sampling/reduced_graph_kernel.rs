@@ -67,7 +67,7 @@ impl ReducedGraph {
     ///
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block(&self, block: Block<'_>, work: &mut ReducedWorkspace, sums: &mut Sums) -> Result<()> {
-        let (masks, rows) = (&mut *block.masks, self.core.row_count());
+        let Block { masks, probability, coins, coin, samples } = block;
         let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
         // Chains are in the order of their rows, so that none is overwritten before it is read.
         for (at, chain) in self.chains.iter().enumerate() {
@@ -76,8 +76,9 @@ impl ReducedGraph {
         for (at, row) in self.terminals.iter().enumerate() {
             masks[self.chains.len() + at] = masks[*row];
         }
-        let block = &Block { masks: &mut masks[..rows], ..block };
-        let stranded = &stranded(&self.core, block.masks, block.samples);
+        let masks = &mut masks[..self.core.row_count()];
+        let stranded = &stranded(&self.core, masks, samples);
+        let block = &Block { masks, probability, coins, coin, samples };
         sums.clear();
         let kernel = ReducedGraphKernel { graph: self, block, present, stranded, work, sums: &mut *sums };
         let residual = self.instructions.run(kernel);

@@ -72,7 +72,7 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let mut above = top;
     for outlet in shown {
         let small = |text: String, sheet: &mut Sheet, place| {
-            sheet.text(&TickLabel::plain(text), place, SMALL, Align::Begin, TextDirection::Right)
+            sheet.text(&TickLabel::plain(text), place, SMALL, Align::Begin, TextDirection::Right);
         };
         sheet.plain(&outlet.name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
         for (at, state) in outlet.states.iter().enumerate() {

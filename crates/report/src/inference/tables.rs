@@ -61,7 +61,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
 
 /// The columns of suggested-cuts.csv.
 pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
-    let mut columns = positions(cuts.iter().map(|cut| cut.position));
+    let mut columns = positions(&cuts.iter().map(|cut| cut.position));
     columns.extend([
         Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
         Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
@@ -71,7 +71,7 @@ pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
 }
 
 /// Three columns of positions.
-fn positions(of: impl Iterator<Item = Point> + Clone) -> Vec<Column> {
+fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
     let along = |(axis, name): (usize, &'static str)| Column::real(name, of.clone().map(move |at| millimetres(at[axis])));
     ["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(along).collect()
 }
@@ -87,7 +87,7 @@ pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
             rows.push((pairings.position, pairings.told(&taken), f64::NAN, true));
         }
     }
-    let mut columns = positions(rows.iter().map(|row| row.0));
+    let mut columns = positions(&rows.iter().map(|row| row.0));
     columns.extend([
         Column::text("vessels", rows.iter().map(|row| row.1.clone())),
         Column::real("probability", rows.iter().map(|row| row.2)),
