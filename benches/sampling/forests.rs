@@ -6,7 +6,7 @@ use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::{NodeIndex, UnGraph};
 use willis::internals::flow::StarMesh;
-use willis::internals::sampling::{Coins, Forest, ForestProgram};
+use willis::internals::sampling::{Coins, ForestProgram, Kruskal};
 
 use crate::Result;
 use crate::case::Case;
@@ -20,7 +20,7 @@ const SAMPLES: usize = 64;
 /// Microseconds a sample of Kruskal's algorithm in the library.
 pub fn kruskal(case: &Case, samples: &[Vec<u64>], budget: f64) -> f64 {
     let ends: Vec<[usize; 2]> = case.network.vessels().map(|(ends, _)| ends).collect();
-    let (mut forest, coins) = (Forest::default(), Coins::new(ends.len(), 0));
+    let (mut forest, coins) = (Kruskal::default(), Coins::new(ends.len(), 0));
     let time = per_call(budget, || {
         for keys in samples {
             forest.clear();

@@ -2,8 +2,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use willis::internals::flow::batch::star_mesh;
-use willis::internals::flow::batch::star_mesh::StarMesh;
+use willis::internals::flow::batch::star_mesh::{StarMesh, StarMeshWorkspace};
 use willis::internals::sampling::{Coins, ForestProgram, InForest};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
@@ -26,7 +25,7 @@ pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
     }
 }
 
-struct Solve<'a, const B: usize>(&'a StarMesh, &'a [u64], &'a mut star_mesh::Workspace<B>);
+struct Solve<'a, const B: usize>(&'a StarMesh, &'a [u64], &'a mut StarMeshWorkspace<B>);
 
 impl<const B: usize> Kernel for Solve<'_, B> {
     type Output = ();

@@ -9,7 +9,7 @@ use willis::internals::formats::{Column, Values, checksum, write_nifti, write_ni
 use willis::internals::modulation::Reading;
 use willis::internals::naming::{NamingModel, name_arteries};
 use willis::internals::network::Origin;
-use willis::internals::phantom::{Breaks, Kind, Recipe, break_up, draw_scan};
+use willis::internals::phantom::{Anatomy, Breaks, Recipe, break_up, draw_scan};
 use willis::{
     ArterySource, BoundaryOptions, Change, Cut, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
     PhenotypeOptions, Prior, ReadOptions, SamplingOptions, Stenosis, Uncertain, candidates, infer, modulate, read, read_bytes,
@@ -172,7 +172,7 @@ fn decided(input: &Input, options: InferOptions) -> Result<Inference> {
 
 /// Broken tracings and scans of drawn anatomy.
 fn phantoms(_: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
-    let whole = Kind::Cerebral.network(&Recipe::default())?;
+    let whole = Anatomy::Cerebral.network(&Recipe::default())?;
     digest.vessels(&whole, |_| true);
     for seed in 1..3 {
         let (lines, truth) = break_up(&whole, &Breaks { seed, ..Breaks::default() })?;
@@ -181,7 +181,7 @@ fn phantoms(_: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
         digest.numbers(truth.breaks.iter().map(|gap| gap.stretch[1] - gap.stretch[0]));
     }
     let recipe = Recipe { seed: 1, ..Recipe::default() };
-    let (mask, _, image) = draw_scan(&whole, 0.002, Some(&Kind::Cerebral.scan(&recipe)))?;
+    let (mask, _, image) = draw_scan(&whole, 0.002, Some(&Anatomy::Cerebral.scan(&recipe)))?;
     digest.word(&checksum(&mask.classes));
     digest.numbers([image.values.iter().map(|x| f64::from(*x)).sum::<f64>()]);
     Ok(())
@@ -224,7 +224,7 @@ fn skeletons(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
 fn images(made: &Made, scratch: &Path, digest: &mut Digest) -> Result<()> {
     let [mask, image] = ["mask.nii", "image.nii"].map(|name| scratch.join(name));
     let recipe = Recipe { seed: 3, ..Recipe::default() };
-    let drawn = draw_scan(&Kind::Cerebral.network(&recipe)?, 0.0012, Some(&Kind::Cerebral.scan(&recipe)))?;
+    let drawn = draw_scan(&Anatomy::Cerebral.network(&recipe)?, 0.0012, Some(&Anatomy::Cerebral.scan(&recipe)))?;
     write_nifti(File::create(&mask)?, &drawn.0, false)?;
     write_nifti_image(File::create(&image)?, &drawn.2, false)?;
     let options =

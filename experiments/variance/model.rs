@@ -1,7 +1,7 @@
 //! A graph whose samples are solved for masks of any origin: the step of `willis infer` with its mask as an argument.
 
 use willis::error::Result;
-use willis::internals::flow::batch::star_mesh;
+use willis::internals::flow::batch::star_mesh::StarMeshWorkspace;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
@@ -9,7 +9,7 @@ use willis::internals::flow::resilience::{is_diffused, resilience_per_square_dro
 use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
-use willis::internals::sampling::{Coins, Forest, SamplingOptions, Uncertain, infer};
+use willis::internals::sampling::{Coins, Kruskal, SamplingOptions, Uncertain, infer};
 use willis::internals::support::simd::Scalar;
 
 /// Samples solved side by side.
@@ -34,9 +34,9 @@ pub struct Model {
 #[derive(Default)]
 pub struct Work {
     pub masks: Vec<u64>,
-    solver: Option<star_mesh::Workspace<LANES>>,
+    solver: Option<StarMeshWorkspace<LANES>>,
     resilience: Vec<[f64; LANES]>,
-    forest: Forest,
+    forest: Kruskal,
 }
 
 impl Model {

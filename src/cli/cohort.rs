@@ -15,7 +15,7 @@ use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{read_json, write_json};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{About, Figures, Row, infer_figures, write_cohort};
+use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -233,7 +233,7 @@ impl Cohort<'_> {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
             let failure = failures[at].clone();
             let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
-            Row {
+            CohortRow {
                 subject: name.clone(),
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
@@ -242,7 +242,7 @@ impl Cohort<'_> {
                 figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
             }
         };
-        let rows: Vec<Row> = (0..subjects.len()).map(row).collect();
+        let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();
         let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
         say_notes_of(&records, terminal);
         self.write_table(self.output, &rows)?;
@@ -251,10 +251,10 @@ impl Cohort<'_> {
     }
 
     /// Writes the table and the page into a folder, and prints the rows where that is asked for.
-    fn write_table(&self, folder: &Path, rows: &[Row]) -> Result<()> {
+    fn write_table(&self, folder: &Path, rows: &[CohortRow]) -> Result<()> {
         // A BIDS app has its output among its words.
         let line = command_line(if self.command == "bids" { "" } else { "again" });
-        let about = About { command: self.command, line, parameters: &self.parameters };
+        let about = CohortRun { command: self.command, line, parameters: &self.parameters };
         write_cohort(folder, rows, &about)?;
         if self.json { rows.iter().try_for_each(|row| print_json(&row.record())) } else { Ok(()) }
     }
@@ -460,7 +460,7 @@ pub fn gather(
     name: impl FnOnce(&[PathBuf]) -> Vec<String>,
     covariates: impl Fn(&str) -> Covariates,
     terminal: TextTerminal,
-) -> Result<Vec<Row>> {
+) -> Result<Vec<CohortRow>> {
     let output = cohort.output;
     let runs = folders.iter().map(|folder| SeparateRun::read(folder)).collect::<Result<Vec<_>>>()?;
     let Some(first) = runs.iter().find(|run| run.record.is_ok()).or(runs.first()) else { return Ok(Vec::new()) };
@@ -468,7 +468,7 @@ pub fn gather(
         run.check(first, &runs[..at])?;
     }
     let names = name(&runs.iter().map(|run| PathBuf::from(&run.input.path)).collect::<Vec<_>>());
-    let rows = runs.iter().zip(&names).map(|(run, name)| Row {
+    let rows = runs.iter().zip(&names).map(|(run, name)| CohortRow {
         subject: name.clone(),
         input: run.input.path.clone(),
         sha256: run.input.sha256.clone().unwrap_or_default(),
@@ -476,7 +476,7 @@ pub fn gather(
         page: run.record.is_ok().then(|| run.page(output)).flatten(),
         figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
     });
-    let rows: Vec<Row> = rows.collect();
+    let rows: Vec<CohortRow> = rows.collect();
     let entries = runs.iter().zip(&names).map(|(run, name)| LedgerEntry {
         subject: name.clone(),
         input: run.input.path.clone(),

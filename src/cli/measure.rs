@@ -9,7 +9,7 @@ use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::{StagedFolder, write_file};
 use crate::internals::output::names::{BIFURCATIONS, ENDS, INTERVALS, SUBJECTS, VESSELS};
 use crate::internals::output::write_record;
-use crate::internals::report::cohort::{Row, cohort_columns};
+use crate::internals::report::cohort::{CohortRow, cohort_columns};
 use crate::internals::support::endings::stem;
 use crate::{BoundaryOptions, MeasureOptions, Measurement, measure};
 use clap::Args;
@@ -91,7 +91,7 @@ impl MeasureArgs {
             each.make(|at| one(at, terminal.of_many()), terminal)?
         };
         let measured = measured.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let rows: Vec<Row> =
+        let rows: Vec<CohortRow> =
             (0..subjects.len()).map(|at| row_of(&subjects[at], measured[at].as_ref(), failures[at].clone())).collect();
         self.write(&rows, measured.iter().flatten(), force)?;
         if self.json {
@@ -119,7 +119,7 @@ impl MeasureArgs {
     }
 
     /// Writes the tables of all subjects, one below the other, and the record.
-    fn write<'a>(&self, rows: &[Row], measured: impl Iterator<Item = &'a Measurement>, force: bool) -> Result<()> {
+    fn write<'a>(&self, rows: &[CohortRow], measured: impl Iterator<Item = &'a Measurement>, force: bool) -> Result<()> {
         let tables: Vec<[Vec<Column>; 4]> = measured.map(Measurement::tables).collect();
         let folder = StagedFolder::new(&self.output, force)?;
         for (at, name) in [VESSELS, BIFURCATIONS, ENDS, INTERVALS].into_iter().enumerate() {
@@ -131,19 +131,19 @@ impl MeasureArgs {
         folder.commit()
     }
 
-    fn record(&self, rows: &[Row]) -> Value {
+    fn record(&self, rows: &[CohortRow]) -> Value {
         json!({
             "willis": env!("CARGO_PKG_VERSION"),
             "command": command_line("again"),
             "parameters": { "smoothing_mm": self.smoothing.map(millimetres), "boundary": self.boundary },
-            "subjects": rows.iter().map(Row::record).collect::<Vec<Value>>(),
+            "subjects": rows.iter().map(CohortRow::record).collect::<Vec<Value>>(),
         })
     }
 }
 
 /// The row of a subject.
-fn row_of(subject: &Subject, measured: Option<&Measurement>, failure: Option<String>) -> Row {
-    Row {
+fn row_of(subject: &Subject, measured: Option<&Measurement>, failure: Option<String>) -> CohortRow {
+    CohortRow {
         subject: subject.name.clone(),
         input: subject.input.display().to_string(),
         sha256: measured.map(|found| found.sha256.clone()).or_else(|| checksum_of_file(&subject.input).ok()).unwrap_or_default(),

@@ -15,7 +15,7 @@ use crate::internals::network::centerlines::Centerlines;
 use crate::internals::network::{Origin, fragments};
 use crate::internals::output::StagedFiles;
 use crate::internals::phantom::{
-    Breaks, Gaps, Kind, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
+    Anatomy, Breaks, Gaps, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
 use clap::Args;
 use serde_json::{Value, json};
@@ -72,7 +72,7 @@ pub struct PhantomArgs {
 
 impl PhantomArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        let kind: Kind = self.kind.parse()?;
+        let kind: Anatomy = self.kind.parse()?;
         let recipe = self.recipe(kind)?;
         if let Some(image) = self.image.as_ref().filter(|image| !is_mask(&self.output) || !is_mask(image)) {
             return Err(Error::parameter("image", image.display(), "expected .nii.gz or .nii, with an output .nii.gz or .nii"));
@@ -106,7 +106,7 @@ impl PhantomArgs {
                 let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
                 let (lines, truth) = break_up(&network, &params)?;
                 let mut staged = StagedFiles::new(&self.output, force)?;
-                if kind == Kind::Cerebral {
+                if kind == Anatomy::Cerebral {
                     let marks = landmarks(&network, &truth.lost);
                     staged.write(&sibling(&self.output, "landmarks.csv"), |out| {
                         write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks)
@@ -119,7 +119,7 @@ impl PhantomArgs {
 
     /// The whole anatomy, with its conditions.
     pub(super) fn whole(&self) -> Result<Network> {
-        let kind: Kind = self.kind.parse()?;
+        let kind: Anatomy = self.kind.parse()?;
         if self.broken || self.image.is_some() {
             return Err(Error::parameter("break", "", "makes files; give `output`"));
         }
@@ -129,7 +129,7 @@ impl PhantomArgs {
     }
 
     /// What the options ask for, where they go with the kind.
-    fn recipe(&self, kind: Kind) -> Result<Recipe> {
+    fn recipe(&self, kind: Anatomy) -> Result<Recipe> {
         if self.seed.is_some() && !self.broken && !kind.has_any_size() {
             let accepted = format!("{kind} is always the same; expected with --break, arterial or capillary");
             return Err(Error::parameter("seed", self.seed.unwrap_or_default(), accepted));
@@ -142,7 +142,7 @@ impl PhantomArgs {
     }
 
     /// The complete network, or what --without leaves of it.
-    fn anatomy(&self, kind: Kind, recipe: &Recipe, terminal: TextTerminal) -> Result<Network> {
+    fn anatomy(&self, kind: Anatomy, recipe: &Recipe, terminal: TextTerminal) -> Result<Network> {
         let network = kind.network(recipe)?;
         if self.without.is_empty() {
             return Ok(network);
@@ -156,7 +156,7 @@ impl PhantomArgs {
         Ok(network)
     }
 
-    fn write_whole(&self, kind: Kind, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
+    fn write_whole(&self, kind: Anatomy, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
         let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
         let network = boundary.stated_in(network);
         let (names, _) = put(&network, target, terminal, force)?;
@@ -166,15 +166,15 @@ impl PhantomArgs {
     }
 
     /// The files beside broken centerlines that are known before the work.
-    fn beside(&self, kind: Kind) -> Vec<PathBuf> {
-        let endings = [("truth.json", self.broken), ("landmarks.csv", self.broken && kind == Kind::Cerebral)];
+    fn beside(&self, kind: Anatomy) -> Vec<PathBuf> {
+        let endings = [("truth.json", self.broken), ("landmarks.csv", self.broken && kind == Anatomy::Cerebral)];
         endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| sibling(&self.output, ending)).collect()
     }
 
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
-    fn write_mask(&self, kind: Kind, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
+    fn write_mask(&self, kind: Anatomy, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
         let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
-        let has_marks = self.broken && kind == Kind::Cerebral;
+        let has_marks = self.broken && kind == Anatomy::Cerebral;
         let others = [&answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
         StagedFiles::check(&self.output, others, force)?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;

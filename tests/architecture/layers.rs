@@ -1,7 +1,7 @@
-//! The layers of the modules inside of a crate: no `crate::` path points sideways or up. Between crates the compiler sees to that. Each
-//! outside library stays where it belongs.
+//! The layers of the modules inside of a crate: no `crate::` path points sideways or up, and no files import each other in a circle. Between
+//! crates the compiler sees to that. Each outside library stays where it belongs, and each name of a type means one thing.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Crates of several modules, from the bottom: a module may use those of earlier rows, and itself.
@@ -73,6 +73,13 @@ const CONFINED: &[(&str, &[&str])] = &[
     ("statrs", &["core/support/gamma.rs"]),
 ];
 
+/// Crates that still have circles of files.
+const WITH_CIRCLES: &[&str] = &["io", "models", "willis"];
+
+/// Names of types that are still defined more than once.
+const REPEATED: &str = "\
+    Affine Arm Array Blood Branch Centerlines Cluster Course Cursor End Entry Field File Frame Given Graph Header Kind Level Line Lines Link Mask Named Nearest Opened Pass Picture Piece Place Posterior Prior Record Records Row Rules Run Seen Skeleton Solver Source State Step Table Tube Values Vessel";
+
 const MOST_LINES: usize = 600;
 
 /// The code of a source file: comments and the contents of strings and characters left out, lines kept.
@@ -140,31 +147,35 @@ fn tokens(code: &str) -> Vec<String> {
     out
 }
 
+/// A path as it is written, and the name by which its end is known where it is imported.
+type Named = (Vec<String>, String);
+
+/// Adds the paths of a use tree, or the one of an expression, that starts at `at`, behind the segments `before`; returns where it ends.
+fn paths(tokens: &[String], mut at: usize, before: &[String], out: &mut Vec<Named>) -> usize {
+    let is = |at: usize, mark: &str| tokens.get(at).is_some_and(|token| token == mark);
+    let mut path = before.to_vec();
+    while !is(at, "{") {
+        path.extend(tokens.get(at).cloned());
+        at += 1;
+        if !is(at, "::") {
+            path.pop_if(|last| last == "self" && !before.is_empty());
+            let name = if is(at, "as") { tokens.get(at + 1) } else { path.last() };
+            out.push((path.clone(), name.cloned().unwrap_or_default()));
+            return if is(at, "as") { at + 2 } else { at };
+        }
+        at += 1;
+    }
+    while at < tokens.len() && !is(at, "}") {
+        at = if is(at + 1, "}") { at + 1 } else { paths(tokens, at + 1, &path, out) };
+    }
+    at + 1
+}
+
 /// The first segments named by a use tree that starts at `at`: one name, or those of a group.
 fn heads(tokens: &[String], at: usize) -> Vec<String> {
-    match tokens.get(at).map(String::as_str) {
-        Some("{") => {
-            let (mut depth, mut names, mut fresh) = (0, Vec::new(), true);
-            for token in &tokens[at..] {
-                match token.as_str() {
-                    "{" => depth += 1,
-                    "}" => depth -= 1,
-                    "," if depth == 1 => fresh = true,
-                    name if depth == 1 && fresh => {
-                        names.push(name.to_owned());
-                        fresh = false;
-                    }
-                    _ => {}
-                }
-                if depth == 0 {
-                    break;
-                }
-            }
-            names
-        }
-        Some(name) => vec![name.to_owned()],
-        None => Vec::new(),
-    }
+    let mut all = Vec::new();
+    paths(tokens, at, &[], &mut all);
+    all.into_iter().filter_map(|(path, _)| path.into_iter().next()).collect()
 }
 
 /// The top-level modules that a file of a crate names, given its path below `src`: by `crate::` or by enough `super::`.
@@ -253,6 +264,113 @@ fn violations(of: &str, source: &str) -> Vec<String> {
     wrong
 }
 
+/// A source file of a crate.
+struct Source {
+    file: String,
+    tokens: Vec<String>,
+    /// The names that it defines outside of all braces.
+    defined: BTreeSet<String>,
+    /// The paths that it imports, by the name that they get.
+    imported: BTreeMap<String, Vec<String>>,
+}
+
+/// The source files of a crate by their module, from paths below `src` and contents.
+type Crate = BTreeMap<Vec<String>, Source>;
+
+/// The definitions of `kinds` in some code: their names, and whether they lie outside of all braces.
+fn definitions<'a>(tokens: &'a [String], kinds: &'a [&str]) -> impl Iterator<Item = (&'a String, bool)> {
+    let mut depth = 0;
+    tokens.windows(2).filter_map(move |pair| {
+        depth += i32::from(pair[0] == "{") - i32::from(pair[0] == "}");
+        kinds.contains(&&*pair[0]).then_some((&pair[1], depth == 0))
+    })
+}
+
+fn parsed(files: &[(String, String)]) -> Crate {
+    let parse = |(file, source): &(String, String)| {
+        let mut module: Vec<String> = file.trim_end_matches(".rs").split('/').map(str::to_owned).collect();
+        module.pop_if(|last| ["mod", "lib"].contains(&&**last));
+        let tokens = tokens(&code(source));
+        let kinds = ["fn", "struct", "enum", "trait", "type", "const", "static", "macro_rules"];
+        let defined = definitions(&tokens, &kinds).filter(|(_, outside)| *outside).map(|(name, _)| name.clone()).collect();
+        let mut imported = Vec::new();
+        for at in (0..tokens.len()).filter(|at| tokens[*at] == "use") {
+            paths(&tokens, at + 1, &[], &mut imported);
+        }
+        let imported = imported.into_iter().map(|(path, name)| (name, path)).collect();
+        (module, Source { file: file.clone(), tokens, defined, imported })
+    };
+    files.iter().map(parse).collect()
+}
+
+/// The module whose file defines what a path names that is written in the module `from`; none of another crate, or where it names a module.
+/// Of a name that a file imports, the import is followed.
+fn home(all: &Crate, from: &[String], path: &[String], most: usize) -> Option<Vec<String>> {
+    let (first, mut rest) = path.split_first()?;
+    let mut module = from.to_vec();
+    match first.as_str() {
+        "crate" => module.clear(),
+        "self" => {}
+        "super" => drop(module.pop()),
+        _ if all.contains_key(&[from, &path[..1]].concat()) => rest = path,
+        _ => return home(all, from, &[&all[from].imported.get(first)?[..], rest].concat(), most.checked_sub(1)?),
+    }
+    while let Some((name, after)) = rest.split_first() {
+        if name == "super" {
+            module.pop();
+        } else if all.contains_key(&[&module[..], &rest[..1]].concat()) {
+            module.push(name.clone());
+        } else {
+            let source = all.get(&module)?;
+            let import = source.imported.get(name).filter(|_| !source.defined.contains(name));
+            return import.and_then(|import| home(all, &module, import, most.checked_sub(1)?)).or(Some(module));
+        }
+        rest = after;
+    }
+    None
+}
+
+/// The imports of a crate that close a circle of files. What a mod.rs or lib.rs hands on by `pub use` is no import of it.
+fn circles(files: &[(String, String)]) -> Vec<String> {
+    let all = parsed(files);
+    let mut arrows: BTreeMap<&[String], BTreeSet<Vec<String>>> = BTreeMap::new();
+    for (module, Source { file, tokens, .. }) in &all {
+        let is = |at: Option<usize>, marks: &[&str]| at.and_then(|at| tokens.get(at)).is_some_and(|t| marks.contains(&&**t));
+        for at in (0..tokens.len()).filter(|at| is(at.checked_add(1), &["::"]) && !is(at.checked_sub(1), &["::"])) {
+            let handed_on = is(at.checked_sub(1), &["use"]) && is(at.checked_sub(2), &["pub", ")"]);
+            if handed_on && (file.ends_with("mod.rs") || file.ends_with("lib.rs")) {
+                continue;
+            }
+            let mut named = Vec::new();
+            paths(tokens, at, &[], &mut named);
+            let homes = named.iter().filter_map(|(path, _)| home(&all, module, path, 8)).filter(|home| home != module);
+            arrows.entry(module).or_default().extend(homes);
+        }
+    }
+    let reaches = |from: &Vec<String>, goal: &[String]| {
+        let (mut seen, mut open) = (BTreeSet::new(), vec![from]);
+        while let Some(at) = open.pop().filter(|at| *at != goal) {
+            open.extend(arrows.get(&at[..]).into_iter().flatten().filter(|next| seen.insert(*next)));
+        }
+        seen.contains(&goal.to_vec())
+    };
+    let each = arrows.iter().flat_map(|(from, to)| to.iter().map(|to| (*from, to)));
+    let closing = each.filter(|(from, to)| reaches(to, from));
+    closing.map(|(from, to)| format!("{} imports {}", all[from].file, all[to].file)).collect()
+}
+
+/// The names of types, aliases and traits that are defined more than once among the files of all crates; types of an `impl` do not count.
+fn repeated<'a>(sources: impl Iterator<Item = &'a String>) -> BTreeSet<String> {
+    let (mut once, mut again) = (BTreeSet::new(), BTreeSet::new());
+    for source in sources {
+        let tokens = tokens(&code(source));
+        let types = definitions(&tokens, &["struct", "enum", "trait"]).map(|(name, _)| name);
+        let aliases = definitions(&tokens, &["type"]).filter(|(_, outside)| *outside).map(|(name, _)| name);
+        again.extend(types.chain(aliases).filter(|name| !once.insert((*name).clone())).cloned());
+    }
+    again
+}
+
 fn sources(folder: &Path, out: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -272,23 +390,75 @@ fn crates() -> Vec<(String, PathBuf)> {
     inner.chain([("willis".to_owned(), root.to_owned())]).collect()
 }
 
+/// The source files of a crate: paths below `src`, and contents.
+fn files(folder: &Path) -> Vec<(String, String)> {
+    let src = folder.join("src");
+    let mut files = Vec::new();
+    sources(&src, &mut files);
+    files.sort();
+    let read = |path: &PathBuf| {
+        let file = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
+        (file, std::fs::read_to_string(path).unwrap())
+    };
+    files.iter().map(read).collect()
+}
+
 #[test]
 fn the_sources_keep_to_their_layers() {
     let mut wrong = Vec::new();
     let mut count = 0;
     for (name, folder) in crates() {
-        let src = folder.join("src");
-        let mut files = Vec::new();
-        sources(&src, &mut files);
-        files.sort();
+        let files = files(&folder);
         count += files.len();
-        for path in files {
-            let file = path.strip_prefix(&src).unwrap().to_str().unwrap().replace('\\', "/");
-            wrong.extend(violations(&format!("{name}/{file}"), &std::fs::read_to_string(&path).unwrap()));
-        }
+        wrong.extend(files.iter().flat_map(|(file, source)| violations(&format!("{name}/{file}"), source)));
     }
     assert!(count > 40);
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// Who reads a file never has to have read another first that in turn rests on it.
+#[test]
+fn no_file_imports_another_in_a_circle() {
+    for (name, folder) in crates() {
+        let found = circles(&files(&folder));
+        assert_eq!(found.is_empty(), !WITH_CIRCLES.contains(&&*name), "{name}:\n{}", found.join("\n"));
+    }
+}
+
+#[test]
+fn a_name_of_a_type_means_one_thing() {
+    let all: Vec<(String, String)> = crates().iter().flat_map(|(_, folder)| files(folder)).collect();
+    let known = REPEATED.split_whitespace().map(str::to_owned).collect();
+    assert_eq!(repeated(all.iter().map(|(_, source)| source)), known, "found, and known to be there still");
+}
+
+#[test]
+fn circles_and_repeated_names_are_caught() {
+    let files =
+        |of: &[(&str, &str)]| of.iter().map(|(file, source)| (String::from(*file), String::from(*source))).collect::<Vec<_>>();
+    let base =
+        [("lib.rs", "pub mod a; mod c;"), ("a/b.rs", "use super::d::{D as E, self}; struct B;"), ("a/d.rs", "pub struct D;")];
+    let with = |a: &'static str, c: &'static str| circles(&files(&[&base[..], &[("a/mod.rs", a), ("c.rs", c)]].concat()));
+    assert_eq!(with("mod b; mod d; pub use b::B; pub use d::D;", "use crate::a::B;"), [""; 0]);
+    assert_eq!(with("mod b; mod d; pub use b::B; use crate::c::C;", "use crate::a::B; struct C;"), [""; 0]);
+    // A file and the part of a mod.rs that it uses; through a module that was imported, and through what a mod.rs hands on.
+    let both = ["a/mod.rs imports c.rs", "c.rs imports a/mod.rs"];
+    assert_eq!(with("use crate::c::C; struct A;", "use crate::a::{self as other, B}; struct C(other::A);"), both);
+    let three = circles(&files(&[
+        ("lib.rs", "mod a; mod b; mod c;"),
+        ("a.rs", "fn a() { crate::b::b(); }"),
+        ("b/mod.rs", "mod d; pub use d::b;"),
+        ("b/d.rs", "use crate::c; fn b() { c::c() }"),
+        ("c.rs", "use super::a::a; fn c() { a() }"),
+    ]));
+    assert_eq!(three, ["a.rs imports b/d.rs", "b/d.rs imports c.rs", "c.rs imports a.rs"]);
+
+    let types = [
+        "struct One; impl Iterator for One { type Item = u8; }",
+        "fn f() { enum Two {} } type Three = u8;",
+        "trait Two { type Item; }",
+    ];
+    assert_eq!(repeated(types.map(String::from).iter()), BTreeSet::from(["Two".to_owned()]));
 }
 
 /// Each dependency has a row in the book that says why it is there, and no row is for one that is gone.

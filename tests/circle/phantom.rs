@@ -9,14 +9,14 @@ use willis::internals::network::{Condition, Network, Role, cycles, fragments};
 use willis::internals::phantom::alastruey::TABLE;
 use willis::internals::phantom::curve::{Bow, course};
 use willis::internals::phantom::{
-    BreakKind, Breaks, Kind, Recipe, Tree, Truth, branching_tree, break_up, cerebral, circle_of_willis,
+    Anatomy, BranchingTree, BreakKind, Breaks, Recipe, Truth, branching_tree, break_up, cerebral, circle_of_willis,
 };
 use willis::internals::support::geometry::distance;
 
 const SPACING: f64 = 5e-4;
 
 fn bases() -> [Network; 3] {
-    [Kind::CircleOfWillis, Kind::Cerebral, Kind::Tree]
+    [Anatomy::CircleOfWillis, Anatomy::Cerebral, Anatomy::Tree]
         .map(|kind| kind.network(&Recipe { spacing: Some(SPACING), ..Recipe::default() }).unwrap())
 }
 
@@ -151,7 +151,7 @@ fn the_cerebral_part_is_one_ring_with_four_inlets() {
 /// Murray: r³ is kept at every branching, so the ends together take the flow of the root.
 #[test]
 fn the_tree_keeps_murrays_law() {
-    let tree = Tree { generations: 4, ..Tree::default() };
+    let tree = BranchingTree { generations: 4, ..BranchingTree::default() };
     let network = branching_tree(&tree).unwrap();
     assert_eq!((network.vessel_count(), network.node_count(), cycles(&network)), (31, 32, 0));
     let total: f64 = network.nodes().filter_map(conductance).sum();
@@ -165,7 +165,7 @@ fn the_tree_keeps_murrays_law() {
     for row in 0..network.vessel_count() {
         assert!((arc_length(&network, row) / network.vessel(row).length - 1.0).abs() < 1e-9);
     }
-    let again = |seed| branching_tree(&Tree { seed, ..tree.clone() }).unwrap().vessel(5).radius.to_bits();
+    let again = |seed| branching_tree(&BranchingTree { seed, ..tree.clone() }).unwrap().vessel(5).radius.to_bits();
     assert!(again(0) == again(0) && again(0) != again(1));
 }
 
@@ -366,13 +366,13 @@ fn every_parameter_out_of_range_is_named() {
         assert!(params.validate().unwrap_err().to_string().starts_with(name), "{name}");
     }
     assert!(base().validate().is_ok());
-    let tree = Tree::default;
+    let tree = BranchingTree::default;
     let wrong = [
-        ("generations", Tree { generations: 17, ..tree() }),
-        ("radius", Tree { radius: -1.0, ..tree() }),
-        ("slenderness", Tree { slenderness: 1.0, ..tree() }),
-        ("asymmetry", Tree { asymmetry: 1.0, ..tree() }),
-        ("spacing", Tree { spacing: f64::NAN, ..tree() }),
+        ("generations", BranchingTree { generations: 17, ..tree() }),
+        ("radius", BranchingTree { radius: -1.0, ..tree() }),
+        ("slenderness", BranchingTree { slenderness: 1.0, ..tree() }),
+        ("asymmetry", BranchingTree { asymmetry: 1.0, ..tree() }),
+        ("spacing", BranchingTree { spacing: f64::NAN, ..tree() }),
     ];
     for (name, params) in wrong {
         assert!(branching_tree(&params).unwrap_err().to_string().starts_with(name), "{name}");
@@ -381,12 +381,14 @@ fn every_parameter_out_of_range_is_named() {
 
 #[test]
 fn kinds_are_read_by_name() {
-    for kind in Kind::ALL {
-        assert_eq!(kind.name().parse::<Kind>().unwrap(), kind);
+    for kind in Anatomy::ALL {
+        assert_eq!(kind.name().parse::<Anatomy>().unwrap(), kind);
     }
-    let error = "circle".parse::<Kind>().unwrap_err();
+    let error = "circle".parse::<Anatomy>().unwrap_err();
     assert_eq!(error.to_string(), "phantom circle: expected circle-of-willis, cerebral, tree, arterial, capillary");
-    assert!(error.is_usage() && Kind::Tree.network(&Recipe { spacing: Some(0.1), ..Recipe::default() }).unwrap_err().is_usage());
+    assert!(
+        error.is_usage() && Anatomy::Tree.network(&Recipe { spacing: Some(0.1), ..Recipe::default() }).unwrap_err().is_usage()
+    );
 }
 
 #[test]

@@ -8,10 +8,10 @@ use crate::refused::refused;
 use willis::internals::formats::{graph_columns, write_graphml};
 use willis::internals::network::units::pascals;
 use willis::internals::network::{Condition, Network, Origin, Role, cycles, fragments};
-use willis::internals::phantom::{Gaps, Kind, Large, Recipe, Truth, arterial, capillary, over_connected, with_gaps};
+use willis::internals::phantom::{Anatomy, Gaps, Large, Recipe, Truth, arterial, capillary, over_connected, with_gaps};
 use willis::internals::support::geometry::distance;
 
-const KINDS: [Kind; 2] = [Kind::Arterial, Kind::Capillary];
+const KINDS: [Anatomy; 2] = [Anatomy::Arterial, Anatomy::Capillary];
 const SIZES: [usize; 4] = [100, 101, 700, 3000];
 
 fn large(edges: usize, seed: u64) -> Large {
@@ -23,7 +23,7 @@ fn recipe(edges: usize, seed: u64) -> Recipe {
 }
 
 /// Every kind, size and two seeds.
-fn each(check: impl Fn(Kind, &Recipe, &Network)) {
+fn each(check: impl Fn(Anatomy, &Recipe, &Network)) {
     for kind in KINDS {
         for recipe in SIZES.into_iter().flat_map(|edges| [recipe(edges, 0), recipe(edges, 5)]) {
             check(kind, &recipe, &kind.network(&recipe).unwrap());
@@ -39,7 +39,7 @@ fn role(network: &Network, role: Role) -> Vec<usize> {
 fn the_size_is_the_one_asked_for() {
     each(|kind, recipe, network| {
         let (wanted, made) = (recipe.edges.unwrap(), network.vessel_count());
-        let off = if kind == Kind::Arterial { 0.0 } else { 0.02 };
+        let off = if kind == Anatomy::Arterial { 0.0 } else { 0.02 };
         assert!(wanted.abs_diff(made) as f64 <= off * wanted as f64, "{kind} {made} of {wanted}");
         assert!(network.nodes().zip(1..).all(|(node, id)| node.id == id.to_string() && node.radius.is_some()));
         assert!(network.vessels().all(|(_, vessel)| vessel.length > 0.0 && vessel.radius > 0.0 && vessel.path.is_empty()));
@@ -165,7 +165,7 @@ fn a_seed_gives_the_same_bytes_and_another_seed_others() {
 
 #[test]
 fn a_spacing_puts_points_along_the_vessels() {
-    for (kind, spacing) in [(Kind::Arterial, 1e-3), (Kind::Capillary, 1e-5)] {
+    for (kind, spacing) in [(Anatomy::Arterial, 1e-3), (Anatomy::Capillary, 1e-5)] {
         let straight = kind.network(&recipe(200, 0)).unwrap();
         let network = kind.network(&Recipe { spacing: Some(spacing), ..recipe(200, 0) }).unwrap();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
@@ -198,10 +198,10 @@ fn parts(points: usize, links: impl Iterator<Item = [usize; 2]>, truth: &Truth) 
 #[test]
 fn broken_centerlines_have_their_gaps_and_no_other_damage() {
     each(|kind, recipe, network| {
-        for spacing in [None, Some(2e-5)].into_iter().take(if kind == Kind::Capillary { 2 } else { 1 }) {
+        for spacing in [None, Some(2e-5)].into_iter().take(if kind == Anatomy::Capillary { 2 } else { 1 }) {
             let gaps = Gaps { spacing, ..kind.gaps(recipe).unwrap() };
             let (lines, truth) = with_gaps(network, &gaps).unwrap();
-            let share = if kind == Kind::Arterial { 0.025 } else { 0.02 };
+            let share = if kind == Anatomy::Arterial { 0.025 } else { 0.02 };
             assert_eq!(truth.breaks.len(), (share * network.vessel_count() as f64).round() as usize);
             assert_eq!(truth.breaks.iter().map(|gap| gap.vessel).collect::<HashSet<_>>().len(), truth.breaks.len());
             let mut degree = vec![0; lines.points.len()];

@@ -8,7 +8,7 @@ use std::process::Command;
 use willis::internals::formats::{ReadOptions, read_graphml};
 use willis::internals::network::units::metres;
 use willis::internals::network::{Condition, Network, Role, cycles, fragments};
-use willis::internals::phantom::{Kind, Recipe, without};
+use willis::internals::phantom::{Anatomy, Recipe, without};
 
 /// The ten published variants by what they lack.
 const VARIANTS: [&[&str]; 10] = [
@@ -25,7 +25,7 @@ const VARIANTS: [&[&str]; 10] = [
 ];
 
 fn complete() -> Network {
-    Kind::Cerebral.network(&Recipe { spacing: Some(metres(5.0)), ..Recipe::default() }).unwrap()
+    Anatomy::Cerebral.network(&Recipe { spacing: Some(metres(5.0)), ..Recipe::default() }).unwrap()
 }
 
 fn name(missing: &[&str]) -> String {

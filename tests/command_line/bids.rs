@@ -12,8 +12,8 @@ use crate::command::{folder, stderr, willis};
 use std::borrow::Cow;
 use willis::cli::internals::{BidsName, Filter, parse_filter};
 use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
-use willis::internals::report::bids_table::{bids_columns, describe, sidecar, write_tsv};
-use willis::internals::report::cohort::{Row, infer_figures};
+use willis::internals::report::bids_table::{bids_columns, sidecar, write_tsv};
+use willis::internals::report::cohort::{CohortRow, describe, infer_figures};
 
 /// A mask of 36 x 14 x 7 voxels of half a millimetre as NIfTI-1: a tube of radius 2 along x with a gap of 4 voxels.
 fn draw(path: &Path) {
@@ -320,8 +320,15 @@ fn what_cannot_be_meant_is_refused() {
     refused(&here, &["group", "--participant-label", "01"], &["--participant-label sub-01: no such folder; there are sub-02"]);
 }
 
-fn row(figures: Result<Vec<(Cow<'static, str>, Value)>, String>) -> Row {
-    Row { subject: "sub-01".into(), input: "a\tb".into(), sha256: String::new(), covariates: Vec::new(), page: None, figures }
+fn row(figures: Result<Vec<(Cow<'static, str>, Value)>, String>) -> CohortRow {
+    CohortRow {
+        subject: "sub-01".into(),
+        input: "a\tb".into(),
+        sha256: String::new(),
+        covariates: Vec::new(),
+        page: None,
+        figures,
+    }
 }
 
 /// A record with everything that makes columns: a circle with probabilities, and what is lost with each feeder.

@@ -10,7 +10,7 @@ use crate::refused::{contents, refused};
 use serde_json::{Value, json};
 use willis::cli::internals::{LONGEST, named, relative};
 use willis::internals::formats::write_csv;
-use willis::internals::report::cohort::{Row, cohort_columns, needs_person, uncertainty};
+use willis::internals::report::cohort::{CohortRow, cohort_columns, needs_person, uncertainty};
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.
 fn scans(here: &Path, seeds: &[u32]) {
@@ -410,9 +410,16 @@ fn the_page_works_in_chromium() {
     assert!(failed.is_some() && failed < first);
 }
 
-fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Value)>, String>) -> Row {
+fn subject_row(subject: &str, figures: Result<Vec<(&'static str, Value)>, String>) -> CohortRow {
     let figures = figures.map(|figures| figures.into_iter().map(|(name, cell)| (name.into(), cell)).collect());
-    Row { subject: subject.into(), input: String::new(), sha256: String::new(), covariates: Vec::new(), page: None, figures }
+    CohortRow {
+        subject: subject.into(),
+        input: String::new(),
+        sha256: String::new(),
+        covariates: Vec::new(),
+        page: None,
+        figures,
+    }
 }
 
 #[test]

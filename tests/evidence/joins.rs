@@ -14,7 +14,7 @@ use willis::internals::candidates::joins::model::JoinModel;
 use willis::internals::candidates::kind::CenterlineKind;
 use willis::internals::candidates::resample::{Resampled, step_of};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
-use willis::internals::support::boosted_trees::Tree;
+use willis::internals::support::boosted_trees::RegressionTree;
 use willis::internals::support::geometry::{Point, distance};
 
 /// A network of separate vessels, each through points (mm) of a radius (mm).
@@ -296,12 +296,12 @@ fn vessels_that_begin_inside_another_are_attached_to_its_axis() {
 
 #[test]
 fn a_row_goes_left_below_the_value_of_a_split() {
-    let tree: Tree = "1<0.5 0<-2 1 2 3".parse().unwrap();
+    let tree: RegressionTree = "1<0.5 0<-2 1 2 3".parse().unwrap();
     let value = |row: [f32; 2]| tree.value(&row);
     assert_eq!([value([-3.0, 0.0]), value([-2.0, 0.0]), value([-3.0, 0.5])], [1.0, 2.0, 3.0]);
     assert_eq!(tree.to_string(), "1<0.5 0<-2 1 2 3");
     for wrong in ["", "1<0.5 1", "1 2", "1<x 1 2", "nan", "-1<0 1 2"] {
-        assert!(wrong.parse::<Tree>().is_err(), "{wrong}");
+        assert!(wrong.parse::<RegressionTree>().is_err(), "{wrong}");
     }
-    assert!("0<0 ".repeat(100).parse::<Tree>().is_err());
+    assert!("0<0 ".repeat(100).parse::<RegressionTree>().is_err());
 }

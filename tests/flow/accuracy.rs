@@ -17,8 +17,7 @@ use crate::figure::Figure;
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use serde::Deserialize;
-use willis::internals::flow::drops;
-use willis::internals::flow::drops::Drops;
+use willis::internals::flow::drops::{Drops, DropsWorkspace};
 use willis::internals::flow::poiseuille::{BLOOD_VISCOSITY, resistance};
 use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
 use willis::internals::flow::{Circuit, StarMesh, pressures};
@@ -270,7 +269,7 @@ fn carried_drops_are_right_within_their_bounds_however_small_they_are() {
         let (circuit, truth) = (reference.circuit(), reference.pressures());
         for name in numberings() {
             let drops = Drops::compile(&renumbered(&circuit, name), usize::MAX).expect("no limit");
-            let mut work = drops::Workspace::default();
+            let mut work = DropsWorkspace::default();
             drops.solve(|_| true, &mut work);
             for (row, Vessel(a, b, _, _, _, drop, _)) in reference.vessels.iter().enumerate() {
                 let (found, exact) = (drops.along(row, &work), drop.0.abs());

@@ -9,8 +9,10 @@ use std::f64::consts::PI;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::state::State;
 use willis::internals::flow::{Boundary, FoundOutlets, Tube};
-use willis::internals::modulation::hypertension::{force, histogram_edges, risk_threshold};
-use willis::internals::modulation::{Class, Hypertension, Instances, Modulation, ModulationOptions, Reading, modulate};
+use willis::internals::modulation::hypertension::{histogram_edges, risk_threshold};
+use willis::internals::modulation::{
+    Class, Hypertension, Instances, Modulation, ModulationOptions, Reading, hypertension_force, modulate,
+};
 use willis::internals::network::{Condition, Network};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::support::Distribution;
@@ -424,8 +426,8 @@ fn forces_fall_into_their_bins_by_hand() {
     assert!((found.without_force - 1.0 / 3.0).abs() < 1e-15);
     assert!((found.above - 1.0 / 6.0).abs() < 1e-15);
     assert!(histogram_edges([&[0.0, f64::NAN][..]]).is_empty());
-    assert!((force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
-    assert!(force([None, Some(1.0)], 0.5).is_nan());
+    assert!((hypertension_force([Some(3.0), Some(1.0)], 0.5) - 2.0 / (PI * 0.25)).abs() < 1e-15);
+    assert!(hypertension_force([None, Some(1.0)], 0.5).is_nan());
 }
 
 /// By hand: of 20 vessels one is a twentieth; two mirror vessels at the top are both above, whatever their last bits.

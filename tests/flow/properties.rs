@@ -14,7 +14,7 @@ use willis::internals::flow::pressures::pressures;
 use willis::internals::flow::{Boundary, Circuit};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::{Condition, Network, Origin, RadiusRule, contract};
-use willis::internals::sampling::{Coins, Forest, SamplingOptions, Solver, Uncertain, infer};
+use willis::internals::sampling::{Coins, Kruskal, SamplingOptions, Solver, Uncertain, infer};
 use willis::internals::support::geometry::{Point, distance};
 
 /// A random tree of points in a box of 20 mm, each linked to an earlier one, with radii, m; and further links.
@@ -261,7 +261,7 @@ proptest! {
         let expected: BTreeSet<usize> = min_spanning_tree(&graph)
             .filter_map(|element| if let Element::Edge { weight, .. } = element { Some(order[weight]) } else { None })
             .collect();
-        let mut forest = Forest::default();
+        let mut forest = Kruskal::default();
         forest.clear();
         drawn.iter().enumerate().for_each(|(row, (_, _, resilience))| forest.add(coins.key(f64::from(*resilience), row, coin)));
         let mut taken = Vec::new();

@@ -10,7 +10,7 @@ use willis::internals::perturbation::{Stenosis, StretchPlace};
 use willis::internals::simulation::pulse::arrival::rises;
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::indices::{Indices, behind};
-use willis::internals::simulation::pulse::womersley::{Fluid, Segment, viscous};
+use willis::internals::simulation::pulse::womersley::{Fluid, TubeSegment, viscous};
 use willis::internals::simulation::pulse::{Friction, Pulse};
 use willis::internals::simulation::{Change, Perturbation};
 
@@ -102,7 +102,7 @@ fn resistance_inertance_and_compliance() {
     let fluid = Fluid { friction: Friction::Parabolic, ..BLOOD };
     let rigid = Case { law: WallLaw::Rigid, fluid, time_constant: None, ..Case::new(&tubes, &conditions, drives()) };
     let area = PI * radius * radius;
-    let line = c(Segment::poiseuille(radius, VISCOSITY) * length, frequency * 1060.0 * length / area);
+    let line = c(TubeSegment::poiseuille(radius, VISCOSITY) * length, frequency * 1060.0 * length / area);
     near(rigid.solve().vessels[0].flow[1][1], (line + 2e9).inv(), 1e-12, "R and L");
 
     let mut behind = tubes.clone();
@@ -127,7 +127,7 @@ fn a_fork_reflects() {
     let speed = |speed: f64, vessel: Vessel| Vessel { wall: Some(Wall::Speed(speed)), ..vessel };
     let admittance = |radius: f64, speed: f64| {
         let area = PI * radius * radius;
-        let segment = Segment { length: 1.0, radius, compliance: area / (1060.0 * speed * speed), excess: 0.0 };
+        let segment = TubeSegment { length: 1.0, radius, compliance: area / (1060.0 * speed * speed), excess: 0.0 };
         let (z, y) = segment.line(&BLOOD, TAU);
         ((y / z).sqrt(), (z * y).sqrt())
     };
@@ -153,7 +153,7 @@ fn walls_give_their_wave_speed() {
     for (mm, speed) in speeds {
         let radius = mm / 1e3;
         let compliance = WallLaw::OLUFSEN.compliance(radius, None, 1060.0, "it").expect("a wall");
-        let segment = Segment { length: 1.0, radius, compliance, excess: 0.0 };
+        let segment = TubeSegment { length: 1.0, radius, compliance, excess: 0.0 };
         assert!((segment.wave_speed(&BLOOD) - speed).abs() < 1e-8, "{mm}");
         // c0² = (2/3)(Eh/r)/ρ.
         let stiffness = 1.5 * 1060.0 * speed * speed * radius;
@@ -304,7 +304,7 @@ fn the_limit_of_no_frequency_is_poiseuille() {
         let scale = largest(&pulse);
         for ((_, vessel), found) in network.vessels().zip(&pulse.vessels) {
             // Pressures are doubles: their last digits make so much flow through a wide and short vessel.
-            let resistance = Segment::poiseuille(vessel.radius, VISCOSITY) * vessel.length;
+            let resistance = TubeSegment::poiseuille(vessel.radius, VISCOSITY) * vessel.length;
             let rounding = 8.0 * f64::EPSILON * 100.0 * MMHG / resistance;
             let off = (found.flow[1][1] - found.flow[1][0]).norm();
             assert!(off <= 1e-12 * scale + rounding, "{off} of {scale}, {rounding}");
@@ -354,7 +354,7 @@ fn a_narrowing_is_a_narrower_vessel_and_its_place_is_noticed() {
     let (longer, by_hand) = (solve(&whole, &conditions, longer), solve(&by_hand, &conditions, Vec::new()));
     near(longer.vessels[0].flow[1][2], by_hand.vessels[0].flow[1][2], 1e-12, "longer");
     let mut stated = whole.clone();
-    stated.vessel_mut(0).resistance = Some(Segment::poiseuille(2e-3, VISCOSITY) * 0.06);
+    stated.vessel_mut(0).resistance = Some(TubeSegment::poiseuille(2e-3, VISCOSITY) * 0.06);
     near(
         solve(&stated, &conditions, Vec::new()).vessels[0].flow[1][1],
         solve(&whole, &conditions, Vec::new()).vessels[0].flow[1][1],

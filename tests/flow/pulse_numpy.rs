@@ -10,7 +10,7 @@ use willis::internals::flow::{Thickness, WallLaw};
 use willis::internals::formats::read_waveform;
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Wall};
-use willis::internals::phantom::{Kind, Recipe, without};
+use willis::internals::phantom::{Anatomy, Recipe, without};
 use willis::internals::simulation::pulse::fourier::coefficients;
 use willis::internals::simulation::pulse::womersley::Fluid;
 use willis::internals::simulation::pulse::{Drive, Friction, Pulse};
@@ -282,8 +282,8 @@ const SEGMENTS: [&str; 7] = ["L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm",
 #[test]
 fn every_variant_of_a_phantom() {
     let Some((script, python)) = oracle("pulsatile.py") else { return };
-    let network = |kind: Kind| kind.network(&Recipe::default()).expect("a phantom");
-    let (whole, heart) = (network(Kind::Cerebral), network(Kind::CircleOfWillis));
+    let network = |kind: Anatomy| kind.network(&Recipe::default()).expect("a phantom");
+    let (whole, heart) = (network(Anatomy::Cerebral), network(Anatomy::CircleOfWillis));
     let mut cases = vec![circle("from the heart", &heart)];
     for set in 0..1_usize << SEGMENTS.len() {
         let missing: Vec<&str> = SEGMENTS.iter().enumerate().filter(|(k, _)| set >> k & 1 == 1).map(|(_, s)| *s).collect();

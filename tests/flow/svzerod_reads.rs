@@ -6,7 +6,7 @@ use std::process::Command;
 use serde_json::{Value, json};
 use willis::internals::formats::{read_waveform, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Vessel, Windkessel};
-use willis::internals::phantom::{Kind, Recipe};
+use willis::internals::phantom::{Anatomy, Recipe};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::womersley::Fluid;
 use willis::internals::simulation::pulse::{Friction, Pulse};
@@ -75,7 +75,7 @@ fn reals(value: &Value) -> Vec<f64> {
 #[test]
 fn it_reads_every_circle_and_finds_its_steady_flow() {
     let folder = tempfile::tempdir().expect("a folder");
-    let mut networks = vec![Kind::CircleOfWillis.network(&Recipe::default()).expect("a phantom")];
+    let mut networks = vec![Anatomy::CircleOfWillis.network(&Recipe::default()).expect("a phantom")];
     for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis")).expect("the circles") {
         networks.push(willis::read(&file.expect("a file").path(), &ReadOptions::default()).expect("a circle").network);
     }

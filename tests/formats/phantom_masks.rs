@@ -12,7 +12,7 @@ use petgraph::unionfind::UnionFind;
 use willis::internals::formats::{read_nifti, write_nifti};
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
-use willis::internals::phantom::{Kind, MaskTruth, Recipe, Scan, draw_mask};
+use willis::internals::phantom::{Anatomy, MaskTruth, Recipe, Scan, draw_mask};
 use willis::internals::support::geometry::{Point, distance, lerp};
 
 /// Straight vessels of a radius between two places each, mm; those that end at one place share a node.
@@ -33,7 +33,7 @@ fn straight(vessels: &[(Point, Point, f64)]) -> Network {
     network
 }
 
-fn anatomy(kind: Kind) -> Network {
+fn anatomy(kind: Anatomy) -> Network {
     kind.network(&Recipe::default()).expect("anatomy")
 }
 
@@ -113,7 +113,7 @@ fn join(mask: &mut Mask, ends: [Point; 2]) {
     }
 }
 
-fn scans(kind: Kind, seeds: std::ops::Range<u64>, check: impl Fn(&Network, Mask, MaskTruth)) {
+fn scans(kind: Anatomy, seeds: std::ops::Range<u64>, check: impl Fn(&Network, Mask, MaskTruth)) {
     let network = anatomy(kind);
     for seed in seeds {
         let scan = Scan { seed, veins: 0.0, ..Scan::default() };
@@ -126,7 +126,7 @@ fn scans(kind: Kind, seeds: std::ops::Range<u64>, check: impl Fn(&Network, Mask,
 #[test]
 fn breaks_are_where_the_mask_falls_apart() {
     let total = std::cell::Cell::new(0);
-    for kind in [Kind::Tree, Kind::Cerebral] {
+    for kind in [Anatomy::Tree, Anatomy::Cerebral] {
         scans(kind, 0..4, |_, mut mask, truth| {
             for gap in &truth.breaks {
                 let tube = &truth.tubes[gap.vessel];
@@ -139,7 +139,7 @@ fn breaks_are_where_the_mask_falls_apart() {
                 assert!(inside.count() > 0 && gap.ends_mm.iter().all(|at| mask.classes[row(&mask, *at)] == 1), "{gap:?}");
             }
             let found = components(&mask);
-            if kind == Kind::Tree && truth.contacts.is_empty() {
+            if kind == Anatomy::Tree && truth.contacts.is_empty() {
                 assert_eq!(found, truth.breaks.len() + 1);
             }
             truth.breaks.iter().for_each(|gap| join(&mut mask, gap.ends_mm));
@@ -152,7 +152,7 @@ fn breaks_are_where_the_mask_falls_apart() {
 
 #[test]
 fn the_skeleton_of_a_clean_mask_is_the_anatomy() {
-    let network = anatomy(Kind::Cerebral);
+    let network = anatomy(Anatomy::Cerebral);
     let (mask, truth) = draw_mask(&network, 0.5e-3, None).expect("a mask");
     assert!(truth.breaks.is_empty() && truth.contacts.is_empty() && truth.lost.is_empty());
     let lines = trace(&mask, RadiusFrom::Area, Cavities::Fill).expect("lines").lines;
@@ -230,7 +230,7 @@ for path in sys.argv[1:]:
 #[test]
 fn our_reader_and_nibabel_read_what_is_written() {
     let folder = folder();
-    let (straight, _) = draw_mask(&anatomy(Kind::Cerebral), 1.1e-3, None).expect("a mask");
+    let (straight, _) = draw_mask(&anatomy(Anatomy::Cerebral), 1.1e-3, None).expect("a mask");
     let turned = [[0.0, -0.5, 0.125, 10.0], [0.75, 0.0, 0.25, -20.5], [0.0, 0.25, 1.5, 30.25]];
     let oblique = Mask::new([2, 3, 4], (0..24).map(|n| u8::from(n % 5 == 0) * 7).collect(), turned);
     let masks = [("a.nii.gz", &straight), ("a.nii", &straight), ("b.nii.gz", &oblique), ("b.nii", &oblique)];
@@ -275,7 +275,7 @@ fn masks_that_cannot_be_are_refused() {
         let arguments = ["phantom", "cerebral", "--break", "--spacing", "2", "-o", "a.nii.gz"];
         refused(&[(standing, b"precious")], &arguments, &[standing, "--force"]);
     }
-    let network = anatomy(Kind::Cerebral);
+    let network = anatomy(Anatomy::Cerebral);
     let base = Scan::default;
     let wrong = [
         ("blur", Scan { blur: -1.0, ..base() }),

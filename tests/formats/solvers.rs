@@ -4,7 +4,7 @@ use serde_json::Value;
 use willis::ReadOptions;
 use willis::internals::formats::{write_openbf, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel, Wall, Windkessel};
-use willis::internals::phantom::{Kind, Recipe};
+use willis::internals::phantom::{Anatomy, Recipe};
 
 use crate::peers::python;
 
@@ -184,7 +184,7 @@ for path in sys.argv[1:]:
 #[test]
 fn openbf_finds_every_key_that_it_demands() {
     let folder = tempfile::tempdir().expect("a folder");
-    let heart = Kind::CircleOfWillis.network(&Recipe::default()).expect("a phantom");
+    let heart = Anatomy::CircleOfWillis.network(&Recipe::default()).expect("a phantom");
     let mut networks = vec![("heart".to_owned(), heart)];
     for file in std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/data/circle-of-willis")).expect("the circles") {
         let path = file.expect("a file").path();

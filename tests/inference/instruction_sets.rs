@@ -4,7 +4,7 @@ use pulp::Simd;
 use rand::Rng;
 use std::path::Path;
 use std::process::Command;
-use willis::internals::sampling::block_sums::open_vessels;
+use willis::internals::sampling::per_sample::open_vessels;
 use willis::internals::support::random::{Rows, WideStream, stream};
 use willis::internals::support::simd::{InstructionSet, Kernel, Scalar};
 

@@ -4,14 +4,14 @@
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::network::Network;
-use willis::internals::phantom::{Kind, Recipe, over_connected};
+use willis::internals::phantom::{Anatomy, Recipe, over_connected};
 use willis::internals::sampling::{Likelihood, Method, SamplingOptions, Solver, Uncertain, infer};
 
-const KINDS: [Kind; 2] = [Kind::Arterial, Kind::Capillary];
+const KINDS: [Anatomy; 2] = [Anatomy::Arterial, Anatomy::Capillary];
 /// With more vessels than this a graph is reduced for every solver.
 const REDUCED_ABOVE: usize = 4096;
 
-fn broken(kind: Kind, edges: usize, seed: u64) -> Network {
+fn broken(kind: Anatomy, edges: usize, seed: u64) -> Network {
     let recipe = Recipe { edges: Some(edges), seed, spacing: None };
     let whole = kind.network(&recipe).expect("a phantom");
     over_connected(whole, &kind.gaps(&recipe).expect("gaps"), 6).expect("broken").0
@@ -33,7 +33,7 @@ fn agree(name: &str, a: &Likelihood, b: &Likelihood) {
     }
 }
 
-fn solvers_agree(kind: Kind, edges: usize, seed: u64) {
+fn solvers_agree(kind: Anatomy, edges: usize, seed: u64) {
     let network = broken(kind, edges, seed);
     assert!(network.vessel_count() > REDUCED_ABOVE);
     let name = format!("{kind} of {edges}, seed {seed}");
@@ -41,7 +41,7 @@ fn solvers_agree(kind: Kind, edges: usize, seed: u64) {
     assert!(method.solver == "gradients" && gradients.residual < 1e-11, "{name}: {method:?}, {}", gradients.residual);
     agree(&name, &gradients, &sampled(&network, Solver::Reference, Uncertain::Candidates, 64).0);
     // Elimination of a large mesh fills in.
-    if kind == Kind::Arterial || edges <= 10_000 {
+    if kind == Anatomy::Arterial || edges <= 10_000 {
         agree(&name, &gradients, &sampled(&network, Solver::Lanes, Uncertain::Candidates, 64).0);
     }
 }
@@ -68,7 +68,7 @@ fn all_solvers_find_the_same_forests() {
     for kind in KINDS {
         (0..if many { 25 } else { 2 }).for_each(|seed| solvers_agree(kind, 10_000, seed));
         if many {
-            (0..if kind == Kind::Arterial { 3 } else { 2 }).for_each(|seed| solvers_agree(kind, 100_000, seed));
+            (0..if kind == Anatomy::Arterial { 3 } else { 2 }).for_each(|seed| solvers_agree(kind, 100_000, seed));
         }
     }
 }

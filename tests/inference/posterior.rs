@@ -18,7 +18,7 @@ use crate::draw::Draw;
 use crate::figure::Figure;
 use listed::{Listed, random};
 use serde::Deserialize;
-use willis::internals::forest_posterior::absorbing_walk::Walk;
+use willis::internals::forest_posterior::absorbing_walk::AbsorbingWalk;
 use willis::internals::forest_posterior::clique_messages::complete;
 use willis::internals::forest_posterior::clique_tree::cliques;
 use willis::internals::forest_posterior::escape_probability::escapes;
@@ -304,12 +304,12 @@ fn in_cliques_it_is_the_same_as_in_one_piece() {
         let cliques = cliques(&least_degree(nodes, &pairs, usize::MAX).expect("no limit"));
         let children = |number| cliques.iter().filter(|c| c.parent == Some(number)).count();
         assert!((0..cliques.len()).map(children).max() >= Some(least) && cliques.len() > 6);
-        let mut whole = Walk::new(nodes);
+        let mut whole = AbsorbingWalk::new(nodes);
         whole.death = (0..nodes).map(|node| 0.01 + 1e-3 * node as f64).collect();
         for (from, to, odds) in &links {
             whole.add(*from, *to, *odds);
         }
-        let mut own: Vec<Walk> = cliques.iter().map(|clique| Walk::new(clique.nodes.len())).collect();
+        let mut own: Vec<AbsorbingWalk> = cliques.iter().map(|clique| AbsorbingWalk::new(clique.nodes.len())).collect();
         for (clique, own) in cliques.iter().zip(&mut own) {
             for (at, node) in clique.nodes[..clique.pivots].iter().enumerate() {
                 own.death[at] = whole.death[*node];

@@ -10,7 +10,7 @@ use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, Uncertain, Weight, infer};
-use willis::internals::support::elimination::graph::{Bits, Lists};
+use willis::internals::support::elimination::graph::{BitMatrix, Lists};
 use willis::internals::support::elimination::order::{DENSE, MOST_IN_BITS, Star, by_degree, least_degree, least_fill};
 
 /// 1e-9 of L: a thousand samples of a few hundred roundings each leave 1e-12 or so. What a factorisation keeps of a drop that
@@ -179,7 +179,7 @@ fn the_order_and_the_fill_of_a_ring_with_a_tail() {
 #[test]
 fn bits_and_lists_give_the_same_order() {
     let links: Vec<[usize; 2]> = (0..300).flat_map(|i| [[i, (i + 1) % 300], [i, (i * i + 7) % 300]]).collect();
-    let stars = by_degree(300, &mut Bits::new(300, &links), usize::MAX, usize::MAX).expect("no limit");
+    let stars = by_degree(300, &mut BitMatrix::new(300, &links), usize::MAX, usize::MAX).expect("no limit");
     assert!(stars.len() == 300 && stars[0].neighbours.len() < 10);
     assert_eq!(Some(stars), by_degree(300, &mut Lists::new(300, &links), usize::MAX, usize::MAX));
 }
@@ -192,7 +192,7 @@ fn a_large_graph_is_eliminated_in_the_same_order_in_parts() {
     let steps = [1, SIDE, SIDE * SIDE];
     let next = |i: usize, step: usize| (i / step % SIDE + 1 < SIDE).then_some([i, i + step]);
     let links: Vec<[usize; 2]> = (0..NODES).flat_map(|i| steps.map(|step| next(i, step))).flatten().collect();
-    let whole = by_degree(NODES, &mut Bits::new(NODES, &links), usize::MAX, usize::MAX).expect("no limit");
+    let whole = by_degree(NODES, &mut BitMatrix::new(NODES, &links), usize::MAX, usize::MAX).expect("no limit");
     let parts = least_degree(NODES, &links, usize::MAX).expect("no limit");
     assert!(NODES > MOST_IN_BITS && whole.iter().any(|star| star.neighbours.len() > 10 * DENSE));
     assert!(whole == parts);

@@ -8,8 +8,9 @@ use crate::grown::grown;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
+use willis::internals::report::figures::course::CoursePoint;
 use willis::internals::report::page::lead::{Part, modulation, simulation};
-use willis::internals::report::page::scene::{Place, thinned};
+use willis::internals::report::page::scene::thinned;
 
 const LABELS: [&str; 7] =
     ["<script>alert(1)</script>", "\"&'", "</script>", "a\u{2028}b\u{2029}c", "A. cerebri média 中 🧠", "{{scripts}}", "<!--"];
@@ -256,7 +257,7 @@ fn a_page_of_twenty_thousand_vessels_is_below_four_megabytes() {
 /// By hand: on a straight line of even taper nothing but the ends stays; a corner and a bulge do.
 #[test]
 fn what_is_left_out_lies_on_the_line() {
-    let straight: Vec<Place> = (0..9).map(|i| [f64::from(i), 0.0, 0.0, 9.0 - f64::from(i)]).collect();
+    let straight: Vec<CoursePoint> = (0..9).map(|i| [f64::from(i), 0.0, 0.0, 9.0 - f64::from(i)]).collect();
     assert_eq!(thinned(&straight, 0.01), [straight[0], straight[8]]);
     let corner = [[0.0; 4], [1.0, 0.0, 0.0, 0.0], [2.0, 0.0, 0.0, 0.0], [2.0, 1.0, 0.0, 0.0]];
     assert_eq!(thinned(&corner, 0.01), [corner[0], corner[2], corner[3]]);

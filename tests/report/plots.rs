@@ -2,11 +2,11 @@
 
 use proptest::prelude::{Just, Strategy, prop_assert, prop_oneof, proptest};
 use willis::internals::modulation::BINS;
-use willis::internals::report::figures::axis::{Label, LinearRange, LogRange, Tick, count_ticks};
-use willis::internals::report::figures::course::{Place, smoothed};
+use willis::internals::report::figures::axis::{LinearRange, LogRange, Tick, TickLabel, count_ticks};
+use willis::internals::report::figures::course::{CoursePoint, smoothed};
 use willis::internals::report::figures::{
-    Boxes, Cut, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, Matrix, Panel, Projection, VesselFlow, ZERO, colour,
-    convergence, flow_bars, heat_map, hypertension, modulation, summary,
+    Boxes, CutLine, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, LikelihoodMatrix, Panel, Projection, VesselFlow, ZERO,
+    colour, convergence, flow_bars, heat_map, hypertension, modulation, summary,
 };
 use willis::internals::report::modulation::pictures::bins_in_one;
 use willis::internals::report::node_blocks::orders;
@@ -49,7 +49,9 @@ const KEPT: [u8; 3] = [0x00, 0x72, 0xb2];
 
 fn map(nodes: usize, entries: &[(u32, u32, f64)]) -> Picture {
     Picture::read(
-        &heat_map(&Matrix { nodes, entries, ..Matrix::default() }, Weight::Resilience).png(DEFAULT_DPI).expect("a heat map"),
+        &heat_map(&LikelihoodMatrix { nodes, entries, ..LikelihoodMatrix::default() }, Weight::Resilience)
+            .png(DEFAULT_DPI)
+            .expect("a heat map"),
     )
 }
 
@@ -65,11 +67,11 @@ fn bounds(places: &[[usize; 2]]) -> [[usize; 2]; 2] {
 fn the_size_and_the_resolution_follow_the_dpi() {
     for dpi in [36, 72, 150, 301, 600] {
         let heat = Picture::read(
-            &heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 1.0)], ..Matrix::default() }, Weight::Resilience)
+            &heat_map(&LikelihoodMatrix { nodes: 2, entries: &[(0, 1, 1.0)], ..LikelihoodMatrix::default() }, Weight::Resilience)
                 .png(dpi)
                 .expect("a heat map"),
         );
-        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], (Cut::Threshold, &[1.5, 1.5]), &[true], Weight::Resilience)
+        let curves = convergence(&[1, 2], &[vec![1.0, 2.0]], (CutLine::Threshold, &[1.5, 1.5]), &[true], Weight::Resilience)
             .png(dpi)
             .expect("a plot");
         let curves = Picture::read(&curves);
@@ -79,12 +81,12 @@ fn the_size_and_the_resolution_follow_the_dpi() {
         assert_eq!(heat.per_metre, (f64::from(dpi) / 0.0254).round() as u32);
     }
     for dpi in [0, 35, 1201, u32::MAX] {
-        let error = heat_map(&Matrix { nodes: 2, ..Matrix::default() }, Weight::Resilience)
+        let error = heat_map(&LikelihoodMatrix { nodes: 2, ..LikelihoodMatrix::default() }, Weight::Resilience)
             .png(dpi)
             .expect_err("out of range")
             .to_string();
         assert!(error.contains(&dpi.to_string()) && error.contains("from 36 to 1200"), "{error}");
-        assert!(convergence(&[], &[], (Cut::Threshold, &[]), &[], Weight::Resilience).png(dpi).is_err());
+        assert!(convergence(&[], &[], (CutLine::Threshold, &[]), &[], Weight::Resilience).png(dpi).is_err());
     }
 }
 
@@ -108,13 +110,18 @@ fn the_hottest_cell_has_the_top_colour_and_a_zero_the_background() {
 
 #[test]
 fn parallel_vessels_add_up_and_either_order_of_nodes_is_the_same() {
-    let once = heat_map(&Matrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)], ..Matrix::default() }, Weight::Resilience)
-        .png(100)
-        .expect("a heat map");
+    let once = heat_map(
+        &LikelihoodMatrix { nodes: 4, entries: &[(0, 1, 3.0), (2, 3, 700.0)], ..LikelihoodMatrix::default() },
+        Weight::Resilience,
+    )
+    .png(100)
+    .expect("a heat map");
     let parts = [(2, 3, 350.0), (1, 0, 3.0), (3, 2, 350.0)];
     assert_eq!(
         once,
-        heat_map(&Matrix { nodes: 4, entries: &parts, ..Matrix::default() }, Weight::Resilience).png(100).expect("a heat map")
+        heat_map(&LikelihoodMatrix { nodes: 4, entries: &parts, ..LikelihoodMatrix::default() }, Weight::Resilience)
+            .png(100)
+            .expect("a heat map")
     );
 }
 
@@ -157,10 +164,14 @@ fn the_same_numbers_give_the_same_bytes_on_any_thread() {
     let kept: Vec<bool> = (0..series.len()).map(|k| k > 20).collect();
     let samples: Vec<u64> = (1..9).collect();
     let both = || {
-        let heat = heat_map(&Matrix { nodes: 300, entries: &entries, ..Matrix::default() }, Weight::Resilience)
-            .png(110)
-            .expect("a heat map");
-        (heat, convergence(&samples, &series, (Cut::Threshold, &[3.0; 8]), &kept, Weight::Resilience).png(110).expect("a plot"))
+        let heat =
+            heat_map(&LikelihoodMatrix { nodes: 300, entries: &entries, ..LikelihoodMatrix::default() }, Weight::Resilience)
+                .png(110)
+                .expect("a heat map");
+        (
+            heat,
+            convergence(&samples, &series, (CutLine::Threshold, &[3.0; 8]), &kept, Weight::Resilience).png(110).expect("a plot"),
+        )
     };
     let first = both();
     std::thread::scope(|scope| {
@@ -178,7 +189,7 @@ fn nothing_to_draw_is_a_picture_that_says_so() {
         assert!(picture.count(ZERO) > picture.size[0] * picture.size[1] / 3);
     }
     let blank = |samples: &[u64], series: &[Vec<f64>], threshold: &[f64], kept: &[bool]| {
-        convergence(samples, series, (Cut::Threshold, threshold), kept, Weight::Resilience).png(DEFAULT_DPI).expect("a plot")
+        convergence(samples, series, (CutLine::Threshold, threshold), kept, Weight::Resilience).png(DEFAULT_DPI).expect("a plot")
     };
     let no_edge = blank(&[10, 20], &[], &[f64::NAN, f64::NAN], &[]);
     let no_checkpoint = blank(&[], &[vec![]], &[], &[true]);
@@ -196,7 +207,7 @@ fn kept_edges_are_blue_and_pruned_ones_vermilion() {
         let samples: Vec<u64> = (1..=checkpoints as u64).collect();
         let series = [vec![50.0; checkpoints], vec![0.5; checkpoints]];
         for kept in [[true, false], [false, true], [true, true]] {
-            let file = convergence(&samples, &series, (Cut::Threshold, &vec![5.0; checkpoints]), &kept, Weight::Resilience)
+            let file = convergence(&samples, &series, (CutLine::Threshold, &vec![5.0; checkpoints]), &kept, Weight::Resilience)
                 .png(DEFAULT_DPI)
                 .expect("a plot");
             let picture = Picture::read(&file);
@@ -219,7 +230,7 @@ fn zeros_huge_ranges_and_single_checkpoints_are_drawn() {
             &convergence(
                 &[1, 2, u64::MAX],
                 std::slice::from_ref(&series),
-                (Cut::Threshold, &[0.0, f64::NAN, 1.0]),
+                (CutLine::Threshold, &[0.0, f64::NAN, 1.0]),
                 &[true],
                 Weight::Resilience,
             )
@@ -239,7 +250,7 @@ fn thousands_of_edges_are_drawn() {
     let series: Vec<Vec<f64>> = (0..4000).map(row).collect();
     let kept: Vec<bool> = (0..4000).map(|k| k > 2000).collect();
     Picture::read(
-        &convergence(&samples, &series, (Cut::Threshold, &[2000.0; 50]), &kept, Weight::Resilience)
+        &convergence(&samples, &series, (CutLine::Threshold, &[2000.0; 50]), &kept, Weight::Resilience)
             .png(DEFAULT_DPI)
             .expect("a plot"),
     );
@@ -376,7 +387,7 @@ fn ticks_are_a_few_round_numbers() {
 }
 
 fn read(ticks: &[Tick]) -> Vec<String> {
-    let text = |label: &Label| match label.exponent.as_str() {
+    let text = |label: &TickLabel| match label.exponent.as_str() {
         "" => label.text.clone(),
         exponent => format!("{}^{exponent}", label.text),
     };
@@ -456,11 +467,11 @@ proptest! {
 /// the ends stay in place; a corner of a thick vessel moves half way, that of a thin one by 0.3 radii.
 #[test]
 fn noise_goes_and_what_is_even_stays() {
-    let even: Vec<Place> = (0..5).map(|i| [f64::from(i), 0.0, 0.0, 0.5]).collect();
+    let even: Vec<CoursePoint> = (0..5).map(|i| [f64::from(i), 0.0, 0.0, 0.5]).collect();
     for (a, b) in smoothed(&even).iter().zip(&even) {
         assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} {b:?}");
     }
-    let noisy: Vec<Place> = (0..101).map(|i| [f64::from(i), 0.0, 0.0, f64::from(1 + 2 * (i % 2))]).collect();
+    let noisy: Vec<CoursePoint> = (0..101).map(|i| [f64::from(i), 0.0, 0.0, f64::from(1 + 2 * (i % 2))]).collect();
     let calm = smoothed(&noisy);
     assert!(calm.iter().all(|p| (p[3] - 2.0).abs() < 0.1));
     assert_eq!((&calm[0][..3], &calm[100][..3]), (&noisy[0][..3], &noisy[100][..3]));

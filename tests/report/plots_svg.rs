@@ -4,8 +4,8 @@ use crate::command;
 use base64::Engine;
 use roxmltree::{Document, Node};
 use willis::internals::report::figures::{
-    Block, Boxes, Cut, Figure, Histogram, Histograms, Matrix, Panel, VesselFlow, colour, convergence, flow_bars, heat_map,
-    hypertension, modulation,
+    Boxes, CutLine, Figure, Histogram, Histograms, LikelihoodMatrix, NodeBlock, Panel, VesselFlow, colour, convergence,
+    flow_bars, heat_map, hypertension, modulation,
 };
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
@@ -17,7 +17,7 @@ const INK: &str = "#1a1a1a";
 const AXES: [[f64; 2]; 2] = [[62.0, 50.0], [440.0, 284.0]];
 
 fn heat(nodes: usize, entries: &[(u32, u32, f64)]) -> Figure {
-    heat_map(&Matrix { nodes, entries, ..Matrix::default() }, Weight::Resilience)
+    heat_map(&LikelihoodMatrix { nodes, entries, ..LikelihoodMatrix::default() }, Weight::Resilience)
 }
 
 fn bars(flows: &[(&str, f64, Option<f64>)]) -> Figure {
@@ -40,7 +40,7 @@ fn figures() -> Vec<Figure> {
         convergence(
             &[10, 20],
             &[vec![1.0, 2.0], vec![0.0, 3.0]],
-            (Cut::Threshold, &[2.0, 2.0]),
+            (CutLine::Threshold, &[2.0, 2.0]),
             &[true, false],
             Weight::Resilience,
         ),
@@ -162,7 +162,7 @@ fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
 #[test]
 fn there_is_a_curve_a_series_through_the_places_worked_out_by_hand() {
     let series = [vec![100.0, 100.0], vec![1.0, 1.0], vec![10.0, 1.0]];
-    let figure = convergence(&[10, 20], &series, (Cut::Threshold, &[10.0, 10.0]), &[true, false, false], Weight::Resilience);
+    let figure = convergence(&[10, 20], &series, (CutLine::Threshold, &[10.0, 10.0]), &[true, false, false], Weight::Resilience);
     let text = figure.svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
     // Those of the legend are above the axes.
@@ -232,9 +232,9 @@ fn the_cells_of_a_matrix_are_where_they_belong() {
 /// matrix has these two alone, each of 318/2 points, 92 + 318 points to the right.
 #[test]
 fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
-    let block = |name: &str, nodes: [usize; 2]| Block { name: name.into(), nodes: nodes.to_vec() };
+    let block = |name: &str, nodes: [usize; 2]| NodeBlock { name: name.into(), nodes: nodes.to_vec() };
     let blocks = [block("inlet a", [2, 0]), block("inlet b", [1, 3])];
-    let matrix = Matrix {
+    let matrix = LikelihoodMatrix {
         nodes: 4,
         entries: &[(2, 0, 1.0), (1, 3, 10.0), (0, 1, 1e6)],
         uncertain: &[false, false, true],
@@ -263,7 +263,7 @@ fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
 #[test]
 fn the_median_is_dashed_and_nothing_uncertain_is_a_sentence() {
     let series = [vec![100.0, 100.0], vec![1.0, 1.0]];
-    let figure = convergence(&[10, 20], &series, (Cut::Median, &[10.0, 10.0]), &[true, false], Weight::Resilience);
+    let figure = convergence(&[10, 20], &series, (CutLine::Median, &[10.0, 10.0]), &[true, false], Weight::Resilience);
     let text = figure.svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
     let [_, [right, _]] = AXES;
@@ -274,7 +274,7 @@ fn the_median_is_dashed_and_nothing_uncertain_is_a_sentence() {
     near([median[0][1], median[1][1]], [middle; 2], 0.011);
     assert!((median[1][0] - median[0][0] - length).abs() < 0.011, "{median:?}");
     assert_eq!(paths(&svg, "aria-label", "median of L (the rule does not use L)").len(), 1);
-    let none = convergence(&[10], &[], (Cut::Median, &[f64::NAN]), &[], Weight::Resilience).svg();
+    let none = convergence(&[10], &[], (CutLine::Median, &[f64::NAN]), &[], Weight::Resilience).svg();
     let none = none.expect("an SVG");
     assert!(none.contains("Every vessel is certain") && !none.contains("stroke"), "no axes around nothing");
 }
@@ -353,8 +353,8 @@ fn the_threshold_of_a_run_ends_in_the_middle_of_the_vessels() {
 #[test]
 fn the_unit_is_that_of_what_the_likelihood_adds_up() {
     let said = |weight| {
-        let heat = heat_map(&Matrix { nodes: 2, entries: &[(0, 1, 3.0)], ..Matrix::default() }, weight).svg();
-        let curves = convergence(&[10], &[vec![1.0]], (Cut::Threshold, &[2.0]), &[true], weight).svg();
+        let heat = heat_map(&LikelihoodMatrix { nodes: 2, entries: &[(0, 1, 3.0)], ..LikelihoodMatrix::default() }, weight).svg();
+        let curves = convergence(&[10], &[vec![1.0]], (CutLine::Threshold, &[2.0]), &[true], weight).svg();
         heat.expect("an SVG") + &curves.expect("an SVG")
     };
     let (resilience, count) = (said(Weight::Resilience), said(Weight::Count));

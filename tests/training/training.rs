@@ -10,8 +10,8 @@ use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::training::logistic::calibrate_in_order;
 use willis::internals::training::minimise::minimise;
 use willis::internals::training::{
-    Case, Example, Match, Objective, Step, TrainParams, average_precision, calibrate, calibration_error, case_scores,
-    case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
+    CandidateExample, Case, FittedPass, Match, Objective, TrainParams, average_precision, calibrate, calibration_error,
+    case_scores, case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
 };
 use willis::internals::training::{Model, read_cases};
 
@@ -52,7 +52,7 @@ fn at_zero_weights_explanations_are_counted() {
     let here = folder();
     two_tubes(&here.path().join("data/line"), r#"{"inlets": [1], "breaks": [{"ids": [21, 22]}]}"#);
     let cases = cases(&here.path().join("data"));
-    let example = Example::new(&cases[0], true).expect("bridges");
+    let example = CandidateExample::new(&cases[0], true).expect("bridges");
     let n = example.table.candidates.len();
     // Within two spacings of either loose end there are three points.
     let point =
@@ -127,15 +127,17 @@ fn a_circle_of_right_bridges_is_opened() {
     fs::write(case.join("truth.json"), truth).expect("a file");
     let cases = cases(&here.path().join("data"));
     assert_eq!((cases[0].subject.as_str(), cases[0].name.as_str()), ("S", "ring"));
-    let example = Example::new(&cases[0], true).expect("bridges");
+    let example = CandidateExample::new(&cases[0], true).expect("bridges");
     assert_eq!((cases[0].truth.needed(), example.reached()), (3, 3));
     let hang: Vec<[usize; 2]> =
         (0..example.allowed.len()).filter(|r| example.allowed[*r]).map(|r| example.table.fragments[r]).collect();
     assert_eq!(hang.len(), 2, "{hang:?}");
     let (objective, ok) = (Vec::from([&example]), std::cell::Cell::new(false));
     let params = TrainParams { iterations: vec![200], ..TrainParams::default() };
-    fit(&objective, &[], &params, &mut |step: &Step| ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0]))
-        .expect("weights");
+    fit(&objective, &[], &params, &mut |step: &FittedPass| {
+        ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0])
+    })
+    .expect("weights");
     assert!(ok.get(), "a probability above one");
 }
 
@@ -157,10 +159,11 @@ fn what_was_learnt_holds_on_other_trees() {
     let cases = cases(&trees(here.path(), 12));
     let params = TrainParams { iterations: vec![40], ..TrainParams::default() };
     let known: Vec<&Case> = cases[..8].iter().collect();
-    let examples = Example::measure(&known, |case| !goes_without_inlets(case, params.without_inlets)).expect("positions");
+    let examples =
+        CandidateExample::measure(&known, |case| !goes_without_inlets(case, params.without_inlets)).expect("positions");
     let weights = fit(&examples.iter().collect::<Vec<_>>(), &[], &params, &mut |_| ()).expect("weights");
     assert_eq!((weights.provenance.cases, weights.provenance.subjects), (8, 8));
-    let judged: Vec<Example> = cases[8..].iter().map(|c| Example::new(c, true).expect("bridges")).collect();
+    let judged: Vec<CandidateExample> = cases[8..].iter().map(|c| CandidateExample::new(c, true).expect("bridges")).collect();
     let answers: Vec<_> = judged.iter().map(|e| case_scores(e, &weights).expect("features")).collect();
     let of: Vec<_> = judged.iter().zip(&answers).collect();
     let HeldOutScores { average_precision, cases, .. } = held_out_scores(&of)[0].clone();
@@ -193,8 +196,8 @@ fn optimum_and_calibration_are_those_of_scipy() {
     let Some(python) = python() else { return };
     let here = folder();
     let cases = cases(&trees(here.path(), 5));
-    let measured: Vec<Example> = cases.iter().map(|c| Example::new(c, true).expect("bridges")).collect();
-    let examples: Vec<&Example> = measured.iter().collect();
+    let measured: Vec<CandidateExample> = cases.iter().map(|c| CandidateExample::new(c, true).expect("bridges")).collect();
+    let examples: Vec<&CandidateExample> = measured.iter().collect();
     let params = TrainParams { iterations: vec![3000], ..TrainParams::default() };
     let mut least = f64::NAN;
     let weights = fit(&examples, &[], &params, &mut |step| least = step.objective[1]).expect("weights");
@@ -243,7 +246,7 @@ fn right_links_are_those_of_the_benchmark() {
     assert_eq!(cases.len(), 4);
     let (mut pairs, mut ours) = (String::new(), Vec::new());
     for case in &cases {
-        let e = Example::new(case, true).expect("bridges");
+        let e = CandidateExample::new(case, true).expect("bridges");
         for bridge in &e.table.candidates {
             let ends = [e.extraction.ends[bridge.end].point, bridge.point];
             let at: Vec<String> = ends.iter().flat_map(|p| e.extraction.position[*p]).map(|x| (x * 1e3).to_string()).collect();

@@ -9,7 +9,7 @@ use willis_core::support::geometry::Point;
 
 /// One row of the table.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Row {
+pub struct ArteryRow {
     /// The usual name with its side. The whole middle cerebral artery is called M1.
     pub label: &'static str,
     /// The table's numbers of the two nodes, counted from 1.
@@ -29,7 +29,7 @@ pub const NODES: usize = 30;
 pub const ROOT: usize = 1;
 
 /// The 33 vessels in the order of the table.
-pub const TABLE: [Row; 33] = [
+pub const TABLE: [ArteryRow; 33] = [
     inner("Ascending aorta", 1, 2, 0.04, 0.012),
     inner("Aortic arch I", 2, 3, 0.02, 0.0112),
     inner("Brachiocephalic", 2, 4, 0.034, 0.0062),
@@ -65,12 +65,12 @@ pub const TABLE: [Row; 33] = [
     end("R-P2", 20, 30, 0.086, 0.00105, 1.108e10),
 ];
 
-const fn inner(label: &'static str, from: usize, to: usize, length: f64, radius: f64) -> Row {
-    Row { label, nodes: [from, to], length, radius, terminal: None }
+const fn inner(label: &'static str, from: usize, to: usize, length: f64, radius: f64) -> ArteryRow {
+    ArteryRow { label, nodes: [from, to], length, radius, terminal: None }
 }
 
-const fn end(label: &'static str, from: usize, to: usize, length: f64, radius: f64, resistance: f64) -> Row {
-    Row { label, nodes: [from, to], length, radius, terminal: Some(resistance) }
+const fn end(label: &'static str, from: usize, to: usize, length: f64, radius: f64, resistance: f64) -> ArteryRow {
+    ArteryRow { label, nodes: [from, to], length, radius, terminal: Some(resistance) }
 }
 
 /// The positions of the table's nodes 1 to 30, mm.

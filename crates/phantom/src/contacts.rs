@@ -1,7 +1,7 @@
 //! Where a mask joins vessels that are apart: voxels of two that touch.
 
 use super::mask_truth::Contact;
-use super::tube::{Grid, Tube};
+use super::tube::{DrawnTube, VoxelGrid};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance};
 use willis_io::masks::Mask;
@@ -13,7 +13,7 @@ const AROUND: f64 = 3.0;
 
 /// The stations of all vessels, numbered through.
 struct Stations<'a> {
-    tubes: &'a [Tube],
+    tubes: &'a [DrawnTube],
     /// The number of the first station of each vessel.
     first: Vec<usize>,
     /// The vessel of each station.
@@ -33,7 +33,7 @@ struct Touch {
 }
 
 impl<'a> Stations<'a> {
-    fn new(tubes: &'a [Tube]) -> Self {
+    fn new(tubes: &'a [DrawnTube]) -> Self {
         let nodes = tubes.iter().filter_map(|tube| tube.nodes).flatten().max().map_or(0, |last| last + 1);
         let mut all = Self { tubes, first: Vec::new(), tube: Vec::new(), at_node: vec![Vec::new(); nodes] };
         for (row, tube) in tubes.iter().enumerate() {
@@ -78,7 +78,7 @@ impl<'a> Stations<'a> {
     }
 
     /// The station of the vessel in whose lumen each voxel of the mask lies deepest, by the rows of these voxels; none far from all.
-    fn owners(&self, grid: &Grid, mask: &Mask, rows: &[usize]) -> Vec<Option<usize>> {
+    fn owners(&self, grid: &VoxelGrid, mask: &Mask, rows: &[usize]) -> Vec<Option<usize>> {
         let mut owners = vec![None; rows.len()];
         let mut depths = vec![f64::INFINITY; rows.len()];
         for (tube, first) in self.tubes.iter().zip(&self.first) {
@@ -96,7 +96,7 @@ impl<'a> Stations<'a> {
     }
 
     /// The pairs of voxels that touch and belong to vessels that are apart, in order of vessels and stations.
-    fn touches(&self, grid: &Grid, mask: &Mask) -> Vec<Touch> {
+    fn touches(&self, grid: &VoxelGrid, mask: &Mask) -> Vec<Touch> {
         let rows: Vec<usize> = (0..mask.classes.len()).filter(|row| mask.classes[*row] > 0).collect();
         let owners = self.owners(grid, mask, &rows);
         let mut pairs = Vec::new();
@@ -109,7 +109,7 @@ impl<'a> Stations<'a> {
             }
         }
         pairs.sort_unstable();
-        let widest = self.tubes.iter().map(Tube::widest).fold(0.0, f64::max);
+        let widest = self.tubes.iter().map(DrawnTube::widest).fold(0.0, f64::max);
         let mut ways = ShortestPaths::new(self.tube.len());
         let mut searched = None;
         let mut found = Vec::new();
@@ -130,7 +130,7 @@ impl<'a> Stations<'a> {
 
 /// Where voxels touch that belong to vessels which are apart. A voxel belongs to the vessel in whose lumen it lies deepest; what two
 /// vessels have in common along one stretch is one contact.
-pub(super) fn contacts(tubes: &[Tube], grid: &Grid, mask: &Mask) -> Vec<Contact> {
+pub(super) fn contacts(tubes: &[DrawnTube], grid: &VoxelGrid, mask: &Mask) -> Vec<Contact> {
     let stations = Stations::new(tubes);
     let mut touches = stations.touches(grid, mask);
     touches.sort_by_key(|touch| (touch.tubes, touch.stations));

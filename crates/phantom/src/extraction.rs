@@ -25,7 +25,7 @@ struct OrderedExtraction {
     /// Pairs of linked points.
     links: Vec<[usize; 2]>,
     /// The missing stretches.
-    gaps: Vec<Gap>,
+    gaps: Vec<MissingStretch>,
 }
 
 /// A point at its true place.
@@ -39,7 +39,7 @@ struct TruePoint {
 }
 
 /// A missing stretch between points that have no ids yet.
-struct Gap {
+struct MissingStretch {
     /// The rows of the points at its two ends.
     ends: [usize; 2],
     /// Everything except the ids.
@@ -84,7 +84,7 @@ impl OrderedExtraction {
         let (Some(first), Some(last)) = (vessel.pieces.first(), vessel.pieces.last()) else { return };
         let mut add = |kind, ends: [usize; 2], stretch: [usize; 2]| {
             let stretch = stretch.map(|at| at as f64 * vessel.step);
-            self.gaps.push(Gap { ends, truth: Break { ids: [0; 2], kind, vessel: row, stretch } });
+            self.gaps.push(MissingStretch { ends, truth: Break { ids: [0; 2], kind, vessel: row, stretch } });
         };
         if let (Some(node), true) = (nodes[0], first[0] > 0) {
             add(BreakKind::Junction, [node, pieces[0][0]], [0, first[0]]);

@@ -4,14 +4,14 @@ use std::collections::BTreeSet;
 
 use super::mask_truth::MaskBreak;
 use super::truth::BreakKind;
-use super::tube::{Grid, Tube};
+use super::tube::{DrawnTube, VoxelGrid};
 use willis_core::support::geometry::{Point, distance};
 use willis_io::masks::Mask;
 
 /// Which stations the mask shows.
-pub(super) struct Shown<'a> {
-    tubes: &'a [Tube],
-    grid: &'a Grid,
+pub(super) struct ShownStations<'a> {
+    tubes: &'a [DrawnTube],
+    grid: &'a VoxelGrid,
     mask: &'a Mask,
     arcs: Vec<Vec<f64>>,
     /// For each station whether its voxel is a vessel in the mask.
@@ -20,17 +20,17 @@ pub(super) struct Shown<'a> {
     at_node: Vec<Vec<(usize, usize)>>,
 }
 
-impl<'a> Shown<'a> {
-    pub fn new(tubes: &'a [Tube], nodes: usize, grid: &'a Grid, mask: &'a Mask) -> Self {
+impl<'a> ShownStations<'a> {
+    pub fn new(tubes: &'a [DrawnTube], nodes: usize, grid: &'a VoxelGrid, mask: &'a Mask) -> Self {
         let mut at_node = vec![Vec::new(); nodes];
         for (row, tube) in tubes.iter().enumerate() {
             for (end, node) in tube.nodes.iter().flatten().enumerate() {
                 at_node[*node].push((row, end));
             }
         }
-        let is_shown = |tube: &Tube| tube.stations.iter().map(|at| mask.classes[grid.row(*at)] > 0).collect();
+        let is_shown = |tube: &DrawnTube| tube.stations.iter().map(|at| mask.classes[grid.row(*at)] > 0).collect();
         let seen = tubes.iter().map(is_shown).collect();
-        Self { tubes, grid, mask, arcs: tubes.iter().map(Tube::arc).collect(), seen, at_node }
+        Self { tubes, grid, mask, arcs: tubes.iter().map(DrawnTube::arc).collect(), seen, at_node }
     }
 
     /// How far from an end a vessel runs in the lumen of the others there, mm.

@@ -3,6 +3,7 @@
 //! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
 
 pub mod alastruey;
+mod anatomy;
 mod arterial;
 mod capillary;
 mod circle;
@@ -12,7 +13,6 @@ mod damage;
 mod extraction;
 mod gaps;
 mod interruptions;
-mod kind;
 mod large;
 mod mask;
 mod mask_truth;
@@ -27,19 +27,19 @@ use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
 use willis_core::support::geometry::Point;
 
+pub use anatomy::{Anatomy, Recipe};
 pub use arterial::arterial;
 pub use capillary::capillary;
 pub use circle::{cerebral, circle_of_willis, without};
 pub use damage::Breaks;
 pub use extraction::break_up;
 pub use gaps::{Gaps, over_connected, with_gaps};
-pub use kind::{Kind, Recipe};
 pub use large::Large;
 pub use mask::{MOST_VOXELS, Scan, draw_mask, draw_scan};
 pub use mask_truth::{Contact, MaskBreak, MaskTruth};
-pub use tree::{Tree, branching_tree};
+pub use tree::{BranchingTree, branching_tree};
 pub use truth::{BreakKind, Truth, landmarks};
-pub use tube::Tube;
+pub use tube::DrawnTube;
 
 /// Adds an inner node whose id is the next number.
 fn add_node(network: &mut Network, position: Point, radius: Option<f64>) -> usize {

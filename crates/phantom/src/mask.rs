@@ -3,13 +3,15 @@
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::mask_truth::{MaskTruth, judge};
-use super::tube::{Grid, Tube};
+use super::contacts::contacts;
+use super::interruptions::ShownStations;
+use super::mask_truth::MaskTruth;
+use super::tube::{DrawnTube, VoxelGrid};
 use super::veins::veins;
 use super::{check_positions, check_range};
 use willis_core::error::{Error, Result};
-use willis_core::network::Network;
 use willis_core::network::units::millimetres;
+use willis_core::network::{Network, Role};
 use willis_core::support::gamma::Gamma;
 use willis_core::support::geometry::{Point, dot};
 use willis_core::support::random;
@@ -115,7 +117,7 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     let voxel = f64::from(millimetres(spacing) as f32);
     check_range("spacing", voxel as f32, 1e-4, 100.0)?;
     check_steps(network, voxel)?;
-    let mut tubes = Tube::all(network, voxel);
+    let mut tubes = DrawnTube::all(network, voxel);
     let is_clean = scan.is_none();
     let scan = scan.unwrap_or(&Scan::CLEAN);
     let wanted = (scan.veins * tubes.len() as f64).round() as usize;
@@ -143,6 +145,24 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }
 
+/// Compares the mask with the vessels that were drawn.
+fn judge(network: &Network, tubes: Vec<DrawnTube>, grid: &VoxelGrid, mask: &Mask) -> MaskTruth {
+    let shown = ShownStations::new(&tubes, network.node_count(), grid, mask);
+    let lost: Vec<usize> = (0..tubes.len()).filter(|row| shown.is_lost(*row)).collect();
+    let breaks = shown.breaks();
+    let contacts = contacts(&tubes, grid, mask);
+    let inlets = network.nodes().filter(|node| node.role == Some(Role::Inlet)).filter_map(|node| node.position);
+    MaskTruth {
+        lost,
+        inlets: inlets.map(|at| at.map(millimetres)).collect(),
+        breaks,
+        contacts,
+        voxel: grid.spacing,
+        nodes: network.nodes().map(|node| node.id.clone()).collect(),
+        tubes,
+    }
+}
+
 /// Refuses voxels so small that the stations along the vessels alone are too many.
 fn check_steps(network: &Network, voxel: f64) -> Result<()> {
     let length: f64 = network.vessels().map(|(_, vessel)| millimetres(vessel.length)).sum();
@@ -158,7 +178,7 @@ fn too_small(voxel: f64, what: &str) -> Error {
 }
 
 /// The voxels around all tubes, with a margin.
-fn grid_around(tubes: &[Tube], voxel: f64) -> Result<Grid> {
+fn grid_around(tubes: &[DrawnTube], voxel: f64) -> Result<VoxelGrid> {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for tube in tubes {
         let around = tube.widest() + MARGIN * voxel;
@@ -178,7 +198,7 @@ fn grid_around(tubes: &[Tube], voxel: f64) -> Result<Grid> {
     if lengths.iter().any(|n| *n > MOST_ALONG_AXIS) || lengths.iter().product::<f64>() > MOST_VOXELS as f64 {
         return Err(too_small(voxel, &format!("an image of {} x {} x {} voxels", lengths[0], lengths[1], lengths[2])));
     }
-    Ok(Grid { shape: lengths.map(|n| n as usize), origin, spacing: voxel })
+    Ok(VoxelGrid { shape: lengths.map(|n| n as usize), origin, spacing: voxel })
 }
 
 /// What the scanner sees of the tubes.
@@ -190,20 +210,20 @@ struct Signal<'a> {
 }
 
 impl<'a> Signal<'a> {
-    fn new(scan: &'a Scan, tubes: &[Tube]) -> Self {
+    fn new(scan: &'a Scan, tubes: &[DrawnTube]) -> Self {
         let radii: Vec<f64> = tubes.iter().flat_map(|tube| tube.radii.iter().copied()).collect();
         let typical = median(&radii).unwrap_or_default();
-        let field = Field::new(scan, scan.alike * typical);
+        let field = RandomField::new(scan, scan.alike * typical);
         let signal = |at: Point, radius: f64| {
             let along = if scan.field > 0.0 { (scan.field * field.at(at)).min(BRIGHTEST).exp() } else { 1.0 };
             along * radius / (radius + scan.slow * typical)
         };
-        let of_tube = |tube: &Tube| tube.stations.iter().zip(&tube.radii).map(|(at, radius)| signal(*at, *radius)).collect();
+        let of_tube = |tube: &DrawnTube| tube.stations.iter().zip(&tube.radii).map(|(at, radius)| signal(*at, *radius)).collect();
         Self { scan, signals: tubes.iter().map(of_tube).collect(), below: NormalTable::new() }
     }
 
     /// The voxels above the threshold, noise included: 1, else 0; all values are put into `image`.
-    fn segment(&self, grid: &Grid, tubes: &[Tube], mut image: Option<&mut Vec<f32>>) -> Vec<u8> {
+    fn segment(&self, grid: &VoxelGrid, tubes: &[DrawnTube], mut image: Option<&mut Vec<f32>>) -> Vec<u8> {
         let mut noise = stream(self.scan.seed, random::NOISE);
         let layer = grid.shape[0] * grid.shape[1];
         let mut classes = Vec::with_capacity(layer * grid.shape[2]);
@@ -236,7 +256,15 @@ impl<'a> Signal<'a> {
     }
 
     /// Draws one tube into some layers: the largest signal that its links give each voxel, and the rows of these voxels.
-    fn draw(&self, grid: &Grid, tube: &Tube, signals: &[f64], layers: [usize; 2], own: &mut [f32], touched: &mut Vec<usize>) {
+    fn draw(
+        &self,
+        grid: &VoxelGrid,
+        tube: &DrawnTube,
+        signals: &[f64],
+        layers: [usize; 2],
+        own: &mut [f32],
+        touched: &mut Vec<usize>,
+    ) {
         let blur = self.scan.blur * grid.spacing;
         let before = layers[0] * grid.shape[0] * grid.shape[1];
         grid.near(tube, REACH * blur, layers, |near| {
@@ -267,11 +295,11 @@ impl<'a> Signal<'a> {
 }
 
 /// A smooth random field in space of mean 0 and variance 1: waves of random direction, length and phase.
-struct Field {
+struct RandomField {
     waves: Vec<(Point, f64)>,
 }
 
-impl Field {
+impl RandomField {
     /// The field whose correlation falls as exp(-d²/2l²) for a length l (mm).
     fn new(scan: &Scan, length: f64) -> Self {
         let mut rng = stream(scan.seed, random::SIGNAL);
@@ -314,7 +342,7 @@ impl NormalTable {
 }
 
 /// Removes the 26-connected components of fewer voxels.
-fn remove_small(classes: &mut [u8], grid: &Grid, least: usize) {
+fn remove_small(classes: &mut [u8], grid: &VoxelGrid, least: usize) {
     const SEEN: u8 = 2;
     let mut component = Vec::new();
     for first in 0..classes.len() {
@@ -347,7 +375,7 @@ fn remove_small(classes: &mut [u8], grid: &Grid, least: usize) {
 
 /// Fills background that no way through faces joins to the first voxel. The margin is background all around, so that a step over the
 /// end of a line leads into it again.
-fn fill_holes(classes: &mut [u8], grid: &Grid) {
+fn fill_holes(classes: &mut [u8], grid: &VoxelGrid) {
     const OUTSIDE: u8 = 2;
     let strides = [1, grid.shape[0], grid.shape[0] * grid.shape[1]];
     let (mut front, mut next) = (vec![0_usize], Vec::new());

@@ -4,14 +4,9 @@ use std::io::{self, Write};
 
 use serde::{Serialize, Serializer};
 
-use super::contacts::contacts;
-use super::interruptions::Shown;
 use super::truth::BreakKind;
-use super::tube::{Grid, Tube};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, Role};
+use super::tube::DrawnTube;
 use willis_core::support::geometry::Point;
-use willis_io::masks::Mask;
 
 /// A place where the mask interrupts a vessel.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -52,7 +47,7 @@ pub struct Contact {
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaskTruth {
     /// The vessels by row: those of the network, then the veins.
-    pub tubes: Vec<Tube>,
+    pub tubes: Vec<DrawnTube>,
     /// The ids of the nodes of the network.
     pub nodes: Vec<String>,
     /// The rows of the vessels of which the mask shows nothing outside the lumen of others.
@@ -68,7 +63,7 @@ pub struct MaskTruth {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct MaskTruthDocument<'a> {
     vessels: Vec<&'a str>,
     lost_vessels: &'a [usize],
     spurious_vessels: Vec<usize>,
@@ -134,7 +129,7 @@ impl MaskTruth {
     ///
     /// Those of `out`.
     pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
-        let document = Document {
+        let document = MaskTruthDocument {
             vessels: self.tubes.iter().map(|tube| tube.label.as_str()).collect(),
             lost_vessels: &self.lost,
             spurious_vessels: self.spurious().collect(),
@@ -155,7 +150,7 @@ impl MaskTruth {
     }
 
     /// Every second station of a tube, and its last.
-    fn centerline<'a>(&'a self, vessel: usize, tube: &Tube) -> Centerline<'a> {
+    fn centerline<'a>(&'a self, vessel: usize, tube: &DrawnTube) -> Centerline<'a> {
         let last = tube.stations.len() - 1;
         let chosen = || (0..last).step_by(2).chain([last]);
         Centerline {
@@ -164,23 +159,5 @@ impl MaskTruth {
             points_mm: chosen().map(|at| tube.stations[at]).collect(),
             radii_mm: chosen().map(|at| tube.radii[at]).collect(),
         }
-    }
-}
-
-/// Compares the mask with the vessels that were drawn.
-pub(super) fn judge(network: &Network, tubes: Vec<Tube>, grid: &Grid, mask: &Mask) -> MaskTruth {
-    let shown = Shown::new(&tubes, network.node_count(), grid, mask);
-    let lost: Vec<usize> = (0..tubes.len()).filter(|row| shown.is_lost(*row)).collect();
-    let breaks = shown.breaks();
-    let contacts = contacts(&tubes, grid, mask);
-    let inlets = network.nodes().filter(|node| node.role == Some(Role::Inlet)).filter_map(|node| node.position);
-    MaskTruth {
-        lost,
-        inlets: inlets.map(|at| at.map(millimetres)).collect(),
-        breaks,
-        contacts,
-        voxel: grid.spacing,
-        nodes: network.nodes().map(|node| node.id.clone()).collect(),
-        tubes,
     }
 }

@@ -13,7 +13,7 @@ use willis_core::support::random::stream;
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tree {
+pub struct BranchingTree {
     /// Generations of branching g, 0 to 16: the tree has 2^(g + 1) - 1 vessels.
     pub generations: u32,
     /// Radius of the first vessel, m, positive.
@@ -28,13 +28,13 @@ pub struct Tree {
     pub seed: u64,
 }
 
-impl Default for Tree {
+impl Default for BranchingTree {
     fn default() -> Self {
         Self { generations: 5, radius: metres(2.0), slenderness: 20.0, asymmetry: 0.3, spacing: metres(0.5), seed: 0 }
     }
 }
 
-impl Tree {
+impl BranchingTree {
     /// Refuses a field out of its range.
     ///
     /// # Errors
@@ -63,14 +63,14 @@ const FLOW_AT_2_MM: f64 = 250.0;
 ///
 /// # Errors
 ///
-/// Those of [`Tree::validate`].
-pub fn branching_tree(params: &Tree) -> Result<Network> {
+/// Those of [`BranchingTree::validate`].
+pub fn branching_tree(params: &BranchingTree) -> Result<Network> {
     params.validate()?;
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
     let root = add_node(&mut network, [0.0; 3], Some(params.radius));
     make_inlet(&mut network, root);
-    let first = Branch {
+    let first = PlannedVessel {
         from: root,
         along: [0.0, 0.0, 1.0],
         side: [1.0, 0.0, 0.0],
@@ -100,7 +100,7 @@ pub(crate) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
 }
 
 /// A vessel that the tree will get: its first node, its direction, and the direction in which it will branch.
-struct Branch {
+struct PlannedVessel {
     from: usize,
     along: [f64; 3],
     side: [f64; 3],
@@ -109,9 +109,9 @@ struct Branch {
     generation: u32,
 }
 
-impl Branch {
+impl PlannedVessel {
     /// Adds the vessel and its far node, whose row is returned.
-    fn grow(&self, network: &mut Network, params: &Tree) -> usize {
+    fn grow(&self, network: &mut Network, params: &BranchingTree) -> usize {
         let length = self.radius * params.slenderness;
         let start = network.node(self.from).position.unwrap_or_default();
         let end = [0, 1, 2].map(|axis| start[axis] + self.along[axis] * length / TORTUOSITY);

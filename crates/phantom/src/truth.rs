@@ -72,7 +72,7 @@ impl Break {
 }
 
 #[derive(Serialize)]
-struct Document<'a> {
+struct TruthDocument<'a> {
     vessels: &'a [String],
     lost_vessels: &'a [usize],
     inlets: &'a [u64],
@@ -115,7 +115,7 @@ impl Truth {
     /// Those of `out`.
     pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
         let spurious = self.spurious.iter().enumerate();
-        let document = Document {
+        let document = TruthDocument {
             vessels: &self.vessels,
             lost_vessels: &self.lost,
             inlets: &self.inlets,

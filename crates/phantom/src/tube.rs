@@ -7,7 +7,7 @@ use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, s
 
 /// A vessel as stations along its centerline, mm.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tube {
+pub struct DrawnTube {
     /// Its label.
     pub label: String,
     /// The rows of its nodes in the network; `None` for a tube that hangs on nothing.
@@ -20,7 +20,7 @@ pub struct Tube {
     pub is_free: [bool; 2],
 }
 
-impl Tube {
+impl DrawnTube {
     /// The vessels of a network, all of whose nodes have a position, with stations at most `voxel` (mm) apart.
     pub(super) fn all(network: &Network, voxel: f64) -> Vec<Self> {
         let degrees = network.degrees(|_| true);
@@ -78,7 +78,7 @@ pub(super) struct Near {
 
 /// Cubic voxels in the scanner's frame, x fastest.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Grid {
+pub(super) struct VoxelGrid {
     /// Voxels along each axis.
     pub shape: [usize; 3],
     /// Where the centre of the first voxel is, mm.
@@ -87,7 +87,7 @@ pub(super) struct Grid {
     pub spacing: f64,
 }
 
-impl Grid {
+impl VoxelGrid {
     /// Where the centre of a voxel is, mm.
     pub fn position(&self, voxel: [usize; 3]) -> Point {
         [0, 1, 2].map(|axis| self.origin[axis] + voxel[axis] as f64 * self.spacing)
@@ -119,7 +119,7 @@ impl Grid {
 
     /// Visits the voxels of some layers (along z) whose centre lies within the radius and `reach` (mm) of a tube's centerline, once for
     /// each link between stations that is so near.
-    pub fn near(&self, tube: &Tube, reach: f64, layers: [usize; 2], mut visit: impl FnMut(Near)) {
+    pub fn near(&self, tube: &DrawnTube, reach: f64, layers: [usize; 2], mut visit: impl FnMut(Near)) {
         for (link, ends) in tube.stations.windows(2).enumerate() {
             let radii = [tube.radii[link], tube.radii[link + 1]];
             let within = radii[0].max(radii[1]) + reach;

@@ -3,7 +3,7 @@
 use rand::{Rng, RngExt};
 use rand_distr::{StandardNormal, UnitSphere};
 
-use super::tube::Tube;
+use super::tube::DrawnTube;
 use willis_core::support::geometry::{Point, cross, distance, dot, sub, unit};
 
 /// Attempts for a vein before the space counts as too crowded.
@@ -18,7 +18,7 @@ const REACH: [f64; 2] = [4.0, 10.0];
 const CURVE: [f64; 2] = [5.0, 12.0];
 
 /// Up to `wanted` veins, each beside one artery and clear of all others.
-pub(super) fn veins(arteries: &[Tube], wanted: usize, voxel: f64, rng: &mut impl Rng) -> Vec<Tube> {
+pub(super) fn veins(arteries: &[DrawnTube], wanted: usize, voxel: f64, rng: &mut impl Rng) -> Vec<DrawnTube> {
     let mut taken: Vec<(Point, f64)> =
         arteries.iter().flat_map(|tube| tube.stations.iter().copied().zip(tube.radii.iter().copied())).collect();
     let mut found = Vec::new();
@@ -30,14 +30,14 @@ pub(super) fn veins(arteries: &[Tube], wanted: usize, voxel: f64, rng: &mut impl
         let clear = |p: &Point| taken.iter().all(|(q, s)| distance(*p, *q) > s + vein.radii[0] + SPACE[0] * voxel);
         if vein.stations.iter().all(clear) {
             taken.extend(vein.stations.iter().copied().zip(vein.radii.iter().copied()));
-            found.push(Tube { label: format!("vein {}", found.len() + 1), ..vein });
+            found.push(DrawnTube { label: format!("vein {}", found.len() + 1), ..vein });
         }
     }
     found
 }
 
 /// A vein that passes an artery at a random station, and curves away from it.
-fn beside(artery: &Tube, voxel: f64, rng: &mut impl Rng) -> Tube {
+fn beside(artery: &DrawnTube, voxel: f64, rng: &mut impl Rng) -> DrawnTube {
     let at = rng.random_range(1..artery.stations.len());
     let along = unit(sub(artery.stations[at], artery.stations[at - 1]));
     let side: Point = rng.sample(UnitSphere);
@@ -58,5 +58,5 @@ fn beside(artery: &Tube, voxel: f64, rng: &mut impl Rng) -> Tube {
         [0, 1, 2].map(|axis| artery.stations[at][axis] + s * along[axis] + out * side[axis] + turned * other[axis])
     };
     let stations: Vec<Point> = (0..=steps).map(place).collect();
-    Tube { label: String::new(), nodes: None, radii: vec![radius; stations.len()], stations, is_free: [true; 2] }
+    DrawnTube { label: String::new(), nodes: None, radii: vec![radius; stations.len()], stations, is_free: [true; 2] }
 }

@@ -11,23 +11,21 @@ mod morphometry;
 pub mod node_blocks;
 pub mod page;
 mod phenotype;
-mod pictures;
-mod pulse;
 pub mod run_record;
 mod simulation;
 mod supply;
-mod transport;
 
-pub use inference::{ImageCut, Outcome, Segmentation, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
+pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::MeasuredSubject;
+pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };
-pub use pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};
 pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::node_columns as simulated_nodes;
+pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};
+pub use simulation::transport::{end_name, territory_columns, transit_columns};
 pub use simulation::vessel_columns as simulated_vessels;
 pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, write_simulated};
 pub use supply::{supply_columns, supply_json};
-pub use transport::{end_name, territory_columns, transit_columns};

@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use super::figures::Block;
+use super::figures::NodeBlock;
 use willis_core::flow::Boundary;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::network::{Network, Origin, Role, fragments};
@@ -12,7 +12,7 @@ use willis_core::network::{Network, Origin, Role, fragments};
 ///
 /// Within a block a node follows the one before it on the way from the inlet, or from the fragment's first node, smaller branches
 /// first, so that the two ends of an observed vessel stand side by side where they can.
-pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<Block> {
+pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     let count = network.node_count();
     let mut at_node = vec![Vec::new(); count];
     for (row, (ends, vessel)) in network.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin == Origin::Observed) {
@@ -51,9 +51,9 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<Block> {
     let mut fragments = trees(&first);
     fed.sort_by_key(|nodes| Reverse(nodes.len()));
     fragments.sort_by_key(|nodes| Reverse(nodes.len()));
-    let fed = fed.into_iter().map(|nodes| Block { name: format!("inlet {}", name(nodes[0])), nodes });
-    let fragments = fragments.into_iter().map(|nodes| Block { name: format!("fragment of {}", name(nodes[0])), nodes });
-    let alone = (!alone.is_empty()).then(|| Block { name: "no vessel".to_owned(), nodes: alone });
+    let fed = fed.into_iter().map(|nodes| NodeBlock { name: format!("inlet {}", name(nodes[0])), nodes });
+    let fragments = fragments.into_iter().map(|nodes| NodeBlock { name: format!("fragment of {}", name(nodes[0])), nodes });
+    let alone = (!alone.is_empty()).then(|| NodeBlock { name: "no vessel".to_owned(), nodes: alone });
     fed.chain(fragments).chain(alone).collect()
 }
 

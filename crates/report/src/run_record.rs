@@ -9,11 +9,10 @@ use serde_json::{Value, json};
 use super::inference::Outcome;
 use willis_core::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
 use willis_core::flow::boundary_conditions::Total;
-use willis_core::flow::free_ends::unfed_fragments;
+use willis_core::flow::boundary_conditions::unfed_fragments;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Condition, Frame, Network, Origin, Role, fragments};
-use willis_core::sampling::Weight;
 use willis_models::candidates;
 
 /// Where a run comes from.
@@ -75,14 +74,6 @@ pub enum Built<'a> {
     Candidates(&'a candidates::CandidateOptions),
 }
 
-/// The unit of L.
-pub(crate) fn unit_of(weight: Weight) -> &'static str {
-    match weight {
-        Weight::Resilience | Weight::Global => "W/m\u{b3}",
-        Weight::Count => "samples",
-    }
-}
-
 impl Provenance {
     /// The input by path, format, checksum and unit, and the frame of its coordinates where it is known, as every record has it.
     pub fn of_input(&self) -> Value {
@@ -114,6 +105,12 @@ pub fn candidate_parameters(built: Built<'_>) -> Value {
         "max_candidate_radius_mm": p.max_radius.map(millimetres),
         "radius": p.radius_rule.name(),
     })
+}
+
+/// How large a network is, and how many inlets and outlets it has.
+pub(crate) fn counts(network: &Network, boundary: &Boundary) -> Value {
+    let [inlets, outlets] = [Role::Inlet, Role::Outlet].map(|role| boundary.count(role));
+    json!({ "nodes": network.node_count(), "vessels": network.vessel_count(), "inlets": inlets, "outlets": outlets })
 }
 
 /// The boundary conditions that were used, by node.

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::transport::end_name;
+use super::simulation::transport::end_name;
 use willis_core::network::Network;
 use willis_core::network::units::milliseconds;
 use willis_io::formats::Column;

@@ -4,7 +4,7 @@ use forust_ml::gradientbooster::GrowPolicy;
 use forust_ml::{GradientBooster, Matrix};
 
 use willis_core::error::{Error, Result};
-use willis_core::support::boosted_trees::{Boosted, Tree, TreeNode};
+use willis_core::support::boosted_trees::{Boosted, RegressionTree, TreeNode};
 
 /// Trees, leaves and depth of each, learning rate, penalty, least sum of p(1-p) in a leaf, share of the features a tree sees.
 const TREES: usize = 300;
@@ -41,13 +41,13 @@ pub fn boost(rows: usize, columns: usize, feature: impl Fn(usize, usize) -> f32,
     let matrix = Matrix::new(&data, rows, columns);
     let failed = |why: String| Error::parameter("cases", rows, format!("the trees could not be fitted: {why}"));
     booster.fit_unweighted(&matrix, &right, None).map_err(|e| failed(e.to_string()))?;
-    let trees: Option<Vec<Tree>> = booster.trees.iter().map(of_booster).collect();
+    let trees: Option<Vec<RegressionTree>> = booster.trees.iter().map(of_booster).collect();
     let trees = trees.ok_or_else(|| failed("a tree that is none".into()))?;
     Ok(Boosted { start: booster.base_score, trees })
 }
 
 /// A tree of the booster in preorder.
-fn of_booster(tree: &forust_ml::tree::Tree) -> Option<Tree> {
+fn of_booster(tree: &forust_ml::tree::Tree) -> Option<RegressionTree> {
     let (mut nodes, mut open) = (Vec::new(), vec![0]);
     while let Some(at) = open.pop() {
         let node = &tree.nodes[at];
@@ -60,5 +60,5 @@ fn of_booster(tree: &forust_ml::tree::Tree) -> Option<Tree> {
             open.push(node.left_child);
         }
     }
-    Tree::new(nodes)
+    RegressionTree::new(nodes)
 }

@@ -26,7 +26,7 @@ const FAR: f64 = 5e-3;
 const TOLERANCE: f64 = 1.5e-3;
 
 #[derive(Deserialize)]
-struct File {
+struct ContactTruthFile {
     subject: Option<String>,
     voxel_mm: f64,
     nodes: Vec<Vec<f64>>,
@@ -42,21 +42,21 @@ pub struct ContactTruth {
     pub subject: Option<String>,
     voxel: f64,
     nodes: Vec<Point>,
-    shown: Vec<Option<Shown>>,
+    shown: Vec<Option<TruePlace>>,
     radius: Vec<f64>,
     next: Vec<Vec<(usize, f64)>>,
 }
 
 /// A place on the true vessels: on the way from a station to one of its neighbours.
 #[derive(Debug, Clone, Copy)]
-struct Shown {
+struct TruePlace {
     station: usize,
     /// How far from it, m; towards the neighbour, and how far from that, m.
     off: f64,
     towards: Option<(usize, f64)>,
 }
 
-impl Shown {
+impl TruePlace {
     fn new(node: Point, station: usize, stations: &[Point], next: &[(usize, f64)]) -> Self {
         let from = sub(node, stations[station]);
         let mut best = Self { station, off: 0.0, towards: None };
@@ -78,9 +78,9 @@ impl Shown {
 /// What the truth says of a branch.
 struct Identity {
     /// The place that either end shows, and how far (m) beyond the cluster.
-    ends: [(Option<Shown>, f64); 2],
+    ends: [(Option<TruePlace>, f64); 2],
     /// The same of the stretch at either end, where the branch leads from one vessel to another.
-    near: [(Option<Shown>, f64); 2],
+    near: [(Option<TruePlace>, f64); 2],
     /// Whether it leads from one vessel to another, and is no longer than these are wide.
     is_short_and_mixed: bool,
 }
@@ -93,7 +93,8 @@ impl ContactTruth {
     /// No such JSON, or a node or station that is not there.
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         const ACCEPTED: &str = "expected the truth of a skeleton, with nodes, stations, station_nodes and adjacent";
-        let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+        let file: ContactTruthFile =
+            serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
         let place = |what: &str, row: usize, at: &[f64]| match at {
             [x, y, z, ..] => Ok([*x, *y, *z].map(metres)),
             _ => Err(Fault::item(format!("{what} {row}"), format!("{at:?}"), "expected x, y, z in mm")),
@@ -125,7 +126,7 @@ impl ContactTruth {
             next[*b].push((*a, metres(*mm)));
         }
         let shown = nodes.iter().zip(station_of);
-        let shown = shown.map(|(node, station)| station.map(|station| Shown::new(*node, station, &stations, &next[station])));
+        let shown = shown.map(|(node, station)| station.map(|station| TruePlace::new(*node, station, &stations, &next[station])));
         Ok(Self { subject: file.subject, voxel: metres(file.voxel_mm), shown: shown.collect(), nodes, radius, next })
     }
 
@@ -212,7 +213,7 @@ impl ContactTruth {
             let [a, b] = [a, b].map(places);
             let furthest = b.values().copied().reduce(f64::max)?;
             let meets = |(station, off): (&usize, &f64)| {
-                let from = Shown { station: *station, off: 0.0, towards: None };
+                let from = TruePlace { station: *station, off: 0.0, towards: None };
                 let found = self.within(from, off + furthest + TOLERANCE);
                 b.iter().any(|(other, beyond)| found.get(other).is_some_and(|d| *d <= off + beyond + TOLERANCE))
             };
@@ -221,7 +222,13 @@ impl ContactTruth {
         contacts().map(|(ends, _)| is_one(ends)).collect()
     }
 
-    fn same(&self, branches: &Branches, cluster: usize, (p, a): (Option<Shown>, f64), (q, b): (Option<Shown>, f64)) -> bool {
+    fn same(
+        &self,
+        branches: &Branches,
+        cluster: usize,
+        (p, a): (Option<TruePlace>, f64),
+        (q, b): (Option<TruePlace>, f64),
+    ) -> bool {
         let (Some(p), Some(q)) = (p, q) else { return false };
         let core = &branches.clusters[cluster].core;
         let size = core.iter().map(|x| distance(core[0].position, x.position)).fold(0.0, f64::max);
@@ -230,7 +237,7 @@ impl ContactTruth {
     }
 
     /// Whether two places are within a distance (m) along the vessels.
-    fn are_within(&self, p: Shown, q: Shown, reach: f64) -> bool {
+    fn are_within(&self, p: TruePlace, q: TruePlace, reach: f64) -> bool {
         if p.station == q.station && p.towards.map(|(to, _)| to) == q.towards.map(|(to, _)| to) {
             return (p.off - q.off).abs() <= reach;
         }
@@ -239,7 +246,7 @@ impl ContactTruth {
     }
 
     /// The stations within a distance (m) along the vessels.
-    fn within(&self, from: Shown, reach: f64) -> BTreeMap<usize, f64> {
+    fn within(&self, from: TruePlace, reach: f64) -> BTreeMap<usize, f64> {
         let mut best: BTreeMap<usize, f64> = from.sides().collect();
         let mut open: BTreeSet<(u64, usize)> = from.sides().map(|(station, d)| (d.to_bits(), station)).collect();
         while let Some((bits, at)) = open.pop_first() {
@@ -258,7 +265,7 @@ impl ContactTruth {
         best
     }
 
-    fn are_fused(&self, p: Shown, q: Shown) -> bool {
+    fn are_fused(&self, p: TruePlace, q: TruePlace) -> bool {
         let apart = FUSED_RADII * (self.radius[p.station] + self.radius[q.station]) + FUSED_VOXELS * self.voxel;
         !self.are_within(p, q, apart)
     }

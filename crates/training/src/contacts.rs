@@ -86,8 +86,8 @@ impl<'a> ContactExample<'a> {
     }
 
     /// What is measured of the pairs, each with the name of the image, which is empty without one.
-    fn views(&self, basis: Basis) -> Vec<View<'_>> {
-        let view = |image, features| View { e: self, image, features };
+    fn views(&self, basis: Basis) -> Vec<SeenCase<'_>> {
+        let view = |image, features| SeenCase { e: self, image, features };
         match basis {
             Basis::Skeleton => vec![view("", &self.of_skeleton)],
             Basis::Mask => self.of_mask.iter().map(|features| view("", features)).collect(),
@@ -155,7 +155,7 @@ struct Design {
 }
 
 /// A case as it is seen: without image, or in one.
-struct View<'a> {
+struct SeenCase<'a> {
     e: &'a ContactExample<'a>,
     image: &'a str,
     /// Shape (pairs, features).
@@ -183,18 +183,18 @@ pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)
 }
 
 fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
-    let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+    let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
     let subjects: BTreeSet<&str> = views.iter().map(|view| view.e.case.subject.as_str()).collect();
     if subjects.len() < INNER {
         let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
         return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects.len()), accepted));
     }
     let order: Vec<&str> = subjects.iter().copied().collect();
-    let fold = |view: &View| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
+    let fold = |view: &SeenCase| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
     let trees = fit_trees(&views.iter().collect::<Vec<_>>(), basis)?;
     let (mut designs, mut unseen) = (Vec::new(), Vec::new());
     for held in 0..INNER {
-        let inner: Vec<&View> = views.iter().filter(|view| fold(view) != held).collect();
+        let inner: Vec<&SeenCase> = views.iter().filter(|view| fold(view) != held).collect();
         let trees = fit_trees(&inner, basis)?;
         for view in views.iter().filter(|view| fold(view) == held) {
             let scores = trees.scores(view.features);
@@ -209,7 +209,7 @@ fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
 }
 
 /// Calibrates a part on the contacts that it finds by scores of trees that never saw the subject; nothing changes without one.
-fn calibrate_part(part: &mut ContactPart, unseen: &[(&View, Vec<f64>)]) {
+fn calibrate_part(part: &mut ContactPart, unseen: &[(&SeenCase, Vec<f64>)]) {
     let found = in_order(unseen, |_, (view, scores)| view.e.found(scores, &part.weights));
     let pairs: Vec<(f64, bool)> = found.iter().flat_map(|(pairs, _)| pairs.iter().copied()).collect();
     if let Some(calibration) = calibrate_in_order(&pairs) {
@@ -221,7 +221,7 @@ fn calibrate_part(part: &mut ContactPart, unseen: &[(&View, Vec<f64>)]) {
 /// Calibrates a model on cases of its subjects or others that it was not fitted to, and changes nothing else in it.
 pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample]) {
     for basis in Basis::ALL {
-        let views: Vec<View> = examples.iter().flat_map(|e| e.views(basis)).collect();
+        let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
         let part = match basis {
             Basis::Skeleton => &mut model.skeleton,
             Basis::Mask => &mut model.mask,
@@ -230,13 +230,13 @@ pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample])
                 None => continue,
             },
         };
-        let unseen: Vec<(&View, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
+        let unseen: Vec<(&SeenCase, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
         calibrate_part(part, &unseen);
     }
 }
 
 /// Boosted trees over the pairs whose answer is known.
-fn fit_trees(views: &[&View], basis: Basis) -> Result<Boosted> {
+fn fit_trees(views: &[&SeenCase], basis: Basis) -> Result<Boosted> {
     let (mut rows, mut right) = (Vec::new(), Vec::new());
     for (at, view) in views.iter().enumerate() {
         for (row, joined) in view.e.joined.iter().enumerate() {
@@ -282,9 +282,9 @@ fn fit_weights(designs: &[Design]) -> PartitionWeights {
 }
 
 /// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
-type Judged = (f64, f64, bool);
+type JudgedEnds = (f64, f64, bool);
 
-fn judge(view: &View, part: &ContactPart) -> Vec<Judged> {
+fn judge(view: &SeenCase, part: &ContactPart) -> Vec<JudgedEnds> {
     let e = view.e;
     let scores = part.trees.scores(view.features);
     let tables = e.table.by_cluster(&scores);
@@ -334,7 +334,8 @@ pub fn cross_validate_contacts(
         judged.iter().map(|(e, seen, _)| (e.case.data_set.as_str(), e.case.group.as_str(), *seen)).collect();
     let figures = groups.into_iter().map(|(data_set, group, seen)| {
         let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
-        let of: Vec<&[Judged]> = judged.iter().filter(|(e, other, _)| own(e) && *other == seen).map(|(.., j)| &j[..]).collect();
+        let of: Vec<&[JudgedEnds]> =
+            judged.iter().filter(|(e, other, _)| own(e) && *other == seen).map(|(.., j)| &j[..]).collect();
         let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
         scores_of(name, seen, &of)
     });
@@ -345,8 +346,8 @@ pub fn cross_validate_contacts(
 const BINS: usize = 10;
 const LEAST_IN_BIN: f64 = 50.0;
 
-fn scores_of(of: String, (basis, image): (Basis, &str), cases: &[&[Judged]]) -> ContactScores {
-    let mut all: Vec<Judged> = cases.iter().flat_map(|case| case.iter().copied()).collect();
+fn scores_of(of: String, (basis, image): (Basis, &str), cases: &[&[JudgedEnds]]) -> ContactScores {
+    let mut all: Vec<JudgedEnds> = cases.iter().flat_map(|case| case.iter().copied()).collect();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pairs = all.len();
     let joined = all.iter().filter(|(.., joined)| *joined).count();

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use super::example::{Case, Example, share_of};
-use super::fit::{Step, TrainParams, fit};
+use super::example::{CandidateExample, Case, share_of};
+use super::fit::{FittedPass, TrainParams, fit};
 use super::scores::{CaseScores, case_scores, held_out_scores};
 use willis_core::error::{Error, Result};
 use willis_core::support::in_order;
@@ -33,28 +33,28 @@ pub struct CrossValidation {
 ///
 /// Fewer than two folds, a fold without any subject on one side, and those of [`fit`].
 pub fn cross_validate(
-    training: &[&Example],
-    judged: &[&Example],
-    calibrating: &[&Example],
+    training: &[&CandidateExample],
+    judged: &[&CandidateExample],
+    calibrating: &[&CandidateExample],
     folds: usize,
     params: &TrainParams,
-    progress: &mut dyn FnMut(usize, &Step),
+    progress: &mut dyn FnMut(usize, &FittedPass),
 ) -> Result<CrossValidation> {
     let all: Vec<&Case> = training.iter().map(|e| e.case).collect();
     check_folds(&all, folds)?;
-    let outside = |e: &Example, fold: usize| fold_of(&e.case.subject, folds) == fold;
+    let outside = |e: &CandidateExample, fold: usize| fold_of(&e.case.subject, folds) == fold;
     let mut out = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
-    let mut everything: Vec<(&Example, CaseScores)> = Vec::new();
+    let mut everything: Vec<(&CandidateExample, CaseScores)> = Vec::new();
     for fold in 0..folds {
-        let inner: Vec<&Example> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
-        let calibrating_inner: Vec<&Example> = calibrating.iter().copied().filter(|e| !outside(e, fold)).collect();
+        let inner: Vec<&CandidateExample> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
+        let calibrating_inner: Vec<&CandidateExample> = calibrating.iter().copied().filter(|e| !outside(e, fold)).collect();
         let mut weights = fit(&inner, &calibrating_inner, params, &mut |step| progress(fold + 1, step))?;
-        let outer: Vec<&Example> = judged.iter().chain(calibrating).copied().filter(|e| outside(e, fold)).collect();
+        let outer: Vec<&CandidateExample> = judged.iter().chain(calibrating).copied().filter(|e| outside(e, fold)).collect();
         let scores = in_order(&outer, |_, e| case_scores(e, &weights)).into_iter().collect::<Result<Vec<CaseScores>>>()?;
         let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         let held_out: Vec<String> = held_out.into_iter().cloned().collect();
         weights.provenance.held_out.clone_from(&held_out);
-        let of: Vec<(&Example, &CaseScores)> = outer.iter().copied().zip(&scores).collect();
+        let of: Vec<(&CandidateExample, &CaseScores)> = outer.iter().copied().zip(&scores).collect();
         weights.figures = held_out_scores(&of);
         out.folds.push(Fold { held_out, figures: weights.figures.clone() });
         out.weights.push(weights);

@@ -5,8 +5,7 @@ use std::path::{Path, PathBuf};
 use sha2::{Digest, Sha256};
 
 use super::contact_truth::ContactTruth;
-use super::known_connections::{KnownConnections, Match};
-use super::scores::found;
+use super::known_connections::{KnownConnections, Match, found};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::support::in_order;
@@ -44,7 +43,7 @@ pub struct Case {
 }
 
 /// A case with its candidates measured.
-pub struct Example<'a> {
+pub struct CandidateExample<'a> {
     /// The case.
     pub case: &'a Case,
     /// Its extraction, with or without inlets.
@@ -57,7 +56,7 @@ pub struct Example<'a> {
     pub matches: Vec<Option<Match>>,
 }
 
-impl<'a> Example<'a> {
+impl<'a> CandidateExample<'a> {
     /// Searches and measures the candidates of a case, with its inlets or as if nobody had named any.
     ///
     /// # Errors

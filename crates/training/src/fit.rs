@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use ndarray::Array2;
 
-use super::example::{Case, Example, share_of};
+use super::example::{CandidateExample, Case, share_of};
 use super::logistic::{calibrate, logistic};
 use super::minimise::minimise;
 use super::objective::{Objective, case_weights};
@@ -66,7 +66,7 @@ impl TrainParams {
 
 /// A pass that has been fitted.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Step {
+pub struct FittedPass {
     /// Its number, counted from 1.
     pub pass: usize,
     /// The objective before and after.
@@ -89,10 +89,10 @@ pub fn goes_without_inlets(case: &Case, share: f64) -> bool {
 ///
 /// Parameters out of range, no case, none with a true connection within reach.
 pub fn fit(
-    examples: &[&Example],
-    calibrating: &[&Example],
+    examples: &[&CandidateExample],
+    calibrating: &[&CandidateExample],
     params: &TrainParams,
-    progress: &mut dyn FnMut(&Step),
+    progress: &mut dyn FnMut(&FittedPass),
 ) -> Result<Weights> {
     params.validate()?;
     if !examples.iter().any(|e| e.allowed.contains(&true)) {
@@ -114,7 +114,7 @@ pub fn fit(
         let before = objective.at(&start).0;
         let found = minimise(start, *iterations, &|y| objective.at(y));
         let pass = objective.pass(&found.point);
-        progress(&Step { pass: number + 1, objective: [before, found.value], evaluations: found.evaluations });
+        progress(&FittedPass { pass: number + 1, objective: [before, found.value], evaluations: found.evaluations });
         let next = in_order(examples, |at, e| e.table.forests(&pass, &designs[at]).map(|f| (marginals(&f), f)));
         posteriors = next.into_iter().map(|p| p.map(|(m, f)| (f, m))).collect::<Result<_>>()?;
         passes.push(pass);
@@ -134,7 +134,7 @@ pub fn fit(
     };
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
-    let all: Vec<&Example> = examples.iter().chain(calibrating).copied().collect();
+    let all: Vec<&CandidateExample> = examples.iter().chain(calibrating).copied().collect();
     let mut pairs = Vec::new();
     let found = posteriors.iter().map(|(_, marginals)| marginals).chain(&further);
     for ((example, marginals), weight) in all.iter().zip(found).zip(case_weights(&all)) {
@@ -154,7 +154,7 @@ pub fn fit(
 }
 
 /// The weights of closures by logistic regression; none where no case has a right one within reach.
-fn fit_closures(examples: &[&Example], weights: &Weights, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
+fn fit_closures(examples: &[&CandidateExample], weights: &Weights, posteriors: &[(Forests, Marginals)]) -> Vec<f64> {
     let of_case = in_order(examples, |at, e| {
         let (forests, marginals) = &posteriors[at];
         let attached = attachment_scores(&e.table, marginals, weights.calibration_of(marginals));

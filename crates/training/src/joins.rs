@@ -6,9 +6,9 @@ use ndarray::{Array2, Axis};
 
 use super::cross_validation::fold_of;
 use super::example::{Case, image_name, shown};
-use super::known_connections::{KnownConnections, Match};
+use super::known_connections::{KnownConnections, Match, found};
 use super::logistic::calibrate;
-use super::scores::{average_precision, found};
+use super::scores::average_precision;
 use willis_core::decision::{BEST_FIRST, best_first};
 use willis_core::error::{Error, Result};
 use willis_core::support::boosted_trees::Boosted;
@@ -224,7 +224,7 @@ fn boost(examples: &[&JoinExample], features: &[&Array2<f32>], cases: &[usize]) 
 }
 
 /// Probability of every pair of a case, and what is kept of them.
-struct Judged<'a> {
+struct JudgedPairs<'a> {
     /// The name of the image; empty without one.
     image: &'a str,
     truth: &'a PairTruth,
@@ -232,7 +232,7 @@ struct Judged<'a> {
     kept: Vec<bool>,
 }
 
-fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>) -> Judged<'a> {
+fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>) -> JudgedPairs<'a> {
     let scores = e.table.scores(model);
     let (probability, pairs) = match of {
         Some(of) => (of.image.probabilities(&e.table, model, &scores), &of.image.pairs),
@@ -241,7 +241,7 @@ fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>
     let ends: Vec<[Option<usize>; 2]> =
         pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
     let kept = best_first(&probability, &ends, BEST_FIRST);
-    Judged { image: of.map_or("", |of| &of.name), truth: of.map_or(&e.truth, |of| &of.truth), probability, kept }
+    JudgedPairs { image: of.map_or("", |of| &of.name), truth: of.map_or(&e.truth, |of| &of.truth), probability, kept }
 }
 
 /// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
@@ -263,10 +263,10 @@ pub fn cross_validate_joins(
         let outer: Vec<&JoinExample> = examples.iter().filter(held).collect();
         let views: Vec<(&JoinExample, Option<&ImageExample>)> =
             outer.iter().flat_map(|e| std::iter::once(None).chain(e.images.iter().map(Some)).map(|image| (*e, image))).collect();
-        let found: Vec<Judged> = in_order(&views, |_, (e, image)| judge(e, &model, *image));
+        let found: Vec<JudgedPairs> = in_order(&views, |_, (e, image)| judge(e, &model, *image));
         let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
         model.provenance.held_out = subjects.into_iter().cloned().collect();
-        let pairs: Vec<(&JoinExample, &Judged)> = views.iter().map(|(e, _)| *e).zip(&found).collect();
+        let pairs: Vec<(&JoinExample, &JudgedPairs)> = views.iter().map(|(e, _)| *e).zip(&found).collect();
         model.figures = join_scores(&pairs);
         models.push(model);
         judged.extend(views.into_iter().map(|(e, _)| e).zip(found));
@@ -276,7 +276,7 @@ pub fn cross_validate_joins(
 }
 
 /// Figures by data set, by folder of those that have several, and by image.
-fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
+fn join_scores(judged: &[(&JoinExample, &JudgedPairs)]) -> Vec<JoinScores> {
     let mut groups: BTreeSet<(&str, &str, &str)> = BTreeSet::new();
     for (e, judged) in judged {
         groups.insert((&e.case.data_set, "", judged.image));
@@ -284,7 +284,8 @@ fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
     }
     let of_group = |(data_set, group, image): (&str, &str, &str)| {
         let is_in = |e: &JoinExample| e.case.data_set == data_set && (group.is_empty() || e.case.group == group);
-        let of: Vec<&(&JoinExample, &Judged)> = judged.iter().filter(|(e, judged)| is_in(e) && judged.image == image).collect();
+        let of: Vec<&(&JoinExample, &JudgedPairs)> =
+            judged.iter().filter(|(e, judged)| is_in(e) && judged.image == image).collect();
         let name = [data_set, group, image].into_iter().filter(|part| !part.is_empty()).collect::<Vec<&str>>().join("/");
         scores_of(name, &of)
     };
@@ -293,7 +294,7 @@ fn join_scores(judged: &[(&JoinExample, &Judged)]) -> Vec<JoinScores> {
 
 const BINS: usize = 10;
 
-fn scores_of(name: String, of: &[&(&JoinExample, &Judged)]) -> JoinScores {
+fn scores_of(name: String, of: &[&(&JoinExample, &JudgedPairs)]) -> JoinScores {
     let (mut precisions, mut bins) = (Vec::new(), [[0.0; 2]; BINS]);
     let (mut kept, mut right, mut needed, mut expected, mut all, mut true_pairs) = (0, 0, 0, 0.0, 0, 0);
     for (e, judged) in of {

@@ -20,7 +20,7 @@ const STANDING_GAPS: f64 = 0.75;
 /// Which side of a connection is attached to which; the words in files are `parent` and `child`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Side {
+pub enum AttachmentSide {
     /// The one that is nearer to an inlet.
     Parent,
     /// The one that is attached to it.
@@ -28,7 +28,7 @@ pub enum Side {
 }
 
 /// A place where pieces belong together: per piece its side and the rows of the points at which a candidate may attach.
-pub type KnownConnection = Vec<(Side, Vec<usize>)>;
+pub type TrueConnection = Vec<(AttachmentSide, Vec<usize>)>;
 
 /// Which connection a candidate makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -43,7 +43,7 @@ pub struct Match {
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct KnownConnections {
     /// Per connection the sides of its pieces.
-    sides: Vec<Vec<Side>>,
+    sides: Vec<Vec<AttachmentSide>>,
     /// Per point of the extraction the connections and pieces that a candidate to it reaches.
     sites: Vec<Vec<(usize, usize)>>,
     /// Places (m) and how far they reach (m): what is joined there is neither right nor wrong.
@@ -53,7 +53,7 @@ pub struct KnownConnections {
 impl KnownConnections {
     /// Connections that name points of their own (m): a point of the extraction represents the nearest within `tolerance` (m), and
     /// those hardly further away.
-    pub fn snapped(extraction: &Extraction, points: &[Point], tolerance: f64, connections: &[KnownConnection]) -> Self {
+    pub fn snapped(extraction: &Extraction, points: &[Point], tolerance: f64, connections: &[TrueConnection]) -> Self {
         let mut named = vec![Vec::new(); points.len()];
         for (connection, pieces) in connections.iter().enumerate() {
             for (piece, (_, rows)) in pieces.iter().enumerate() {
@@ -136,7 +136,7 @@ impl KnownConnections {
         let mut parents_of: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let mut may = |(points, [child, parent]): &([usize; 2], [usize; 2])| {
             let Some(Match { connection, pieces }) = self.matching(points[0], points[1]) else { return false };
-            if pieces.map(|piece| self.sides[connection][piece]) != [Side::Child, Side::Parent] {
+            if pieces.map(|piece| self.sides[connection][piece]) != [AttachmentSide::Child, AttachmentSide::Parent] {
                 return false;
             }
             if parents_of.get(child).is_some_and(|on| on.contains(parent)) {
@@ -172,7 +172,7 @@ fn leads(parents_of: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bo
 
 /// Per pair of points the sides of its ends when each connected group of fragments is fed from the one with an inlet; of several, or without
 /// any, from the widest, then the longest. Pairs that close a circle have no child.
-fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Vec<[Side; 2]> {
+fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Vec<[AttachmentSide; 2]> {
     let ends: Vec<[usize; 2]> = pairs.iter().map(|ends| ends.map(|point| extraction.fragment[point])).collect();
     let mut at = vec![Vec::new(); extraction.fragments.len()];
     for (pair, fragments) in ends.iter().enumerate() {
@@ -190,7 +190,7 @@ fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> 
         let (a, b) = (rank(*a), rank(*b));
         b.0.cmp(&a.0).then(b.1.total_cmp(&a.1)).then(b.2.total_cmp(&a.2))
     });
-    let mut sides = vec![[Side::Parent; 2]; pairs.len()];
+    let mut sides = vec![[AttachmentSide::Parent; 2]; pairs.len()];
     let mut reached = vec![false; at.len()];
     for root in order {
         if std::mem::replace(&mut reached[root], true) {
@@ -201,11 +201,34 @@ fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> 
             for pair in &at[parent] {
                 let child = usize::from(ends[*pair][0] == parent);
                 if !std::mem::replace(&mut reached[ends[*pair][child]], true) {
-                    sides[*pair][child] = Side::Child;
+                    sides[*pair][child] = AttachmentSide::Child;
                     queue.push_back(ends[*pair][child]);
                 }
             }
         }
     }
     sides
+}
+
+/// The pieces of each connection that are joined already.
+#[derive(Default)]
+pub struct JoinedPieces {
+    /// Per connection the piece by which each of its pieces is known: joined pieces are known by the same.
+    known: BTreeMap<usize, BTreeMap<usize, usize>>,
+}
+
+impl JoinedPieces {
+    /// Joins two pieces; `false` when they were one already.
+    pub fn join(&mut self, right: Match) -> bool {
+        let known = self.known.entry(right.connection).or_default();
+        let [a, b] = right.pieces.map(|piece| *known.entry(piece).or_insert(piece));
+        known.values_mut().filter(|k| **k == a).for_each(|k| *k = b);
+        a != b
+    }
+}
+
+/// How many of the candidates needed some right candidates are.
+pub fn found(right: impl IntoIterator<Item = Match>) -> usize {
+    let mut joined = JoinedPieces::default();
+    right.into_iter().filter(|right| joined.join(*right)).count()
 }

@@ -7,11 +7,11 @@ use willis_core::support::statistics::sigmoid;
 const ITERATIONS: usize = 300;
 
 /// A row of a regression: its columns, of which the first is constant, whether it is true, and how much it counts.
-pub type Row = (Vec<f64>, bool, f64);
+pub type RegressionRow = (Vec<f64>, bool, f64);
 
 /// The coefficients that minimise Σ ω (ln(1 + e^z) - z true) / Σ ω + l2 Σ b'², b' the slopes times the standard deviation of
 /// their column; the constant is free. Zeros without a row.
-pub fn logistic(rows: &[Row], l2: f64) -> Vec<f64> {
+pub fn logistic(rows: &[RegressionRow], l2: f64) -> Vec<f64> {
     let columns = rows.first().map_or(0, |(x, ..)| x.len());
     let total: f64 = rows.iter().map(|(.., weight)| weight).sum();
     let mean = |f: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(x, ..)| f(x)).sum::<f64>() / rows.len().max(1) as f64;
@@ -43,7 +43,7 @@ const L2: f64 = 1e-5;
 /// a and b of P = σ(a + b l) of probabilities with whether they were right, l their log-odds; b is at least 0, so that the order stays.
 /// `None` without a pair.
 pub fn calibrate_in_order(pairs: &[(f64, bool)]) -> Option<[f64; 2]> {
-    let rows = |columns: usize| -> Vec<Row> {
+    let rows = |columns: usize| -> Vec<RegressionRow> {
         pairs.iter().map(|(p, right)| (Calibration::design(*p)[..columns].to_vec(), *right, 1.0)).collect()
     };
     match logistic(&rows(2), L2)[..] {
@@ -55,7 +55,7 @@ pub fn calibrate_in_order(pairs: &[(f64, bool)]) -> Option<[f64; 2]> {
 /// The calibration of pairs of points with their probability by the model, further figures beside it, whether they are right, and how much
 /// each counts; and the slopes of the further figures.
 pub fn calibrate<const N: usize>(pairs: impl Iterator<Item = (f64, [f64; N], bool, f64)>) -> ([f64; 3], [f64; N]) {
-    let rows: Vec<Row> =
+    let rows: Vec<RegressionRow> =
         pairs.map(|(p, further, right, weight)| ([&Calibration::design(p)[..], &further].concat(), right, weight)).collect();
     let found = logistic(&rows, L2);
     let at = |k: usize| found.get(k).copied().unwrap_or(0.0);

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use ndarray::{Array2, ArrayView1};
 
-use super::example::Example;
+use super::example::CandidateExample;
 use willis_core::error::Result;
 use willis_core::forest_posterior::{log_likelihood, marginals};
 use willis_core::support::in_order;
@@ -19,7 +19,7 @@ const LEAST_ROOT_SPREAD: f64 = 0.3;
 /// λ Σ y² - Σ ω ln P(truth) / Σ ω over cases, y = weight times standard deviation of its feature over all rows, ω the share of
 /// [`case_weights`].
 pub struct Objective<'a> {
-    examples: &'a [&'a Example<'a>],
+    examples: &'a [&'a CandidateExample<'a>],
     /// Per case the features of its candidates in this pass.
     designs: &'a [Cow<'a, Array2<f64>>],
     case_weights: Vec<f64>,
@@ -31,7 +31,7 @@ pub struct Objective<'a> {
 
 impl<'a> Objective<'a> {
     /// The objective of cases with the features of their candidates, shape (candidates, features) each.
-    pub fn new(examples: &'a [&'a Example<'a>], designs: &'a [Cow<'a, Array2<f64>>], l2: f64) -> Self {
+    pub fn new(examples: &'a [&'a CandidateExample<'a>], designs: &'a [Cow<'a, Array2<f64>>], l2: f64) -> Self {
         let standing = |s: f64| if s > LEAST_SPREAD { s + LEAST_SPREAD } else { 1.0 };
         let mut scale: Vec<f64> =
             spread(&designs.iter().map(AsRef::as_ref).collect::<Vec<_>>()).into_iter().map(standing).collect();
@@ -74,7 +74,7 @@ impl<'a> Objective<'a> {
 }
 
 /// ln P of a case's truth and its derivatives by the weights of the candidates' and the roots' features.
-fn gradient(example: &Example, design: &Array2<f64>, pass: &PassWeights) -> Result<(f64, Vec<f64>)> {
+fn gradient(example: &CandidateExample, design: &Array2<f64>, pass: &PassWeights) -> Result<(f64, Vec<f64>)> {
     let forests = example.table.forests(pass, design)?;
     let (value, gradient) = log_likelihood(&forests, &marginals(&forests), &example.allowed);
     let mut out = vec![0.0; pass.candidate.len() + pass.root.len()];
@@ -98,7 +98,7 @@ fn add(sum: &mut [f64], factor: f64, row: &ArrayView1<f64>) {
 
 /// Per case the weight n^-0.5 over the sum of all, n its fragments: a brain of a hundred fragments teaches more than a circle
 /// of ten, but there are not ten times as many independent things to learn from it.
-pub fn case_weights(examples: &[&Example]) -> Vec<f64> {
+pub fn case_weights(examples: &[&CandidateExample]) -> Vec<f64> {
     let of: Vec<f64> = examples.iter().map(|e| (e.extraction.fragments.len().max(1) as f64).powf(-0.5)).collect();
     let sum: f64 = of.iter().sum();
     of.into_iter().map(|w| w / sum).collect()

@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::example::Example;
+use super::example::CandidateExample;
 use super::fit::LEAST_LISTED;
-use super::known_connections::Match;
+use super::known_connections::{JoinedPieces, Match};
 use willis_core::error::Result;
 use willis_core::forest_posterior::log_likelihood;
 use willis_models::candidates::model::posterior::last_pass;
@@ -30,7 +30,7 @@ pub struct CaseScores {
 /// # Errors
 ///
 /// Weights of other features.
-pub fn case_scores(example: &Example, weights: &Weights) -> Result<CaseScores> {
+pub fn case_scores(example: &CandidateExample, weights: &Weights) -> Result<CaseScores> {
     let (forests, marginals) = last_pass(&example.extraction, &example.table, weights)?;
     let calibration = weights.calibration_of(&marginals);
     let p = example.table.summed_by_pair(&marginals.edges);
@@ -44,34 +44,11 @@ pub fn case_scores(example: &Example, weights: &Weights) -> Result<CaseScores> {
     })
 }
 
-/// The pieces of each connection that are joined already.
-#[derive(Default)]
-struct Joined {
-    /// Per connection the piece by which each of its pieces is known: joined pieces are known by the same.
-    known: BTreeMap<usize, BTreeMap<usize, usize>>,
-}
-
-impl Joined {
-    /// Joins two pieces; `false` when they were one already.
-    fn join(&mut self, right: Match) -> bool {
-        let known = self.known.entry(right.connection).or_default();
-        let [a, b] = right.pieces.map(|piece| *known.entry(piece).or_insert(piece));
-        known.values_mut().filter(|k| **k == a).for_each(|k| *k = b);
-        a != b
-    }
-}
-
-/// How many of the candidates needed some right candidates are.
-pub fn found(right: impl IntoIterator<Item = Match>) -> usize {
-    let mut joined = Joined::default();
-    right.into_iter().filter(|right| joined.join(*right)).count()
-}
-
 /// Average precision of ranked candidates over `needed` ones. Of several candidates that make one connection the first counts and the
 /// others are passed over; equal ranks share one threshold.
 pub fn average_precision(mut ranked: Vec<(f64, Option<Match>)>, needed: usize) -> f64 {
     ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut joined = Joined::default();
+    let mut joined = JoinedPieces::default();
     let (mut found, mut wrong, mut sum) = (0, 0, 0.0);
     for tied in ranked.chunk_by(|a, b| a.0 == b.0) {
         let before = found;
@@ -102,7 +79,7 @@ pub fn calibration_error(pairs: impl Iterator<Item = (f64, bool)>) -> Option<f64
 }
 
 /// Scores by data set, and by folder of those that have several.
-pub fn held_out_scores(cases: &[(&Example, &CaseScores)]) -> Vec<HeldOutScores> {
+pub fn held_out_scores(cases: &[(&CandidateExample, &CaseScores)]) -> Vec<HeldOutScores> {
     let mut of: BTreeMap<(&str, &str), Vec<usize>> = BTreeMap::new();
     for (row, (example, _)) in cases.iter().enumerate() {
         of.entry((&example.case.data_set, "")).or_default().push(row);

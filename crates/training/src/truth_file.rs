@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use super::known_connections::{KnownConnection, KnownConnections, Side};
+use super::known_connections::{AttachmentSide, KnownConnections, TrueConnection};
 use willis_core::error::Fault;
 use willis_core::network::Network;
 use willis_core::network::units::metres;
@@ -12,15 +12,15 @@ use willis_core::support::geometry::{Point, distance};
 use willis_models::candidates::features::Extraction;
 
 #[derive(Deserialize)]
-struct File {
+struct TruthFile {
     subject: Option<String>,
     voxel_mm: Option<f64>,
     /// How far a point may be from the node that it shows, where that is not a voxel.
     reach_mm: Option<f64>,
     #[serde(default)]
     nodes: Vec<Vec<f64>>,
-    links: Option<Vec<Vec<Member>>>,
-    breaks: Option<Vec<Gap>>,
+    links: Option<Vec<Vec<LinkMember>>>,
+    breaks: Option<Vec<BreakPoints>>,
     /// Places where two vessels are fused; a candidate there is neither right nor wrong.
     #[serde(default)]
     fusions: Vec<Fusion>,
@@ -30,8 +30,8 @@ struct File {
 }
 
 #[derive(Deserialize)]
-struct Member {
-    role: Side,
+struct LinkMember {
+    role: AttachmentSide,
     allowed: Vec<u64>,
 }
 
@@ -44,7 +44,7 @@ struct Fusion {
 }
 
 #[derive(Deserialize)]
-struct Gap {
+struct BreakPoints {
     ids: [u64; 2],
 }
 
@@ -55,7 +55,7 @@ struct Gap {
 /// No such JSON, a node that is not there, links that no point of the extraction reaches.
 pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
-    let file: File = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+    let file: TruthFile = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
     let reach = file.reach_mm.map_or(("voxel_mm", file.voxel_mm), |mm| ("reach_mm", Some(mm)));
     let mut truth = match (file.links, file.breaks) {
         (Some(links), None) => of_links(&links, &file.nodes, reach, extraction)?,
@@ -70,7 +70,7 @@ pub fn read(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<
 
 /// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a candidate may attach.
 fn of_links(
-    links: &[Vec<Member>],
+    links: &[Vec<LinkMember>],
     nodes: &[Vec<f64>],
     (name, reach_mm): (&str, Option<f64>),
     extraction: &Extraction,
@@ -87,9 +87,9 @@ fn of_links(
         Some(h) => return Err(Fault::item(name, h.to_string(), "expected a positive number")),
         None => extraction.spacing,
     };
-    let mut out: Vec<KnownConnection> = Vec::new();
+    let mut out: Vec<TrueConnection> = Vec::new();
     for (row, members) in links.iter().enumerate() {
-        let mut link = KnownConnection::new();
+        let mut link = TrueConnection::new();
         for member in members {
             let mut rows = Vec::new();
             for id in &member.allowed {
@@ -114,7 +114,7 @@ fn of_links(
 
 /// Missing stretches between two points by their ids.
 fn of_breaks(
-    gaps: &[Gap],
+    gaps: &[BreakPoints],
     inlets: &[serde_json::Value],
     network: &Network,
     extraction: &Extraction,

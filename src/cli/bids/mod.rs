@@ -13,7 +13,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{read_json, write_json};
 use crate::internals::report::bids_table::bids_columns;
-use crate::internals::report::cohort::{Row, infer_figures};
+use crate::internals::report::cohort::{CohortRow, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
@@ -228,7 +228,7 @@ impl<'a> MaskRun<'a> {
     }
 
     /// Its row, by its record or by why there is none.
-    fn row(&self, record: Option<&Value>, derivative: &Derivative) -> Row {
+    fn row(&self, record: Option<&Value>, derivative: &Derivative) -> CohortRow {
         let (figures, sha256) = match record {
             Some(record) => (Ok(infer_figures(record)), record["input"]["sha256"].as_str().map(str::to_owned)),
             None => match Failure::read(&derivative.run(self.mask)) {
@@ -237,6 +237,6 @@ impl<'a> MaskRun<'a> {
             },
         };
         let (subject, input) = (self.subject.name.clone(), self.mask.path.display().to_string());
-        Row { subject, input, sha256: sha256.unwrap_or_default(), covariates: Vec::new(), page: None, figures }
+        CohortRow { subject, input, sha256: sha256.unwrap_or_default(), covariates: Vec::new(), page: None, figures }
     }
 }

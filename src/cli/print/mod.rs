@@ -10,7 +10,7 @@ use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use crate::internals::flow::Boundary;
-use crate::internals::flow::free_ends::unfed_fragments;
+use crate::internals::flow::boundary_conditions::unfed_fragments;
 use crate::internals::formats::Format;
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};

@@ -12,7 +12,7 @@ use crate::internals::candidates::joins::model::JoinModel;
 use crate::internals::candidates::model::HeldOutScores;
 use crate::internals::output::StagedFiles;
 use crate::internals::training::{
-    Case, ContactModel, CrossValidation, Example, Model, Step, TrainParams, check_folds, cross_validate, fit,
+    CandidateExample, Case, ContactModel, CrossValidation, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,
     goes_without_inlets, read_cases,
 };
 use serde_json::json;
@@ -57,16 +57,17 @@ impl TrainArgs {
         }
         let others = read_cases(&self.calibrate_with, Model::Tracing)?;
         say_notes(terminal, &others.notes, "case");
-        let calibrating = Example::measure(&others.cases.iter().collect::<Vec<_>>(), |_| true)?;
-        let judged = Example::measure(&all, |_| true)?;
+        let calibrating = CandidateExample::measure(&others.cases.iter().collect::<Vec<_>>(), |_| true)?;
+        let judged = CandidateExample::measure(&all, |_| true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
         let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
-        let unfed = Example::measure(&without, |_| false)?;
+        let unfed = CandidateExample::measure(&without, |_| false)?;
         let mut rest = unfed.iter();
-        let training: Vec<&Example> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
+        let training: Vec<&CandidateExample> =
+            judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
         say_cases(terminal, &judged);
         say_cases(terminal, &calibrating);
-        let calibrating: Vec<&Example> = calibrating.iter().collect();
+        let calibrating: Vec<&CandidateExample> = calibrating.iter().collect();
         terminal.say(
             "measured",
             format!("in {:.0} s; {} used without their inlets", began.elapsed().as_secs_f64(), plural(unfed.len(), "case")),
@@ -74,7 +75,7 @@ impl TrainArgs {
         let mut weights = fit(&training, &calibrating, params, &mut |step| say_step(terminal, "fitted", step))?;
         let mut validated = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
         if self.folds > 0 {
-            let judged: Vec<&Example> = judged.iter().collect();
+            let judged: Vec<&CandidateExample> = judged.iter().collect();
             validated = cross_validate(&training, &judged, &calibrating, self.folds, params, &mut |fold, step| {
                 say_step(terminal, &format!("fold {fold}"), step);
             })?;
@@ -97,10 +98,10 @@ impl TrainArgs {
 }
 
 /// What was read, by data set.
-fn say_cases(terminal: TextTerminal, examples: &[Example]) {
+fn say_cases(terminal: TextTerminal, examples: &[CandidateExample]) {
     for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
         let subjects: BTreeSet<&str> = of_set.iter().map(|e| e.case.subject.as_str()).collect();
-        let sum = |of: &dyn Fn(&Example) -> usize| of_set.iter().map(of).sum::<usize>();
+        let sum = |of: &dyn Fn(&CandidateExample) -> usize| of_set.iter().map(of).sum::<usize>();
         let (needed, reached) = (sum(&|e| e.case.truth.needed()), sum(&|e| e.reached()));
         terminal.say(
             "read",
@@ -118,9 +119,9 @@ fn say_cases(terminal: TextTerminal, examples: &[Example]) {
     }
 }
 
-fn say_step(terminal: TextTerminal, heading: &str, step: &Step) {
+fn say_step(terminal: TextTerminal, heading: &str, step: &FittedPass) {
     let [before, after] = step.objective;
-    let Step { pass, evaluations, .. } = step;
+    let FittedPass { pass, evaluations, .. } = step;
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 

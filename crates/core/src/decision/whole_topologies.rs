@@ -18,9 +18,9 @@ use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
 use crate::network::{END_ODDS, Network, Origin, fragments};
-use crate::sampling::forest::{Coins, Forest};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
+use crate::sampling::{Coins, Kruskal};
 use crate::support::random;
 use crate::support::random::{BLOCK, stream};
 
@@ -116,7 +116,7 @@ fn let_samples_vote(
     let at_rest = Tube::at_rest(network, params.viscosity);
     let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
     let solver = PressureSolver::new(&circuit)?;
-    let (mut forest, coins) = (Forest::default(), Coins::new(network.vessel_count(), params.seed));
+    let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
     let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
         let above_level = solver.above_level(open)?;
         let mut tubes = at_rest.clone();

@@ -2,10 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::free_ends::FreeEnds;
+use super::free_ends::{FreeEnds, joinable_parts};
 use crate::error::{Error, Result};
 use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, fragments};
+use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
 
 /// A condition that a person or a file states.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -133,7 +133,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found.into_iter().filter(|node| !is_named_outlet(network, *node)).collect();
+            boundary.found_outlets = found.into_iter().filter(|node| !ends.is_named_outlet(*node)).collect();
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -278,12 +278,6 @@ pub fn stated(network: &Network) -> Vec<Given> {
     given.collect()
 }
 
-/// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
-fn is_named_outlet(network: &Network, node: usize) -> bool {
-    let node = network.node(node);
-    node.role == Some(Role::Outlet) && node.condition.is_none()
-}
-
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
     let ends = ends.nodes().len();
     let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
@@ -292,4 +286,20 @@ fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
         format!("is given or can be found among {ends} free ends"),
         format!("give `{what}` NODE (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet` NODE" }),
     )
+}
+
+/// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
+pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
+    let whole = joinable_parts(network);
+    let mut fed = vec![false; whole.count];
+    for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
+        fed[whole.of_node[*node]] = true;
+    }
+    let observed = |v: &Vessel| v.origin != Origin::Candidate;
+    let parts = fragments(network, |_, v| observed(v));
+    let mut unfed = vec![false; parts.count];
+    for ([a, _], _) in network.vessels().filter(|(_, v)| observed(v)) {
+        unfed[parts.of_node[a]] = !fed[whole.of_node[a]];
+    }
+    unfed.into_iter().filter(|unfed| *unfed).count()
 }

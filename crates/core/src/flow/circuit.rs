@@ -16,7 +16,7 @@ pub(crate) fn same_pressure(a: f64, b: f64) -> bool {
 /// A boundary condition that holds in some samples only, as a link to a node outside: a terminal resistance to the venous pressure, or a
 /// mark that the node has the pressure outside. The link is open in the samples in which the condition holds.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Terminal {
+pub struct TerminalLink {
     /// The node.
     pub node: usize,
     /// Whether it fixes the pressure of the node: its conductance then is 1, and counts for nothing.
@@ -24,7 +24,7 @@ pub struct Terminal {
 }
 
 /// A resistor network in SI units. Kirchhoff's current law at every free node j, over its vessels e to nodes i:
-/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j. After the rows of the vessels come those of the [`Terminal`]s.
+/// Σ_e C_e (P_j - P_i) + g_j P_j = s_j. After the rows of the vessels come those of the [`TerminalLink`]s.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circuit {
     /// The two nodes of each row.
@@ -42,7 +42,7 @@ pub struct Circuit {
     /// The lowest pressure of any condition, Pa. Solving above it keeps every term of the elimination non-negative.
     pub level: f64,
     /// Conditions that hold in some samples only; the last rows, in this order.
-    pub terminals: Vec<Terminal>,
+    pub terminals: Vec<TerminalLink>,
 }
 
 impl Circuit {
@@ -125,7 +125,7 @@ impl Circuit {
         });
         self.ends.push([node, there]);
         self.conductance.push(conductance);
-        self.terminals.push(Terminal { node, fixes });
+        self.terminals.push(TerminalLink { node, fixes });
     }
 
     /// The circuit of one sample, whose terminals that hold are conditions of their nodes; the others are gone. `open` says it of every row.

@@ -17,7 +17,7 @@ pub struct DeadEnds {
 
 /// The memory of one worker.
 #[derive(Debug, Clone, Default)]
-pub struct Workspace {
+pub struct DeadEndsWorkspace {
     order: Vec<u32>,
     parent: Vec<u32>,
     entered: Vec<u32>,
@@ -65,7 +65,7 @@ impl DeadEnds {
     }
 
     /// Gives every node in a dead end the pressure of the junction or condition where the dead end begins.
-    pub fn level(&self, open: impl Fn(usize) -> bool, work: &mut Workspace, pressure: &mut [f64], fixed: &[Option<f64>]) {
+    pub fn level(&self, open: impl Fn(usize) -> bool, work: &mut DeadEndsWorkspace, pressure: &mut [f64], fixed: &[Option<f64>]) {
         let all = self.start.len() - 1;
         let root = all - 1;
         for list in [&mut work.parent, &mut work.entered, &mut work.low] {

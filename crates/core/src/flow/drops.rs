@@ -33,7 +33,7 @@ pub struct Drops {
 
 /// The memory of one worker.
 #[derive(Debug, Default)]
-pub struct Workspace {
+pub struct DropsWorkspace {
     /// Per node the level at which its pressure is held in this sample.
     held: Vec<Option<usize>>,
     /// By ray a conductance; once its star is eliminated, a weight.
@@ -138,20 +138,20 @@ impl Drops {
     }
 
     /// Finds the drops of the sample whose rows are `open`: vessels, and terminals that hold.
-    pub fn solve(&self, open: impl Fn(usize) -> bool, work: &mut Workspace) {
+    pub fn solve(&self, open: impl Fn(usize) -> bool, work: &mut DropsWorkspace) {
         self.assemble(open, work);
         self.eliminate(work);
         self.substitute_back(work);
     }
 
     /// The drop along a row in the sample that was solved, in absolute value, Pa; `None` where nothing flows in it when it is open.
-    pub fn drop(&self, row: usize, work: &Workspace) -> Option<f64> {
+    pub fn drop(&self, row: usize, work: &DropsWorkspace) -> Option<f64> {
         let Bounded { value, error } = self.along(row, work);
         Some(value.abs()).filter(|drop| *drop > error)
     }
 
     /// The pressure at one end of a row less that at the other, Pa, whichever is which.
-    pub fn along(&self, row: usize, work: &Workspace) -> Bounded {
+    pub fn along(&self, row: usize, work: &DropsWorkspace) -> Bounded {
         let [a, b] = self.circuit.ends[row];
         if a == b {
             return Bounded::default();
@@ -164,9 +164,9 @@ impl Drops {
         }
     }
 
-    fn assemble(&self, open: impl Fn(usize) -> bool, work: &mut Workspace) {
+    fn assemble(&self, open: impl Fn(usize) -> bool, work: &mut DropsWorkspace) {
         let Self { circuit, program, levels, .. } = self;
-        let Workspace { held, conductance, ground, source, above, drop } = work;
+        let DropsWorkspace { held, conductance, ground, source, above, drop } = work;
         held.clear();
         held.extend(self.level.iter().zip(&circuit.fixed).map(|(level, fixed)| fixed.and(*level)));
         let terminals = (circuit.vessel_count()..).zip(&circuit.terminals);
@@ -204,9 +204,9 @@ impl Drops {
         }
     }
 
-    fn eliminate(&self, work: &mut Workspace) {
+    fn eliminate(&self, work: &mut DropsWorkspace) {
         let (program, levels) = (&self.program, self.levels.len());
-        let Workspace { conductance, ground, source, .. } = work;
+        let DropsWorkspace { conductance, ground, source, .. } = work;
         for k in 0..program.nodes() {
             let star = program.star(k);
             let (done, later) = ground.split_at_mut((k + 1) * levels);
@@ -233,9 +233,9 @@ impl Drops {
         }
     }
 
-    fn substitute_back(&self, work: &mut Workspace) {
+    fn substitute_back(&self, work: &mut DropsWorkspace) {
         let (program, levels) = (&self.program, &self.levels);
-        let Workspace { conductance: weight, ground, source, above, drop, .. } = work;
+        let DropsWorkspace { conductance: weight, ground, source, above, drop, .. } = work;
         let unit = ROUNDINGS * f64::EPSILON * (program.nodes() + levels.len()) as f64;
         let to = |ray: usize| program.ray_to()[ray] as usize * levels.len();
         for k in (0..program.nodes()).rev() {

@@ -1,6 +1,5 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
-use super::boundary_conditions::Boundary;
 use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use crate::support::ties::{compare, near_zero, steady};
@@ -92,6 +91,11 @@ impl FreeEnds {
     /// The mean radius of the vessel over its last points at this end, m.
     pub fn radius(&self, node: usize) -> f64 {
         self.radius[node]
+    }
+
+    /// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
+    pub fn is_named_outlet(&self, node: usize) -> bool {
+        self.named_outlet[node]
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
@@ -193,7 +197,7 @@ impl FreeEnds {
 }
 
 /// The parts that the vessels make which can be open.
-fn joinable_parts(network: &Network) -> Fragments {
+pub fn joinable_parts(network: &Network) -> Fragments {
     fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed)
 }
 
@@ -227,20 +231,4 @@ impl JoinableParts {
         let [length, area] = self.measured[self.parts.of_node[node]];
         may_be_speck(length, area / length) && !self.is_long(node)
     }
-}
-
-/// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
-pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
-    let whole = joinable_parts(network);
-    let mut fed = vec![false; whole.count];
-    for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
-        fed[whole.of_node[*node]] = true;
-    }
-    let observed = |v: &Vessel| v.origin != Origin::Candidate;
-    let parts = fragments(network, |_, v| observed(v));
-    let mut unfed = vec![false; parts.count];
-    for ([a, _], _) in network.vessels().filter(|(_, v)| observed(v)) {
-        unfed[parts.of_node[a]] = !fed[whole.of_node[a]];
-    }
-    unfed.into_iter().filter(|unfed| *unfed).count()
 }

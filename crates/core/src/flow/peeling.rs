@@ -29,7 +29,7 @@ pub struct Chain {
     pub first: usize,
 }
 
-struct Link {
+struct ChainLink {
     ends: [usize; 2],
     resistance: f64,
     members: Vec<usize>,
@@ -38,7 +38,7 @@ struct Link {
 
 /// Peels a circuit whose `certain` rows are open in every sample.
 pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
-    let mut links: Vec<Option<Link>> = Vec::with_capacity(circuit.row_count());
+    let mut links: Vec<Option<ChainLink>> = Vec::with_capacity(circuit.row_count());
     let mut around = vec![Vec::new(); circuit.node_count()];
     for (vessel, ends) in circuit.ends.iter().enumerate() {
         if ends[0] == ends[1] {
@@ -48,7 +48,7 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
         around[ends[0]].push(vessel);
         around[ends[1]].push(vessel);
         let resistance = 1.0 / circuit.conductance[vessel];
-        links.push(Some(Link { ends: *ends, resistance, members: vec![vessel], certain: certain[vessel] }));
+        links.push(Some(ChainLink { ends: *ends, resistance, members: vec![vessel], certain: certain[vessel] }));
     }
     let inner = |node: usize| circuit.is_inner(node);
     let mut gone = vec![false; circuit.node_count()];
@@ -76,7 +76,7 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
                 } else {
                     around[ends[1]].push(a);
                     let members = [first.members, second.members].concat();
-                    links[a] = Some(Link { ends, resistance: first.resistance + second.resistance, members, certain: true });
+                    links[a] = Some(ChainLink { ends, resistance: first.resistance + second.resistance, members, certain: true });
                 }
                 open.extend(ends.into_iter().filter(|n| inner(*n)));
             }
@@ -86,11 +86,11 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
     assemble(circuit, &links, &gone)
 }
 
-fn other(link: &Link, node: usize) -> usize {
+fn other(link: &ChainLink, node: usize) -> usize {
     if link.ends[0] == node { link.ends[1] } else { link.ends[0] }
 }
 
-fn assemble(circuit: &Circuit, links: &[Option<Link>], gone: &[bool]) -> Peeled {
+fn assemble(circuit: &Circuit, links: &[Option<ChainLink>], gone: &[bool]) -> Peeled {
     let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.row_count()] };
     for [a, b] in &mut peeled.circuit.ends {
         *b = *a;

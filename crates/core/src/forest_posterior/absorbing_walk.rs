@@ -4,7 +4,7 @@
 ///
 /// What a node steps to itself with is never read: it only delays the walk.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Walk {
+pub struct AbsorbingWalk {
     nodes: usize,
     /// Odds of a step from row to column, row by row.
     step: Vec<f64>,
@@ -12,7 +12,7 @@ pub struct Walk {
     pub death: Vec<f64>,
 }
 
-impl Walk {
+impl AbsorbingWalk {
     /// A walk without any odds yet.
     pub fn new(nodes: usize) -> Self {
         Self { nodes, step: vec![0.0; nodes * nodes], death: vec![0.0; nodes] }

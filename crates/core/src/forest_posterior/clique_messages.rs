@@ -3,18 +3,18 @@
 //! Upwards, a clique tells its parent how the walk continues among shared fragments through those below. Downwards, the parent tells
 //! each child the same of all others. It never subtracts a child's own message.
 
-use super::absorbing_walk::Walk;
+use super::absorbing_walk::AbsorbingWalk;
 use super::clique_tree::Clique;
 
 /// A walk among some fragments.
 struct Message {
     nodes: Vec<usize>,
-    walk: Walk,
+    walk: AbsorbingWalk,
 }
 
 /// The walk within every clique, with all fragments outside of it eliminated; and the part of ln det L that the cliques with
 /// a parent make up.
-pub fn complete(cliques: &[Clique], own: Vec<Walk>) -> (Vec<Walk>, f64) {
+pub fn complete(cliques: &[Clique], own: Vec<AbsorbingWalk>) -> (Vec<AbsorbingWalk>, f64) {
     let fragments = cliques.iter().flat_map(|clique| &clique.nodes).max().map_or(0, |most| most + 1);
     let mut place = vec![0; fragments];
     let mut children = vec![Vec::new(); cliques.len()];
@@ -41,7 +41,7 @@ pub fn complete(cliques: &[Clique], own: Vec<Walk>) -> (Vec<Walk>, f64) {
 }
 
 /// A walk with the messages of some cliques added.
-fn with(walk: &Walk, nodes: &[usize], from: &[usize], up: &[Option<Message>], place: &mut [usize]) -> Walk {
+fn with(walk: &AbsorbingWalk, nodes: &[usize], from: &[usize], up: &[Option<Message>], place: &mut [usize]) -> AbsorbingWalk {
     let mut walk = walk.clone();
     set_places(nodes, place);
     for message in from.iter().filter_map(|child| up[*child].as_ref()) {
@@ -52,7 +52,7 @@ fn with(walk: &Walk, nodes: &[usize], from: &[usize], up: &[Option<Message>], pl
 }
 
 /// A walk on `nodes` with all but `kept` eliminated, and Σ ln S of those.
-fn reduced(walk: Walk, nodes: &[usize], kept: &[usize]) -> (Message, f64) {
+fn reduced(walk: AbsorbingWalk, nodes: &[usize], kept: &[usize]) -> (Message, f64) {
     let gone: Vec<usize> = (0..nodes.len()).filter(|at| !kept.contains(&nodes[*at])).collect();
     let stays: Vec<usize> = (0..nodes.len()).filter(|at| kept.contains(&nodes[*at])).collect();
     let order: Vec<usize> = gone.iter().chain(&stays).copied().collect();
@@ -69,7 +69,7 @@ fn descend(
     cliques: &[Clique],
     up: &[Option<Message>],
     place: &mut [usize],
-    whole: &mut [Walk],
+    whole: &mut [AbsorbingWalk],
 ) {
     let shared = |child: &usize| &cliques[*child].nodes[cliques[*child].pivots..];
     if let [child] = children {

@@ -4,7 +4,7 @@
 //! eliminate one half, solve the other as a problem of its own, go back through the first; then the other way round. About
 //! 1.3 n³ multiplications in all, and not one subtraction.
 
-use super::absorbing_walk::{TOGETHER, Walk, add_multiple, add_multiples};
+use super::absorbing_walk::{AbsorbingWalk, TOGETHER, add_multiple, add_multiples};
 
 /// Probabilities of dying before a meeting: row = start, column = the node to be met; 0 where they are one.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,7 +21,7 @@ impl Escapes {
 }
 
 /// All escapes of a walk, and ln det L.
-pub fn escapes(walk: &Walk) -> (Escapes, f64) {
+pub fn escapes(walk: &AbsorbingWalk) -> (Escapes, f64) {
     let n = walk.nodes();
     let mut out = Escapes { nodes: n, q: vec![0.0; n * n] };
     if n < 2 {
@@ -35,7 +35,7 @@ pub fn escapes(walk: &Walk) -> (Escapes, f64) {
 }
 
 /// The columns of `kept`, by elimination of the others; returns ln det L.
-fn half(walk: &Walk, gone: &[usize], kept: &[usize], out: &mut Escapes) -> f64 {
+fn half(walk: &AbsorbingWalk, gone: &[usize], kept: &[usize], out: &mut Escapes) -> f64 {
     let order: Vec<usize> = gone.iter().chain(kept).copied().collect();
     let mut reduced = walk.part(&order);
     let log_sum = reduced.eliminate(gone.len());

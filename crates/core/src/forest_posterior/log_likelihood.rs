@@ -5,7 +5,7 @@ use super::marginals::Marginals;
 
 /// Derivatives of the log-likelihood.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Gradient {
+pub struct ForestGradient {
     /// Per edge, with respect to ln w.
     pub edges: Vec<f64>,
     /// Per fragment, with respect to ln v.
@@ -21,7 +21,7 @@ pub struct Gradient {
 /// # Panics
 ///
 /// `allowed` or `marginals` belong to other forests.
-pub fn log_likelihood(forests: &Forests, marginals: &Marginals, allowed: &[bool]) -> (f64, Gradient) {
+pub fn log_likelihood(forests: &Forests, marginals: &Marginals, allowed: &[bool]) -> (f64, ForestGradient) {
     assert_eq!(allowed.len(), forests.edges().len(), "one mark per edge");
     assert_eq!(marginals.edges.len(), allowed.len(), "marginals of the same forests");
     let mut most = vec![None::<f64>; forests.fragments()];
@@ -44,5 +44,5 @@ pub fn log_likelihood(forests: &Forests, marginals: &Marginals, allowed: &[bool]
         share - p
     });
     let roots = most.iter().zip(&marginals.roots).map(|(most, p)| f64::from(u8::from(most.is_none())) - p);
-    (value, Gradient { edges: edges.collect(), roots: roots.collect() })
+    (value, ForestGradient { edges: edges.collect(), roots: roots.collect() })
 }

@@ -1,6 +1,6 @@
 //! The probability of every edge and every root.
 
-use super::absorbing_walk::Walk;
+use super::absorbing_walk::AbsorbingWalk;
 use super::clique_messages::complete;
 use super::clique_tree::{Clique, cliques};
 use super::escape_probability::escapes;
@@ -70,8 +70,8 @@ pub fn marginals(forests: &Forests) -> Marginals {
 }
 
 /// The walk of a clique from the edges that it holds and the roots that are eliminated there.
-fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled, place: &mut [usize]) -> Walk {
-    let mut walk = Walk::new(clique.nodes.len());
+fn own_walk(clique: &Clique, held: &[usize], forests: &Forests, scaled: &Scaled, place: &mut [usize]) -> AbsorbingWalk {
+    let mut walk = AbsorbingWalk::new(clique.nodes.len());
     for (at, node) in clique.nodes.iter().enumerate() {
         place[*node] = at;
         if at < clique.pivots {

@@ -1,7 +1,5 @@
-//! Hypertension: the pressure in a vessel divided by its cross-section, the distribution of that over vessels and instances, and
-//! the share above a threshold of risk (Moriconi et al. 2019).
-
-use std::f64::consts::PI;
+//! Hypertension: the distribution of the hypertension force over vessels and instances, and the share above a threshold of risk (Moriconi et
+//! al. 2019).
 
 use super::run::Modulation;
 use crate::support::gamma::{Gamma, GammaFit};
@@ -14,15 +12,6 @@ pub const BINS: usize = 50;
 const COVERED: f64 = 0.99;
 /// The share of the unperturbed vessels that lie above the threshold of risk.
 const AT_RISK: f64 = 0.05;
-
-/// The hypertension force of a vessel, Pa/m²: the mean of the pressures (Pa) at its two ends divided by its cross-section π r², with
-/// the radius r (m) where it is narrowest. The paper calls it a force; it is large in a thin vessel. NaN without pressures.
-pub fn force(ends: [Option<f64>; 2], radius: f64) -> f64 {
-    match ends {
-        [Some(a), Some(b)] => f64::midpoint(a, b) / (PI * radius * radius),
-        _ => f64::NAN,
-    }
-}
 
 /// The default threshold of risk, Pa/m²: above it is a twentieth of the unperturbed vessels, or a little more, those of the largest forces. It lies
 /// halfway from the least force above it to the next smaller one, so that it never is the force of a vessel, as the 95th percentile is where the

@@ -1,6 +1,7 @@
 //! The instances of one class: the pressures, flows and other figures of each.
 
-use super::hypertension::force;
+use std::f64::consts::PI;
+
 use crate::flow::state::State;
 use crate::flow::{Factors, Tube};
 use crate::support::Distribution;
@@ -37,7 +38,8 @@ impl Instances {
         self.drop.extend(state.vessels.iter().map(|v| v.drop));
         self.flow.extend(state.vessels.iter().map(|v| v.flow));
         self.resilience.extend(state.vessels.iter().map(|v| v.resilience));
-        self.force.extend(tubes.iter().zip(ends).map(|(tube, ends)| force(ends.map(|n| state.pressure[n]), tube.radius)));
+        self.force
+            .extend(tubes.iter().zip(ends).map(|(tube, ends)| hypertension_force(ends.map(|n| state.pressure[n]), tube.radius)));
         self.resistance_factor.extend(factors.iter().map(|f| f.resistance));
         self.radius_factor.extend(factors.iter().map(|f| f.radius));
         self.length_factor.extend(factors.iter().map(|f| f.length));
@@ -73,6 +75,15 @@ impl Instances {
     pub fn means(table: &[f64], width: usize, counts: &[bool], figure: impl Fn(f64) -> f64) -> Vec<f64> {
         let mean = |row: &[f64]| mean_of(row.iter().zip(counts).filter(|(_, counts)| **counts).map(|(x, _)| figure(*x)));
         table.chunks_exact(width).map(mean).collect()
+    }
+}
+
+/// The hypertension force of a vessel, Pa/m²: the mean of the pressures (Pa) at its two ends divided by its cross-section π r², with
+/// the radius r (m) where it is narrowest. The paper calls it a force; it is large in a thin vessel. NaN without pressures.
+pub fn hypertension_force(ends: [Option<f64>; 2], radius: f64) -> f64 {
+    match ends {
+        [Some(a), Some(b)] => f64::midpoint(a, b) / (PI * radius * radius),
+        _ => f64::NAN,
     }
 }
 

@@ -7,6 +7,6 @@ mod options;
 mod run;
 
 pub use hypertension::{BINS, Hypertension, HypertensionByClass};
-pub use instances::Instances;
+pub use instances::{Instances, hypertension_force};
 pub use options::{Class, ModulationOptions, Reading};
 pub use run::{Modulation, modulate};

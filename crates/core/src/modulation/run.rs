@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::instances::Instances;
 use super::options::{Class, ModulationOptions};
 use crate::error::{Error, Result};
-use crate::flow::batch::solver::Workspace;
+use crate::flow::batch::solver::BatchWorkspace;
 use crate::flow::circuit::conductances;
 use crate::flow::floating_components::{drives_flow, grounded, stranded};
 use crate::flow::pressures::MOST_BACKWARD;
@@ -66,7 +66,7 @@ pub fn modulate(
     let total = params.samples * params.classes.len() as u64;
     let stop = AtomicBool::new(false);
     let listener = Mutex::new((0, progress));
-    let solve_block = |memory: &mut Memory, task: u64| -> Result<Instances> {
+    let solve_block = |memory: &mut ModulationWorkspace, task: u64| -> Result<Instances> {
         if stop.load(Ordering::Relaxed) {
             return Ok(Instances::default());
         }
@@ -114,9 +114,9 @@ struct Job<'a> {
 }
 
 /// The memory of one worker.
-struct Memory {
+struct ModulationWorkspace {
     conductance: Vec<Lanes<LANES>>,
-    work: Workspace<LANES>,
+    work: BatchWorkspace<LANES>,
 }
 
 impl<'a> Job<'a> {
@@ -135,12 +135,12 @@ impl<'a> Job<'a> {
         Ok(Self { network, boundary, params, tubes, circuit, solver, instructions, grounded, stranded })
     }
 
-    fn memory(&self) -> Memory {
-        Memory { conductance: Vec::new(), work: self.solver.workspace(0) }
+    fn memory(&self) -> ModulationWorkspace {
+        ModulationWorkspace { conductance: Vec::new(), work: self.solver.workspace(0) }
     }
 
     /// One block of a class; the last one may be shorter.
-    fn block(&self, class: usize, block: u64, memory: &mut Memory) -> Result<Instances> {
+    fn block(&self, class: usize, block: u64, memory: &mut ModulationWorkspace) -> Result<Instances> {
         let ModulationOptions { classes, samples, seed, reading, vessels, .. } = self.params;
         let mut rng = stream(*seed, random::modulation(class, block));
         let is_modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
@@ -165,8 +165,8 @@ impl<'a> Job<'a> {
     }
 
     /// Solves up to [`LANES`] instances.
-    fn states(&self, instances: &[Vec<Tube>], memory: &mut Memory) -> Result<Vec<State>> {
-        let Memory { conductance, work } = memory;
+    fn states(&self, instances: &[Vec<Tube>], memory: &mut ModulationWorkspace) -> Result<Vec<State>> {
+        let ModulationWorkspace { conductance, work } = memory;
         let each: Vec<Vec<f64>> = instances.iter().map(|tubes| conductances(self.network, tubes)).collect::<Result<_>>()?;
         let lanes = |vessel| Lanes(std::array::from_fn(|lane| each.get(lane).map_or(0.0, |conductance| conductance[vessel])));
         conductance.clear();
@@ -218,7 +218,7 @@ struct SideBySide<'a> {
     solver: &'a BatchSolver,
     conductance: &'a [Lanes<LANES>],
     stranded: &'a [(usize, u64)],
-    work: &'a mut Workspace<LANES>,
+    work: &'a mut BatchWorkspace<LANES>,
 }
 
 impl Kernel for SideBySide<'_> {

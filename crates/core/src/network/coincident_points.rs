@@ -22,7 +22,7 @@ impl Centerlines {
         for end in self.links.iter().flatten() {
             degree[*end as usize] += 1;
         }
-        let mut places = Places::of(&self.points, &self.strand);
+        let mut places = DistinctPositions::of(&self.points, &self.strand);
         places.unite_crowds(reach);
         // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for
         // its other points, once they are merged.
@@ -99,7 +99,7 @@ impl Centerlines {
 }
 
 /// The distinct positions of points; any number of points may share one.
-struct Places {
+struct DistinctPositions {
     at: Vec<Point>,
     /// The strand of the points there; none if they belong to several.
     strand: Vec<Option<u32>>,
@@ -107,7 +107,7 @@ struct Places {
     of: Vec<usize>,
 }
 
-impl Places {
+impl DistinctPositions {
     fn of(points: &[Point], strands: &[u32]) -> Self {
         let mut places = Self { at: Vec::new(), strand: Vec::new(), of: Vec::with_capacity(points.len()) };
         let mut number_of = HashMap::with_capacity(points.len());

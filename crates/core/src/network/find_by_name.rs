@@ -20,7 +20,7 @@ pub struct Located {
 
 /// The node nearest to a position.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Nearest {
+pub struct NearestNode {
     /// Its row.
     pub node: usize,
     /// How far from the position it is, m.
@@ -74,9 +74,9 @@ pub fn locate(network: &Network, spec: &str) -> Result<Located, String> {
 }
 
 /// The node nearest to a position (m) among those in the rows that `admit` takes, however far away, ties to the lower row.
-pub fn nearest_node(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<Nearest> {
+pub fn nearest_node(network: &Network, position: Point, admit: impl Fn(usize) -> bool) -> Option<NearestNode> {
     let nodes = network.nodes().enumerate().filter(|(row, _)| admit(*row));
-    let away = nodes.filter_map(|(node, n)| Some(Nearest { node, distance: distance(n.position?, position) }));
+    let away = nodes.filter_map(|(node, n)| Some(NearestNode { node, distance: distance(n.position?, position) }));
     away.min_by(|a, b| a.distance.total_cmp(&b.distance).then(a.node.cmp(&b.node)))
 }
 

@@ -16,7 +16,7 @@ pub mod waveform;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
-pub use find_by_name::{FoundBy, Nearest, REACH, locate, nearest_node, parse_position, vessels_called};
+pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;
 pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};

@@ -16,13 +16,13 @@ const DIGITS: usize = Rows::WORDS_OF_64 / TOGETHER;
 pub struct Occlusion {
     /// Per vessel the samples in which it is open whatever is drawn: all or none.
     surely: Vec<u64>,
-    random: Vec<Together>,
+    random: Vec<ChanceVessels>,
     instructions: InstructionSet,
 }
 
 /// Vessels that are open by chance.
 #[derive(Debug, Clone, PartialEq)]
-struct Together {
+struct ChanceVessels {
     vessels: Vec<u32>,
     /// The keep probabilities, times 2⁶⁴.
     keep: [u64; TOGETHER],
@@ -38,7 +38,7 @@ impl Occlusion {
                 chances.push((vessel as u32, (p * 2_f64.powi(64)) as u64));
             }
         }
-        let random = chances.chunks(TOGETHER).map(|some| Together {
+        let random = chances.chunks(TOGETHER).map(|some| ChanceVessels {
             vessels: some.iter().map(|(vessel, _)| *vessel).collect(),
             keep: std::array::from_fn(|i| some.get(i).map_or(0, |(_, keep)| *keep)),
         });

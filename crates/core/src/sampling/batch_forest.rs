@@ -7,7 +7,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::forest::Coins;
+use super::coins::Coins;
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, zip};
 
@@ -15,7 +15,7 @@ use crate::support::simd::{Lanes, Simd, zip};
 #[derive(Debug, Clone)]
 pub struct ForestProgram {
     program: Elimination,
-    steps: Vec<Step>,
+    steps: Vec<EliminationStep>,
     key_slots: Vec<KeySlot>,
     /// The rays that no vessel lies on.
     fill: Vec<u32>,
@@ -151,7 +151,7 @@ impl ForestProgram {
 
 /// One or two nodes eliminated at a time.
 #[derive(Debug, Clone, Copy)]
-struct Step {
+struct EliminationStep {
     /// The node's place.
     k: u32,
     /// Whether the next one has the same neighbours and goes with it.
@@ -159,12 +159,12 @@ struct Step {
 }
 
 /// Pairs each node with its next where that is its neighbour and has all its other neighbours.
-fn steps(program: &Elimination) -> Vec<Step> {
+fn steps(program: &Elimination) -> Vec<EliminationStep> {
     let to = |k: usize| &program.ray_to()[program.star(k)];
     let (mut out, mut k) = (Vec::new(), 0);
     while k < program.nodes() {
         let twin = k + 1 < program.nodes() && to(k).first() == Some(&(k as u32 + 1)) && to(k)[1..] == *to(k + 1);
-        out.push(Step { k: k as u32, twin });
+        out.push(EliminationStep { k: k as u32, twin });
         k += 1 + usize::from(twin);
     }
     out

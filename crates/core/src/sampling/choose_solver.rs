@@ -1,14 +1,10 @@
 //! Which solver, forest algorithm and group width a run uses, and why.
 
 use super::batch_forest::ForestProgram;
-use super::full_graph::FullGraph;
-use super::options::{SamplingOptions, Solver};
-use super::reduced_graph::ReducedGraph;
-use super::reference::Reference;
+use super::options::Solver;
 use crate::error::{Error, Result};
 use crate::flow::batch::conjugate_gradients::ConjugateGradients;
 use crate::flow::{BatchSolver, Circuit, StarMesh};
-use crate::network::Network;
 
 /// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
 const MOST_VESSELS_IN_FULL: usize = 4096;
@@ -56,40 +52,22 @@ pub struct Method {
     pub instructions: &'static str,
 }
 
-/// A graph made ready for the way in which its samples are computed.
-#[derive(Debug)]
-pub enum Plan {
-    /// Vessel by vessel.
-    Full(Box<FullGraph>),
-    /// Reduced first to what samples can change.
-    Reduced(Box<ReducedGraph>),
-    /// By the book.
-    Reference(Box<Reference>),
+impl Method {
+    /// With a forest program, or Kruskal's algorithm.
+    pub fn new(solver: &'static str, solver_size: usize, forest: Option<&ForestProgram>, instructions: &'static str) -> Self {
+        let forest_joins = forest.map(ForestProgram::joins);
+        let forest = if forest_joins.is_some() { "bottleneck" } else { "kruskal" };
+        Self { solver, solver_size, forest, forest_joins, instructions }
+    }
 }
 
-impl Plan {
-    /// The plan for a network with the circuit of its samples, whose `certain` vessels are open in all of them: what is asked for, or what is
-    /// predicted to be the fastest.
-    ///
-    /// # Errors
-    ///
-    /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
-    pub fn choose(network: &Network, circuit: Circuit, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
-        let most_joins = match options.solver {
-            Solver::Reference => return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight)))),
-            _ if network.vessel_count() > MOST_VESSELS_IN_FULL => None,
-            Solver::Auto => Some(MOST_JOINS_IN_FULL),
-            Solver::Lanes => Some(usize::MAX),
-            Solver::Gradients => None,
-        };
-        let full = match most_joins {
-            Some(most) => FullGraph::new(network, &circuit, certain, options, most)?,
-            None => None,
-        };
-        Ok(match full {
-            Some(full) => Self::Full(Box::new(full)),
-            None => Self::Reduced(Box::new(ReducedGraph::new(network, &circuit, certain, options)?)),
-        })
+/// The most joins of a graph whose samples are computed vessel by vessel; `None` where it is reduced first.
+pub fn most_joins_in_full(vessels: usize, solver: Solver) -> Option<usize> {
+    match solver {
+        _ if vessels > MOST_VESSELS_IN_FULL => None,
+        Solver::Lanes => Some(usize::MAX),
+        Solver::Gradients => None,
+        _ => Some(MOST_JOINS_IN_FULL),
     }
 }
 

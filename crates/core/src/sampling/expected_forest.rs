@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use rand::Rng;
 
-use super::forest::{root, rounded};
+use super::coins::rounded;
+use super::forest::root;
 use crate::support::random;
 use crate::support::random::stream;
 
@@ -16,7 +17,7 @@ const DRAWN: u32 = 1 << 12;
 
 /// A diffused vessel, or a chain of vessels in series.
 #[derive(Debug, Clone, Copy)]
-pub struct Candidate {
+pub struct ForestEdge {
     /// Its resilience, or that of the weakest of the chain, W/m³.
     pub resilience: f64,
     /// Its row, which `take` is told.
@@ -44,13 +45,13 @@ struct Tied {
 
 impl ExpectedForest {
     /// Calls `take` with the row of each candidate that may be in the forest and the probability that all of it is. `all` is sorted on the way.
-    pub fn grow(&mut self, nodes: usize, all: &mut [Candidate], mut take: impl FnMut(usize, f64)) {
+    pub fn grow(&mut self, nodes: usize, all: &mut [ForestEdge], mut take: impl FnMut(usize, f64)) {
         all.sort_unstable_by(|a, b| rounded(b.resilience).total_cmp(&rounded(a.resilience)).then(a.row.cmp(&b.row)));
         self.parent.clear();
         self.parent.extend(0..nodes as u32);
         for group in all.chunk_by(|a, b| rounded(a.resilience) == rounded(b.resilience)) {
             self.equal.clear();
-            for Candidate { row, ends, weakest, .. } in group {
+            for ForestEdge { row, ends, weakest, .. } in group {
                 let ends = ends.map(|node| root(&mut self.parent, node as u32) as usize);
                 if ends[0] != ends[1] {
                     self.equal.push(Tied { row: *row, ends, weakest: *weakest });

@@ -6,19 +6,19 @@
 use std::ops::Range;
 
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest, KeySlot};
-use super::block_sums::{Forests, PerSample, expectation, open_vessels, part, perfused};
+use super::block::{Block, BlockForests};
 use super::choose_solver;
 use super::choose_solver::{FULL_GRAPH_LANES as B, Method};
-use super::expected_forest::{Candidate, ExpectedForest};
-use super::forest::{Coins, Forest};
+use super::coins::Coins;
+use super::expected_forest::{ExpectedForest, ForestEdge};
+use super::forest::Kruskal;
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
-use super::sampler::Block;
+use super::per_sample::{PerSample, expectation, open_vessels, part, perfused};
 use crate::error::Result;
-use crate::flow::batch::star_mesh;
+use crate::flow::batch::star_mesh::StarMeshWorkspace;
 use crate::flow::circuit::beyond_doubles;
-use crate::flow::drops;
-use crate::flow::drops::{Drops, FEW_DIGITS};
+use crate::flow::drops::{Drops, DropsWorkspace, FEW_DIGITS};
 use crate::flow::floating_components::stranded;
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::residual::Check;
@@ -42,7 +42,7 @@ pub struct FullGraph {
     forest: Option<ForestProgram>,
     /// Where the keys of each vessel go: as the forest program has it, or each to a place of its own.
     key_slots: Vec<KeySlot>,
-    vessels: Vec<VesselFlow>,
+    vessels: Vec<VesselResilience>,
     /// Per vessel its nodes.
     ends: Vec<[usize; 2]>,
     weight: Weight,
@@ -51,7 +51,7 @@ pub struct FullGraph {
 
 /// How a vessel's resilience follows from pressures.
 #[derive(Debug, Clone, Copy)]
-struct VesselFlow {
+struct VesselResilience {
     /// Where the pressures at the two ends of its chain stand.
     slots: [u32; 2],
     /// The row that stands for the chain.
@@ -62,8 +62,8 @@ struct VesselFlow {
 
 /// The memory of one worker.
 #[derive(Debug)]
-pub struct Memory {
-    flow: star_mesh::Workspace<B>,
+pub struct FullWorkspace {
+    flow: StarMeshWorkspace<B>,
     nodes: Vec<NodePressure>,
     /// ρ of every vessel, one group after another.
     resilience: Vec<Lanes<B>>,
@@ -71,11 +71,11 @@ pub struct Memory {
     key: Vec<Lanes<B>>,
     /// Every vessel's place in the forests, one group after another.
     in_forest: Vec<InForest<B>>,
-    kruskal: Forest,
+    kruskal: Kruskal,
     expected: ExpectedForest,
-    diffused: Vec<Candidate>,
+    diffused: Vec<ForestEdge>,
     check: Check,
-    drops: drops::Workspace,
+    drops: DropsWorkspace,
 }
 
 /// The pressure at a slot above the circuit's level, and the drop that is only rounding beside it, Pa.
@@ -105,7 +105,7 @@ impl FullGraph {
         let mut vessels = Vec::with_capacity(chain.len());
         for (row, ((_, vessel), chain)) in network.vessels().zip(&chain).enumerate() {
             vessels.push(match chain {
-                None => VesselFlow { slots: [slot(ends[row][0]); 2], stand_in: row as u32, factor: 0.0 },
+                None => VesselResilience { slots: [slot(ends[row][0]); 2], stand_in: row as u32, factor: 0.0 },
                 Some(chain) => {
                     let factor = match vessel.resistance {
                         _ if chain.vessels == 1 => resilience_per_square_drop(chain.conductance, vessel.volume()),
@@ -121,7 +121,7 @@ impl FullGraph {
                     if !factor.is_normal() {
                         return Err(beyond_doubles(network, row, "resilience"));
                     }
-                    VesselFlow { slots: chain.ends.map(slot), stand_in: chain.first as u32, factor }
+                    VesselResilience { slots: chain.ends.map(slot), stand_in: chain.first as u32, factor }
                 }
             });
         }
@@ -143,84 +143,78 @@ impl FullGraph {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        Method {
-            solver: "lanes",
-            solver_size: self.solver.updates(),
-            forest: if self.forest.is_some() { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest.as_ref().map(ForestProgram::joins),
-            instructions: self.instructions.name(),
-        }
+        Method::new("lanes", self.solver.updates(), self.forest.as_ref(), self.instructions.name())
     }
 
     /// Memory for one worker.
-    pub fn memory(&self) -> Memory {
+    pub fn workspace(&self) -> FullWorkspace {
         let (vessels, groups) = (self.vessels.len(), BLOCK as usize / B);
         let flow = self.solver.workspace();
-        Memory {
+        FullWorkspace {
             nodes: vec![NodePressure { pressure: Lanes::ZERO, rounding: Lanes::ZERO }; flow.pressure.len()],
             flow,
             resilience: vec![Lanes::ZERO; vessels * groups],
             key: vec![Lanes::ZERO; self.forest.as_ref().map_or(vessels, ForestProgram::rays)],
             in_forest: vec![[0; B]; (vessels + 1) * groups],
-            kruskal: Forest::default(),
+            kruskal: Kruskal::default(),
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
             check: Check::default(),
-            drops: drops::Workspace::default(),
+            drops: DropsWorkspace::default(),
         }
     }
 
     /// Replaces `sums` by those of a block.
-    pub fn block(&self, block: &Block<'_>, memory: &mut Memory, sums: &mut Sums) {
+    pub fn block(&self, block: &Block<'_>, work: &mut FullWorkspace, sums: &mut Sums) {
         let stranded = stranded(&self.circuit, block.masks, block.samples);
-        self.instructions.run(BlockKernel { graph: self, block, stranded: &stranded, memory, sums });
+        self.instructions.run(FullGraphKernel { graph: self, block, stranded: &stranded, work, sums });
     }
 }
 
 /// A block whose samples are computed in groups of `B`.
-struct BlockKernel<'a> {
+struct FullGraphKernel<'a> {
     graph: &'a FullGraph,
     block: &'a Block<'a>,
     /// Nodes whose injected flow has nowhere to go, with the samples in which that is so.
     stranded: &'a [(usize, u64)],
-    memory: &'a mut Memory,
+    work: &'a mut FullWorkspace,
     sums: &'a mut Sums,
 }
 
-impl Kernel for BlockKernel<'_> {
+impl Kernel for FullGraphKernel<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { graph, block, stranded, memory, sums } = self;
+        let Self { graph, block, stranded, work, sums } = self;
         let Block { masks, probability, coins, coin, samples } = block;
         let FullGraph { circuit, solver, forest, .. } = graph;
         let vessels = graph.vessels.len();
-        memory.in_forest.fill([0; B]);
+        work.in_forest.fill([0; B]);
         let present = open_vessels(simd, &masks[..vessels]);
         let mut global = PerSample::ZERO;
         for (group, first) in (0..*samples).step_by(B).enumerate() {
-            solver.solve(simd, masks, first, stranded, &mut memory.flow);
+            solver.solve(simd, masks, first, stranded, &mut work.flow);
             if first == 0 {
-                let pressure = |node| memory.flow.pressure[solver.slot(node)][0];
-                sums.residual = memory.check.residual(circuit, circuit.if_open(masks), stranded, pressure).relative;
+                let pressure = |node| work.flow.pressure[solver.slot(node)][0];
+                sums.residual = work.check.residual(circuit, circuit.if_open(masks), stranded, pressure).relative;
             }
             if let Some(program) = forest {
-                program.clear(&mut memory.key);
+                program.clear(&mut work.key);
             }
             let coin = Coin { coins, of_samples: &part(&***coin, first) };
-            let mut total = graph.resiliences(simd, masks, group, coin, memory);
+            let mut total = graph.resiliences(simd, masks, group, coin, work);
             if let Some(drops) = &graph.drops
-                && graph.refine(drops, masks, first..(first + B).min(*samples), memory)
+                && graph.refine(drops, masks, first..(first + B).min(*samples), work)
             {
-                total = graph.sum_and_keys(simd, group, coin, memory);
+                total = graph.sum_and_keys(simd, group, coin, work);
             }
             global[first..first + B].copy_from_slice(&*total);
-            let in_forest = &mut memory.in_forest[group * (vessels + 1)..][..=vessels];
+            let in_forest = &mut work.in_forest[group * (vessels + 1)..][..=vessels];
             match forest {
                 _ if probability.is_some() => {}
-                Some(program) => program.grow(simd, coins, &mut memory.key, in_forest),
-                None => graph.kruskal(coins, &mut memory.kruskal, &memory.key, in_forest),
+                Some(program) => program.grow(simd, coins, &mut work.key, in_forest),
+                None => graph.kruskal(coins, &mut work.kruskal, &work.key, in_forest),
             }
         }
         // Nothing flows where no vessel is open.
@@ -229,11 +223,11 @@ impl Kernel for BlockKernel<'_> {
         sums.network_resilience = expectation(&global, *probability);
         sums.perfused = expectation(&perfused(&global), *probability);
         if let Some(probability) = probability {
-            graph.expect(probability, *samples, &global, memory, sums);
+            graph.expect(probability, *samples, &global, work, sums);
             return;
         }
-        let forests = Forests { in_forest: &memory.in_forest, vessels };
-        let resilience = |vessel: usize, first: usize| part(&*memory.resilience[first / B * vessels + vessel], first % B);
+        let forests = BlockForests { in_forest: &work.in_forest, vessels };
+        let resilience = |vessel: usize, first: usize| part(&*work.resilience[first / B * vessels + vessel], first % B);
         match graph.weight {
             Weight::Resilience => forests.add_up(simd, resilience, sums),
             Weight::Count => forests.add_up(simd, |_, _| splat(simd, 1.0), sums),
@@ -252,14 +246,14 @@ struct Coin<'a> {
 impl FullGraph {
     /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
-    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, coin: Coin<'_>, memory: &mut Memory) -> Lanes<B> {
-        for (node, pressure) in memory.nodes.iter_mut().zip(&memory.flow.pressure) {
+    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
+        for (node, pressure) in work.nodes.iter_mut().zip(&work.flow.pressure) {
             node.pressure = *pressure;
             node.rounding = rounding_drops(simd, pressure, self.circuit.level);
         }
-        let (nodes, key) = (&memory.nodes[..], &mut memory.key[..]);
+        let (nodes, key) = (&work.nodes[..], &mut work.key[..]);
         let mut sum = Lanes::ZERO;
-        let resilience = &mut memory.resilience[group * self.vessels.len()..][..self.vessels.len()];
+        let resilience = &mut work.resilience[group * self.vessels.len()..][..self.vessels.len()];
         let vessels = self.vessels.iter().zip(masks).zip(&self.key_slots).zip(resilience);
         for (row, (((vessel, mask), key_slot), resilience)) in vessels.enumerate() {
             let [a, b] = vessel.slots.map(|slot| &nodes[slot as usize]);
@@ -276,24 +270,24 @@ impl FullGraph {
     /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly; returns
     /// whether there are any.
     #[cold]
-    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, memory: &mut Memory) -> bool {
+    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, work: &mut FullWorkspace) -> bool {
         let (vessels, rounding, group) = (self.vessels.len(), FEW_DIGITS / DROP_CUT, samples.start / B);
-        let resilience = &mut memory.resilience[group * vessels..][..vessels];
+        let resilience = &mut work.resilience[group * vessels..][..vessels];
         let mut found = false;
         for sample in samples {
             let open = |row: usize| masks[row] >> sample & 1 == 1;
             let lane = sample % B;
             let doubtful = |row: &usize| {
                 let vessel = &self.vessels[*row];
-                let [a, b] = vessel.slots.map(|slot| &memory.nodes[slot as usize]);
+                let [a, b] = vessel.slots.map(|slot| &work.nodes[slot as usize]);
                 let few = rounding * a.rounding[lane].max(b.rounding[lane]);
                 vessel.factor > 0.0 && open(*row) && (a.pressure[lane] - b.pressure[lane]).abs() <= few
             };
             if !(0..vessels).any(|row| doubtful(&row)) {
                 continue;
             }
-            drops.solve(open, &mut memory.drops);
-            let drop = |row: usize| drops.drop(self.vessels[row].stand_in as usize, &memory.drops);
+            drops.solve(open, &mut work.drops);
+            let drop = |row: usize| drops.drop(self.vessels[row].stand_in as usize, &work.drops);
             if !(0..vessels).filter(doubtful).any(|row| drop(row).is_some()) {
                 continue;
             }
@@ -308,18 +302,18 @@ impl FullGraph {
 
     /// Puts the forest key of every vessel in a group anew; returns Σ ρ of each sample.
     #[inline(always)]
-    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, memory: &mut Memory) -> Lanes<B> {
-        let resilience = &memory.resilience[group * self.vessels.len()..][..self.vessels.len()];
+    fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
+        let resilience = &work.resilience[group * self.vessels.len()..][..self.vessels.len()];
         let mut sum = Lanes::ZERO;
         for (row, (rho, key_slot)) in resilience.iter().zip(&self.key_slots).enumerate() {
             sum = plus(simd, &sum, rho);
-            key_slot.put(simd, &coin.coins.keys_or_zero(simd, rho, row, coin.of_samples), &mut memory.key);
+            key_slot.put(simd, &coin.coins.keys_or_zero(simd, rho, row, coin.of_samples), &mut work.key);
         }
         sum
     }
 
     /// The forests of a group, one sample after another.
-    fn kruskal(&self, coins: &Coins, forest: &mut Forest, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+    fn kruskal(&self, coins: &Coins, forest: &mut Kruskal, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
         let vessels = self.vessels.len();
         for lane in 0..B {
             forest.clear();
@@ -337,10 +331,10 @@ impl FullGraph {
         probability: &[f64; BLOCK as usize],
         samples: usize,
         global: &PerSample,
-        memory: &mut Memory,
+        work: &mut FullWorkspace,
         sums: &mut Sums,
     ) {
-        let Memory { resilience, expected, diffused, .. } = memory;
+        let FullWorkspace { resilience, expected, diffused, .. } = work;
         let vessels = self.vessels.len();
         sums.likelihood.fill(0.0);
         sums.square.fill(0.0);
@@ -350,7 +344,7 @@ impl FullGraph {
             let rho = |row: usize| resilience[row][sample % B];
             let flows = (0..vessels).filter(|row| rho(*row) > 0.0);
             diffused.clear();
-            diffused.extend(flows.map(|row| Candidate { resilience: rho(row), row, ends: self.ends[row], weakest: 1 }));
+            diffused.extend(flows.map(|row| ForestEdge { resilience: rho(row), row, ends: self.ends[row], weakest: 1 }));
             expected.grow(self.circuit.node_count(), diffused, |row, share| {
                 sums.add(row, self.weight.of(rho(row), global[sample]), probability[sample] * share);
             });

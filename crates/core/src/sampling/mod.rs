@@ -1,8 +1,9 @@
 //! Samples an over-connected graph: which vessels are open, flow, resilience, spanning forest, and the likelihood summed over all samples.
 
 mod batch_forest;
-pub mod block_sums;
+mod block;
 mod choose_solver;
+pub mod coins;
 mod dyadic_sums;
 pub mod expected_forest;
 pub mod forest;
@@ -11,6 +12,7 @@ pub mod likelihood;
 pub mod options;
 mod partial_run;
 pub mod patterns;
+pub mod per_sample;
 mod reduced_graph;
 mod reduced_graph_kernel;
 pub mod reference;
@@ -20,8 +22,9 @@ mod ties;
 
 pub use batch_forest::{ForestProgram, InForest};
 pub use choose_solver::Method;
+pub use coins::Coins;
 pub use dyadic_sums::{DyadicSums, Summed};
-pub use forest::{Coins, Forest};
+pub use forest::Kruskal;
 pub use likelihood::{Likelihood, Snapshot, Sums};
 pub use options::{FoundConditions, SamplingOptions, Solver, Uncertain, Weight};
 pub use partial_run::PartialRun;

@@ -63,6 +63,14 @@ impl Weight {
         }
     }
 
+    /// The unit of L.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Resilience | Self::Global => "W/m\u{b3}",
+            Self::Count => "samples",
+        }
+    }
+
     /// The contribution of a vessel with resilience ρ in a sample with ρ_G, W/m³ or one.
     pub fn of(self, resilience: f64, global: f64) -> f64 {
         match self {

@@ -17,7 +17,7 @@ use crate::support::random::BLOCK;
 /// εA/(1 - λA), and this is drawn too, after the vessels.
 #[derive(Debug)]
 pub struct Patterns {
-    source: Source,
+    source: PatternSource,
     vessels: usize,
     /// Per condition that does not always hold the rows that speak against it: vessels, and after them what is drawn of closed ones.
     against: Vec<Vec<usize>>,
@@ -27,7 +27,7 @@ pub struct Patterns {
 
 /// Where the patterns come from.
 #[derive(Debug)]
-enum Source {
+enum PatternSource {
     /// Drawn at random from the streams of a seed.
     Drawn {
         /// The chances of the rows.
@@ -63,7 +63,7 @@ impl Patterns {
         let rows = keep.len();
         if !params.exact {
             return Ok(Self {
-                source: Source::Drawn { occlusion: Occlusion::new(keep), seed: params.seed },
+                source: PatternSource::Drawn { occlusion: Occlusion::new(keep), seed: params.seed },
                 vessels,
                 against,
                 rows,
@@ -76,15 +76,15 @@ impl Patterns {
             let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without `exact`");
             Error::parameter("exact", format!("with {uncertain} uncertain vessels{ends}"), accepted)
         };
-        let source = Source::Enumerated(Enumeration::new(&keep).map_err(refused)?);
+        let source = PatternSource::Enumerated(Enumeration::new(&keep).map_err(refused)?);
         Ok(Self { source, vessels, against, rows })
     }
 
     /// How many samples a run of `asked` takes: all patterns in an enumeration.
     pub fn samples(&self, asked: u64) -> u64 {
         match &self.source {
-            Source::Drawn { .. } => asked,
-            Source::Enumerated(patterns) => patterns.patterns(),
+            PatternSource::Drawn { .. } => asked,
+            PatternSource::Enumerated(patterns) => patterns.patterns(),
         }
     }
 
@@ -92,11 +92,11 @@ impl Patterns {
     /// holds. In an enumeration it fills in the `probability` of each sample too, and returns true.
     pub fn fill(&self, block: u64, masks: &mut Vec<u64>, probability: &mut [f64; BLOCK as usize]) -> bool {
         let is_enumerated = match &self.source {
-            Source::Drawn { occlusion, seed } => {
+            PatternSource::Drawn { occlusion, seed } => {
                 occlusion.draw(*seed, block, masks);
                 false
             }
-            Source::Enumerated(patterns) => {
+            PatternSource::Enumerated(patterns) => {
                 patterns.fill(block, masks, probability);
                 true
             }

@@ -1,4 +1,4 @@
-//! Blocks of samples of a large graph, reduced first to what samples can change.
+//! A large graph, reduced to what samples can change.
 //!
 //! The flows of all vessels of one chain are equal, and those of one tree have fixed ratios. So have the sums of their contributions: they
 //! are kept once, for one vessel that stands for all of them, and each other vessel has a fixed share of them. A forest can leave out only
@@ -7,24 +7,17 @@
 use std::ops::Range;
 
 use super::batch_forest::ForestProgram;
-use super::block_sums::open_vessels;
 use super::choose_solver;
 use super::choose_solver::Method;
-use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
-use super::reduced_graph_kernel::BlockKernel;
-pub use super::reduced_graph_kernel::Memory;
-use super::sampler::Block;
 use super::ties::{Ties, same};
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::flow::batch::reduction::Reduction;
 use crate::flow::circuit::beyond_doubles;
-use crate::flow::floating_components::stranded;
-use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::resilience::{resilience, resilience_per_square_flow};
 use crate::flow::{BatchSolver, Circuit};
 use crate::network::Network;
-use crate::support::simd::{InstructionSet, Scalar};
+use crate::support::simd::InstructionSet;
 
 /// A reduced graph with all that its samples share.
 #[derive(Debug)]
@@ -41,12 +34,12 @@ pub struct ReducedGraph {
     pub ties: Ties,
     pub weight: Weight,
     /// How many vessels there are.
-    vessels: usize,
+    pub vessels: usize,
     /// The terminals of the core, by row of the circuit.
-    terminals: Vec<usize>,
+    pub terminals: Vec<usize>,
     /// Vessels for which another stands, with that one and their share of its sums.
-    shares: Vec<(u32, u32, f64)>,
-    instructions: InstructionSet,
+    pub shares: Vec<(u32, u32, f64)>,
+    pub instructions: InstructionSet,
 }
 
 /// How the resilience of a chain follows from pressures.
@@ -198,52 +191,6 @@ impl ReducedGraph {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        Method {
-            solver: self.solver.name(),
-            solver_size: self.solver.joins(),
-            forest: if self.forest.is_some() { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest.as_ref().map(ForestProgram::joins),
-            instructions: self.instructions.name(),
-        }
-    }
-
-    /// Memory for one worker.
-    pub fn memory(&self) -> Memory {
-        Memory::new(self)
-    }
-
-    /// Replaces `sums` by those of a block.
-    ///
-    /// # Errors
-    ///
-    /// Pressures that do not meet Kirchhoff's law.
-    pub fn block(&self, block: Block<'_>, memory: &mut Memory, sums: &mut Sums) -> Result<()> {
-        let Block { masks, probability, coins, coin, samples } = block;
-        let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
-        // Chains are in the order of their rows, so that none is overwritten before it is read.
-        for (at, chain) in self.chains.iter().enumerate() {
-            masks[at] = if chain.may_close { masks[chain.row as usize] } else { u64::MAX };
-        }
-        for (at, row) in self.terminals.iter().enumerate() {
-            masks[self.chains.len() + at] = masks[*row];
-        }
-        let masks = &masks[..self.core.row_count()];
-        let stranded = &stranded(&self.core, masks, samples);
-        sums.clear();
-        let kernel =
-            BlockKernel { graph: self, samples, probability, coins, coin, present, masks, stranded, memory, sums: &mut *sums };
-        let residual = self.instructions.run(kernel);
-        sums.residual = residual.relative;
-        if residual.backward > MOST_BACKWARD {
-            return Err(Error::Breakdown);
-        }
-        for (row, of, share) in &self.shares {
-            let (row, of) = (*row as usize, *of as usize);
-            let share = if self.weight == Weight::Resilience { *share } else { 1.0 };
-            sums.likelihood[row] = share * sums.likelihood[of];
-            sums.square[row] = share * share * sums.square[of];
-            sums.count[row] = sums.count[of];
-        }
-        Ok(())
+        Method::new(self.solver.name(), self.solver.joins(), self.forest.as_ref(), self.instructions.name())
     }
 }

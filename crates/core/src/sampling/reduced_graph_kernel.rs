@@ -3,23 +3,28 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::batch_forest::{ForestProgram, IN_FOREST, InForest};
-use super::block_sums::{PerSample, expectation, pairwise, part, perfused};
+use super::block::Block;
 use super::choose_solver::REDUCED_GRAPH_LANES as B;
-use super::expected_forest::{Candidate, ExpectedForest};
-use super::forest::{Coins, Forest};
+use super::coins::Coins;
+use super::expected_forest::{ExpectedForest, ForestEdge};
+use super::forest::Kruskal;
 use super::likelihood::Sums;
 use super::options::Weight;
+use super::per_sample::{PerSample, expectation, open_vessels, pairwise, part, perfused};
 use super::reduced_graph::{ChainFlow, ReducedGraph};
-use super::ties;
-use crate::flow::batch::solver::Workspace;
+use super::ties::TiesWorkspace;
+use crate::error::{Error, Result};
+use crate::flow::batch::solver::BatchWorkspace;
+use crate::flow::floating_components::stranded;
+use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::residual::{Check, Residual};
 use crate::flow::resilience::{diffused_resilience, rounding_drops};
 use crate::support::random::BLOCK;
-use crate::support::simd::{Kernel, Lanes, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::support::simd::{Kernel, Lanes, Scalar, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// The memory of one worker.
-pub struct Memory {
-    flow: Workspace<B>,
+pub struct ReducedWorkspace {
+    flow: BatchWorkspace<B>,
     /// ρ of the weakest vessel of every chain.
     resilience: Vec<Lanes<B>>,
     /// The keys of every chain, for Kruskal's algorithm.
@@ -29,66 +34,98 @@ pub struct Memory {
     is_last: Vec<InForest<B>>,
     /// The probability of every chain to be in the forest whole, in an enumeration.
     share: Vec<Lanes<B>>,
-    kruskal: Forest,
+    kruskal: Kruskal,
     expected: ExpectedForest,
-    diffused: Vec<Candidate>,
-    ties: ties::Workspace,
+    diffused: Vec<ForestEdge>,
+    ties: TiesWorkspace,
     check: Check,
 }
 
-impl Memory {
-    /// Memory for a reduced graph.
-    pub fn new(graph: &ReducedGraph) -> Self {
-        let chains = graph.chains.len();
-        Self {
+impl ReducedGraph {
+    /// Memory for one worker.
+    pub fn workspace(&self) -> ReducedWorkspace {
+        let chains = self.chains.len();
+        ReducedWorkspace {
             // The keys of the forest program come to lie where the conductances were.
-            flow: graph.solver.workspace(graph.forest.as_ref().map_or(0, ForestProgram::rays)),
+            flow: self.solver.workspace(self.forest.as_ref().map_or(0, ForestProgram::rays)),
             resilience: vec![Lanes::ZERO; chains],
-            key: vec![Lanes::ZERO; if graph.forest.is_some() { 0 } else { chains }],
+            key: vec![Lanes::ZERO; if self.forest.is_some() { 0 } else { chains }],
             in_forest: vec![[0; B]; chains + 1],
-            is_last: vec![[0; B]; graph.equals.len()],
+            is_last: vec![[0; B]; self.equals.len()],
             share: Vec::new(),
-            kruskal: Forest::default(),
+            kruskal: Kruskal::default(),
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
-            ties: ties::Workspace::default(),
+            ties: TiesWorkspace::default(),
             check: Check::default(),
         }
+    }
+
+    /// Replaces `sums` by those of a block.
+    ///
+    /// # Errors
+    ///
+    /// Pressures that do not meet Kirchhoff's law.
+    pub fn block(&self, block: Block<'_>, work: &mut ReducedWorkspace, sums: &mut Sums) -> Result<()> {
+        let Block { masks, probability, coins, coin, samples } = block;
+        let present = &open_vessels(Scalar::new(), &masks[..self.vessels]);
+        // Chains are in the order of their rows, so that none is overwritten before it is read.
+        for (at, chain) in self.chains.iter().enumerate() {
+            masks[at] = if chain.may_close { masks[chain.row as usize] } else { u64::MAX };
+        }
+        for (at, row) in self.terminals.iter().enumerate() {
+            masks[self.chains.len() + at] = masks[*row];
+        }
+        let masks = &mut masks[..self.core.row_count()];
+        let stranded = &stranded(&self.core, masks, samples);
+        let block = &Block { masks, probability, coins, coin, samples };
+        sums.clear();
+        let kernel = ReducedGraphKernel { graph: self, block, present, stranded, work, sums: &mut *sums };
+        let residual = self.instructions.run(kernel);
+        sums.residual = residual.relative;
+        if residual.backward > MOST_BACKWARD {
+            return Err(Error::Breakdown);
+        }
+        for (row, of, share) in &self.shares {
+            let (row, of) = (*row as usize, *of as usize);
+            let share = if self.weight == Weight::Resilience { *share } else { 1.0 };
+            sums.likelihood[row] = share * sums.likelihood[of];
+            sums.square[row] = share * share * sums.square[of];
+            sums.count[row] = sums.count[of];
+        }
+        Ok(())
     }
 }
 
 /// A block of samples; the output says how well the first is solved.
-pub struct BlockKernel<'a> {
-    pub graph: &'a ReducedGraph,
-    pub samples: usize,
-    /// What each sample counts, for an enumeration; one without.
-    pub probability: Option<&'a [f64; BLOCK as usize]>,
-    /// What decides between equals, and the figure of each sample for that.
-    pub coins: &'a Coins,
-    pub coin: &'a PerSample,
-    /// |Ẽ| of each.
-    pub present: &'a PerSample,
-    /// Per row of the core the samples in which it is open.
-    pub masks: &'a [u64],
+struct ReducedGraphKernel<'a> {
+    graph: &'a ReducedGraph,
+    /// With a mask for each row of the core.
+    block: &'a Block<'a>,
+    /// |Ẽ| of each sample.
+    present: &'a PerSample,
     /// Nodes of the core whose injected flow has nowhere to go, with the samples in which that is so.
-    pub stranded: &'a [(usize, u64)],
-    pub memory: &'a mut Memory,
+    stranded: &'a [(usize, u64)],
+    work: &'a mut ReducedWorkspace,
     /// Receives the sums of the vessels that stand for others, and what is no vessel's own.
-    pub sums: &'a mut Sums,
+    sums: &'a mut Sums,
 }
 
-impl Kernel for BlockKernel<'_> {
+impl Kernel for ReducedGraphKernel<'_> {
     type Output = Residual;
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Residual {
-        let Self { graph, samples, probability, coins, coin, present, masks, stranded, memory, sums } = self;
-        let Memory { flow, resilience, key: keys, in_forest, is_last, share, kruskal, expected, diffused, ties, check } = memory;
+        let Self { graph, block, present, stranded, work, sums } = self;
+        let Block { masks, probability, coins, coin, samples } = block;
+        let (samples, probability) = (*samples, *probability);
+        let ReducedWorkspace { flow, resilience, key: keys, in_forest, is_last, share, kruskal, expected, diffused, ties, check } =
+            work;
         let (mut global, mut residual) = (PerSample::ZERO, Residual::default());
         for first in (0..samples).step_by(B) {
             graph.solver.solve(simd, masks, first, stranded, flow);
             let (pressure, key) = flow.pressure_and_spare();
-            let group = Group { graph, pressure, level: graph.core.level, masks, first };
+            let group = SampleGroup { graph, pressure, level: graph.core.level, masks, first };
             if first == 0 {
                 let pressure = |node| pressure[graph.solver.slot(node)][0];
                 residual = check.residual(&graph.core, graph.core.if_open(masks), stranded, pressure);
@@ -106,7 +143,7 @@ impl Kernel for BlockKernel<'_> {
             });
             total = plus(simd, &of_chains, &total);
             let here = (samples - first).min(B);
-            let coin = part(&**coin, first);
+            let coin = part(&***coin, first);
             in_forest.fill([0; B]);
             match &graph.forest {
                 _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
@@ -179,7 +216,7 @@ impl Chosen<'_> {
 }
 
 /// A group of samples at their pressures.
-struct Group<'a> {
+struct SampleGroup<'a> {
     graph: &'a ReducedGraph,
     pressure: &'a [Lanes<B>],
     level: f64,
@@ -187,7 +224,7 @@ struct Group<'a> {
     first: usize,
 }
 
-impl Group<'_> {
+impl SampleGroup<'_> {
     /// ρ of every chain's weakest vessel.
     #[inline(always)]
     fn resiliences<S: Simd>(&self, simd: S, resilience: &mut [Lanes<B>]) {
@@ -246,7 +283,7 @@ impl Group<'_> {
     }
 
     /// The forests of the group's samples, one after another.
-    fn kruskal(&self, coins: &Coins, forest: &mut Forest, samples: usize, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
+    fn kruskal(&self, coins: &Coins, forest: &mut Kruskal, samples: usize, keys: &[Lanes<B>], in_forest: &mut [InForest<B>]) {
         let chains = keys.len();
         for lane in 0..samples {
             forest.clear();
@@ -262,7 +299,7 @@ impl Group<'_> {
     fn expect(
         &self,
         expected: &mut ExpectedForest,
-        diffused: &mut Vec<Candidate>,
+        diffused: &mut Vec<ForestEdge>,
         samples: usize,
         resilience: &[Lanes<B>],
         share: &mut Vec<Lanes<B>>,
@@ -272,7 +309,7 @@ impl Group<'_> {
         share.resize(resilience.len(), Lanes::ZERO);
         for lane in 0..samples {
             let flows = (0..resilience.len()).filter(|row| resilience[*row][lane] > 0.0);
-            let candidate = |row: usize| Candidate {
+            let candidate = |row: usize| ForestEdge {
                 resilience: resilience[row][lane],
                 row,
                 ends: core.ends[row],
@@ -308,8 +345,8 @@ impl Group<'_> {
                 Weight::Count => splat(simd, 1.0),
                 Weight::Global => *global,
             };
-            let weighted = zip(simd, &value, one, |value, one| simd.mul_f64s(value, one));
-            let square = zip(simd, &weighted, &value, |a, b| simd.mul_f64s(a, b));
+            let weighted = product(simd, &value, one);
+            let square = product(simd, &weighted, &value);
             let row = row as usize;
             add(&mut sums.likelihood[row], &weighted);
             add(&mut sums.square[row], &square);
@@ -319,13 +356,12 @@ impl Group<'_> {
         for (at, (chain, rho)) in chains.iter().zip(resilience).enumerate() {
             let whole = chosen.whole(chains.len() - at, at);
             let ChainFlow { row, others, .. } = chain;
-            let product = |a: &Lanes<B>, b: &Lanes<B>| zip(simd, a, b, |a, b| simd.mul_f64s(a, b));
             let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
             if chain.equals().is_empty() {
-                add(*row, rho, &product(&whole, counted));
+                add(*row, rho, &product(simd, &whole, counted));
             }
             for equal in chain.equals() {
-                add(graph.equals[equal], rho, &product(&chosen.share_of(&whole, equal, chain.equals().len()), &flows));
+                add(graph.equals[equal], rho, &product(simd, &chosen.share_of(&whole, equal, chain.equals().len()), &flows));
             }
             if let Some((row, share)) = *others {
                 let share = simd.splat_f64s(share);
@@ -333,7 +369,7 @@ impl Group<'_> {
             }
         }
         self.each_tree(simd, |tree, rho, flows| {
-            let one = zip(simd, flows, counted, |flows, one| simd.mul_f64s(flows, one));
+            let one = product(simd, flows, counted);
             add(trees[tree].row, rho, &one);
         });
     }

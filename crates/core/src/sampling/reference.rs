@@ -19,19 +19,16 @@ use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::UnGraph;
 
+use super::block::Block;
 use super::choose_solver::Method;
-use super::expected_forest::{Candidate, ExpectedForest};
+use super::expected_forest::{ExpectedForest, ForestEdge};
 use super::likelihood::Sums;
 use super::options::Weight;
-use super::sampler::Block;
-use super::ties;
-use super::ties::Ties;
+use super::ties::{Ties, TiesWorkspace};
 use crate::error::{Error, Result};
 use crate::flow::Circuit;
-use crate::flow::dead_ends;
-use crate::flow::dead_ends::DeadEnds;
-use crate::flow::drops;
-use crate::flow::drops::Drops;
+use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
+use crate::flow::drops::{Drops, DropsWorkspace};
 use crate::flow::floating_components::{grounded, stranded};
 use crate::flow::residual::Check;
 use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
@@ -65,8 +62,7 @@ impl Reference {
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        let solver_size = self.circuit.vessel_count();
-        Method { solver: "reference", solver_size, forest: "kruskal", forest_joins: None, instructions: "baseline" }
+        Method::new("reference", self.circuit.vessel_count(), None, "baseline")
     }
 
     /// Replaces `sums` by those of a block.
@@ -126,14 +122,14 @@ impl Reference {
                 let [a, b] = ends[*vessel].map(|node| pressure[node]);
                 Drops::has_few_digits(a - b, a + level, b + level)
             };
-            let mut work = drops::Workspace::default();
+            let mut work = DropsWorkspace::default();
             drops.solve(&open, &mut work);
             let drop = |vessel: usize| drops.drop(vessel, &work).filter(|_| open(vessel));
             if (0..rho.len()).filter(few).any(|vessel| drop(vessel).is_some()) {
                 rho = (0..rho.len()).map(|vessel| [drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))]).collect();
             }
         }
-        self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut ties::Workspace::default());
+        self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut TiesWorkspace::default());
         rho.concat()
     }
 }
@@ -176,18 +172,18 @@ pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<
         free.iter().enumerate().for_each(|(i, node)| pressure[*node] = solved[i]);
     }
     // Nothing flows in a dead end; a factorisation leaves rounding there that could pass for flow.
-    DeadEnds::new(circuit).level(&open, &mut dead_ends::Workspace::default(), &mut pressure, &circuit.fixed);
+    DeadEnds::new(circuit).level(&open, &mut DeadEndsWorkspace::default(), &mut pressure, &circuit.fixed);
     Ok(pressure)
 }
 
 /// The vessels with ρ > 0.
-fn diffused(ends: &[[usize; 2]], resilience: &[f64]) -> Vec<Candidate> {
+fn diffused(ends: &[[usize; 2]], resilience: &[f64]) -> Vec<ForestEdge> {
     let all = ends.iter().zip(resilience).enumerate().filter(|(_, (_, rho))| **rho > 0.0);
-    all.map(|(row, (ends, rho))| Candidate { resilience: *rho, row, ends: *ends, weakest: 1 }).collect()
+    all.map(|(row, (ends, rho))| ForestEdge { resilience: *rho, row, ends: *ends, weakest: 1 }).collect()
 }
 
 /// The keys of the minimum spanning forest of 1/ρ: keys are in the order of ρ.
-fn spanning_forest(diffused: &[Candidate], key: impl Fn(usize) -> u64) -> Vec<u64> {
+fn spanning_forest(diffused: &[ForestEdge], key: impl Fn(usize) -> u64) -> Vec<u64> {
     let edges = diffused.iter().map(|vessel| {
         let [a, b] = vessel.ends.map(|node| node as u32);
         (a, b, Reverse(key(vessel.row)))

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::choose_solver::Method;
+use super::coins::MAX_VESSELS;
 use super::dyadic_sums::DyadicSums;
-use super::forest::MAX_VESSELS;
 use super::likelihood::{Likelihood, Sums};
 use super::options::SamplingOptions;
 use super::partial_run::PartialRun;
@@ -114,8 +114,9 @@ impl Sampling {
         let (total, done) = (part.samples(), part.done());
         let gaps = part.gaps(0..part.blocks());
         let unit = part.step().min(UNIT);
-        let (stop, shared) = (AtomicBool::new(false), Mutex::new(Shared { part, units: Units { gaps, unit }, done, progress }));
-        let report = |shared: &mut Shared<'_, _>, fresh: u64| {
+        let (stop, shared) =
+            (AtomicBool::new(false), Mutex::new(SharedRun { part, units: Units { gaps, unit }, done, progress }));
+        let report = |shared: &mut SharedRun<'_, _>, fresh: u64| {
             if !shared.report(fresh, total) {
                 stop.store(true, Ordering::Relaxed);
             }
@@ -153,7 +154,7 @@ impl Sampling {
             worker(at).inspect_err(|_| stop.store(true, Ordering::Relaxed))
         });
         ended.collect::<Result<()>>()?;
-        let Shared { done, .. } = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let SharedRun { done, .. } = shared.into_inner().unwrap_or_else(PoisonError::into_inner);
         if done < total { Err(Error::Stopped { done, total }) } else { Ok(()) }
     }
 
@@ -191,14 +192,14 @@ impl Sampling {
 }
 
 /// What the workers share.
-struct Shared<'a, P: ?Sized> {
+struct SharedRun<'a, P: ?Sized> {
     part: &'a mut PartialRun,
     units: Units,
     done: u64,
     progress: &'a mut P,
 }
 
-impl<P: Progress + ?Sized> Shared<'_, P> {
+impl<P: Progress + ?Sized> SharedRun<'_, P> {
     /// Reports `fresh` more samples; false stops the run.
     fn report(&mut self, fresh: u64, total: u64) -> bool {
         self.done += fresh;

@@ -1,13 +1,16 @@
-//! A block of samples: which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first block.
-//! Only an enumeration of equal vessels does.
+//! The sampler: block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first
+//! block; only an enumeration of equal vessels does.
 
-use super::block_sums::PerSample;
-use super::choose_solver::{Method, Plan};
-use super::forest::Coins;
+use super::block::Block;
+use super::choose_solver::{Method, most_joins_in_full};
+use super::coins::Coins;
+use super::full_graph::{FullGraph, FullWorkspace};
 use super::likelihood::Sums;
-use super::options::SamplingOptions;
+use super::options::{SamplingOptions, Solver};
 use super::patterns::Patterns;
-use super::{full_graph, reduced_graph};
+use super::reduced_graph::ReducedGraph;
+use super::reduced_graph_kernel::ReducedWorkspace;
+use super::reference::Reference;
 use crate::error::Result;
 use crate::flow::{Boundary, Circuit};
 use crate::network::Network;
@@ -18,36 +21,53 @@ use crate::support::random::BLOCK;
 pub struct Sampler {
     patterns: Patterns,
     coins: Coins,
-    plan: Plan,
+    plan: SamplingPlan,
 }
 
 /// The memory of one worker.
-pub struct Workspace {
+pub struct SamplerWorkspace {
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
-    memory: Memory,
+    of_plan: PlanWorkspace,
 }
 
-enum Memory {
-    Full(Box<full_graph::Memory>),
-    Reduced(Box<reduced_graph::Memory>),
+enum PlanWorkspace {
+    Full(Box<FullWorkspace>),
+    Reduced(Box<ReducedWorkspace>),
     Reference,
 }
 
-/// Samples that are taken together.
+/// A graph made ready for the way in which its samples are computed.
 #[derive(Debug)]
-pub struct Block<'a> {
-    /// Per vessel the samples in which it is open, then per terminal of the circuit those in which it holds; no bit beyond `samples`. May be
-    /// overwritten.
-    pub masks: &'a mut [u64],
-    /// What each sample counts, for an enumeration; one without.
-    pub probability: Option<&'a [f64; BLOCK as usize]>,
-    /// What decides between vessels of equal resilience in a sample that is drawn.
-    pub coins: &'a Coins,
-    /// The figures of the samples for that.
-    pub coin: &'a PerSample,
-    /// How many samples, at most 64.
-    pub samples: usize,
+enum SamplingPlan {
+    /// Vessel by vessel.
+    Full(Box<FullGraph>),
+    /// Reduced first to what samples can change.
+    Reduced(Box<ReducedGraph>),
+    /// By the book.
+    Reference(Box<Reference>),
+}
+
+impl SamplingPlan {
+    /// The plan for a network with the circuit of its samples, whose `certain` vessels are open in all of them: what is asked for, or what is
+    /// predicted to be the fastest.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
+    fn choose(network: &Network, circuit: Circuit, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
+        if options.solver == Solver::Reference {
+            return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight))));
+        }
+        let full = match most_joins_in_full(network.vessel_count(), options.solver) {
+            Some(most) => FullGraph::new(network, &circuit, certain, options, most)?,
+            None => None,
+        };
+        Ok(match full {
+            Some(full) => Self::Full(Box::new(full)),
+            None => Self::Reduced(Box::new(ReducedGraph::new(network, &circuit, certain, options)?)),
+        })
+    }
 }
 
 impl Sampler {
@@ -61,7 +81,7 @@ impl Sampler {
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let provisional = params.provisional(network, boundary);
         let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
-        let plan = Plan::choose(network, circuit, &certain, params)?;
+        let plan = SamplingPlan::choose(network, circuit, &certain, params)?;
         let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
         Ok(Self { patterns, coins, plan })
     }
@@ -74,20 +94,20 @@ impl Sampler {
     /// How the samples are computed.
     pub fn method(&self) -> Method {
         match &self.plan {
-            Plan::Full(graph) => graph.method(),
-            Plan::Reduced(graph) => graph.method(),
-            Plan::Reference(reference) => reference.method(),
+            SamplingPlan::Full(graph) => graph.method(),
+            SamplingPlan::Reduced(graph) => graph.method(),
+            SamplingPlan::Reference(reference) => reference.method(),
         }
     }
 
     /// Memory for one worker.
-    pub fn workspace(&self) -> Workspace {
-        let memory = match &self.plan {
-            Plan::Full(graph) => Memory::Full(Box::new(graph.memory())),
-            Plan::Reduced(graph) => Memory::Reduced(Box::new(graph.memory())),
-            Plan::Reference(_) => Memory::Reference,
+    pub fn workspace(&self) -> SamplerWorkspace {
+        let of_plan = match &self.plan {
+            SamplingPlan::Full(graph) => PlanWorkspace::Full(Box::new(graph.workspace())),
+            SamplingPlan::Reduced(graph) => PlanWorkspace::Reduced(Box::new(graph.workspace())),
+            SamplingPlan::Reference(_) => PlanWorkspace::Reference,
         };
-        Workspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], memory }
+        SamplerWorkspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], of_plan }
     }
 
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
@@ -95,7 +115,7 @@ impl Sampler {
     /// # Errors
     ///
     /// The solver breaks down.
-    pub fn block(&self, block: u64, samples: u64, work: &mut Workspace, sums: &mut Sums) -> Result<()> {
+    pub fn block(&self, block: u64, samples: u64, work: &mut SamplerWorkspace, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
         let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
         let valid = u64::MAX >> (BLOCK - samples);
@@ -104,10 +124,10 @@ impl Sampler {
         }
         let coin = &self.coins.of_block(block);
         let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
-        match (&self.plan, &mut work.memory) {
-            (Plan::Full(graph), Memory::Full(memory)) => graph.block(&block, memory, sums),
-            (Plan::Reduced(graph), Memory::Reduced(memory)) => graph.block(block, memory, sums)?,
-            (Plan::Reference(reference), _) => reference.block(&block, sums)?,
+        match (&self.plan, &mut work.of_plan) {
+            (SamplingPlan::Full(graph), PlanWorkspace::Full(work)) => graph.block(&block, work, sums),
+            (SamplingPlan::Reduced(graph), PlanWorkspace::Reduced(work)) => graph.block(block, work, sums)?,
+            (SamplingPlan::Reference(reference), _) => reference.block(&block, sums)?,
             _ => debug_assert!(false, "the memory of another plan"),
         }
         Ok(())

@@ -20,7 +20,7 @@ struct Tie {
 
 /// The memory of one worker.
 #[derive(Debug, Default)]
-pub struct Workspace(Vec<Tie>);
+pub struct TiesWorkspace(Vec<Tie>);
 
 impl Ties {
     /// The ties of a circuit; `factor` is ρ over the square of the flow of each vessel.
@@ -65,7 +65,7 @@ impl Ties {
         &self,
         factor: impl Fn(usize) -> f64,
         resilience: &mut [G],
-        work: &mut Workspace,
+        work: &mut TiesWorkspace,
     ) {
         let ties = &mut work.0;
         ties.clear();

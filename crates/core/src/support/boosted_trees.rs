@@ -18,7 +18,7 @@ pub struct Boosted {
     #[serde(deserialize_with = "finite")]
     pub start: f64,
     /// The trees.
-    pub trees: Vec<Tree>,
+    pub trees: Vec<RegressionTree>,
 }
 
 impl Boosted {
@@ -35,7 +35,7 @@ impl Boosted {
     ///
     /// A column beyond the last.
     pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
-        let beyond = |tree: &Tree| tree.last_column().filter(|column| *column >= columns);
+        let beyond = |tree: &RegressionTree| tree.last_column().filter(|column| *column >= columns);
         match self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?))) {
             None => Ok(()),
             Some((at, column)) => {
@@ -75,7 +75,7 @@ pub fn stored(x: f64) -> f32 {
 /// A binary tree over the columns of a row.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
-pub struct Tree {
+pub struct RegressionTree {
     /// The nodes in preorder: of a split the left subtree follows at once.
     nodes: Vec<TreeNode>,
 }
@@ -89,7 +89,7 @@ pub enum TreeNode {
         column: usize,
         /// The least value that goes right.
         least_right: f32,
-        /// Where the right subtree begins; set by [`Tree::new`].
+        /// Where the right subtree begins; set by [`RegressionTree::new`].
         right: usize,
     },
     /// The value of the tree.
@@ -99,7 +99,7 @@ pub enum TreeNode {
 /// No tree is deeper, so that a file cannot exhaust the stack.
 const DEEPEST: usize = 64;
 
-impl Tree {
+impl RegressionTree {
     /// The tree whose nodes in preorder these are; `None` where they are none.
     pub fn new(mut nodes: Vec<TreeNode>) -> Option<Self> {
         let end = subtree(&mut nodes, 0, 0)?;
@@ -137,7 +137,7 @@ fn subtree(nodes: &mut [TreeNode], at: usize, depth: usize) -> Option<usize> {
 }
 
 /// `3<0.25 -0.1 0.2`: below 0.25 in column 3 the value is -0.1, else 0.2.
-impl fmt::Display for Tree {
+impl fmt::Display for RegressionTree {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (at, node) in self.nodes.iter().enumerate() {
             let space = if at > 0 { " " } else { "" };
@@ -150,13 +150,13 @@ impl fmt::Display for Tree {
     }
 }
 
-impl From<Tree> for String {
-    fn from(tree: Tree) -> Self {
+impl From<RegressionTree> for String {
+    fn from(tree: RegressionTree) -> Self {
         tree.to_string()
     }
 }
 
-impl TryFrom<String> for Tree {
+impl TryFrom<String> for RegressionTree {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
@@ -164,7 +164,7 @@ impl TryFrom<String> for Tree {
     }
 }
 
-impl FromStr for Tree {
+impl FromStr for RegressionTree {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {

@@ -159,17 +159,23 @@ pub fn plus<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lan
     zip(simd, a, b, |a, b| simd.add_f64s(a, b))
 }
 
+/// a b, lane by lane.
+#[inline(always)]
+pub fn product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+    zip(simd, a, b, |a, b| simd.mul_f64s(a, b))
+}
+
 /// a + w b, lane by lane, with two roundings.
 #[inline(always)]
 pub fn plus_product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, w: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    plus(simd, a, &zip(simd, w, b, |w, b| simd.mul_f64s(w, b)))
+    plus(simd, a, &product(simd, w, b))
 }
 
 /// The bit of each sample in a word.
 #[repr(C, align(64))]
-pub struct Bits([u64; 64]);
+pub struct SampleBits([u64; 64]);
 
-impl Bits {
+impl SampleBits {
     /// Sample i is bit i.
     pub const IN_ORDER: Self = Self::new(1);
     /// Sample 8 i + j is bit 8 j + i.
@@ -185,7 +191,7 @@ impl Bits {
     }
 }
 
-static IN_ORDER: Bits = Bits::IN_ORDER;
+static IN_ORDER: SampleBits = SampleBits::IN_ORDER;
 
 /// `value` in the lanes of the samples from `first` on, a multiple of a vector's lanes, that are set in `word`; zero elsewhere.
 #[inline(always)]
@@ -195,7 +201,7 @@ pub fn masked<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, word: u64, fir
 
 /// [`masked`] with other bits.
 #[inline(always)]
-pub fn masked_by<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, bits: &Bits, word: u64, first: usize) -> Lanes<B> {
+pub fn masked_by<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, bits: &SampleBits, word: u64, first: usize) -> Lanes<B> {
     let mut out = Lanes::ZERO;
     let (vectors, values) = (out.vectors_mut::<S>(), value.vectors::<S>());
     let bits = &S::as_simd_u64s(&bits.0).0[first / S::F64_LANES..][..values.len()];

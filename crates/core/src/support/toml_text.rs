@@ -32,19 +32,19 @@ pub fn write(mut out: impl Write, comment: &str, long: bool, value: &impl Serial
     out.flush()
 }
 
-/// Numbers of which every one should be finite.
-pub trait Numbers {
+/// FiniteNumbers of which every one should be finite.
+pub trait FiniteNumbers {
     /// Whether every one is.
     fn are_finite(&self) -> bool;
 }
 
-impl Numbers for f64 {
+impl FiniteNumbers for f64 {
     fn are_finite(&self) -> bool {
         self.is_finite()
     }
 }
 
-impl<T: Numbers, const N: usize> Numbers for [T; N] {
+impl<T: FiniteNumbers, const N: usize> FiniteNumbers for [T; N] {
     fn are_finite(&self) -> bool {
         self.iter().all(T::are_finite)
     }
@@ -55,7 +55,7 @@ impl<T: Numbers, const N: usize> Numbers for [T; N] {
 /// # Errors
 ///
 /// One is not.
-pub fn finite<'de, D: Deserializer<'de>, T: Deserialize<'de> + Numbers + Debug>(from: D) -> Result<T, D::Error> {
+pub fn finite<'de, D: Deserializer<'de>, T: Deserialize<'de> + FiniteNumbers + Debug>(from: D) -> Result<T, D::Error> {
     let numbers = T::deserialize(from)?;
     if numbers.are_finite() { Ok(numbers) } else { Err(D::Error::custom(format!("{numbers:?}, which is not finite"))) }
 }

@@ -14,7 +14,7 @@ use super::sides::{side_note, sides_look_exchanged};
 use super::variant::Variant;
 use willis_core::error::Fault;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Nearest, Network, Origin};
+use willis_core::network::{NearestNode, Network, Origin};
 use willis_core::support::geometry::{Point, distance};
 
 /// Where the arteries lie in a network.
@@ -229,7 +229,7 @@ impl Circle {
 }
 
 /// Removes the landmark that is nearest to its node; of several the first in the file.
-fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, Nearest)>) -> Option<(usize, &'a Landmark, Nearest)> {
+fn take_nearest<'a>(found: &mut Vec<(usize, &'a Landmark, NearestNode)>) -> Option<(usize, &'a Landmark, NearestNode)> {
     let key = |at: &usize| (found[*at].2.distance, found[*at].0);
     let first = (0..found.len()).min_by(|a, b| key(a).0.total_cmp(&key(b).0).then(key(a).1.cmp(&key(b).1)))?;
     Some(found.swap_remove(first))

@@ -5,7 +5,7 @@ use super::landmark_names::{NamedArteries, meaning_of};
 use super::segments_by_landmarks::Points;
 use willis_core::error::{Fault, Place};
 use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Nearest, Network, Origin, REACH, nearest_node};
+use willis_core::network::{Frame, NearestNode, Network, Origin, REACH, nearest_node};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{LandmarkList, ListedLandmark};
@@ -225,7 +225,7 @@ pub(crate) struct LandmarkEnd {
 }
 
 /// What the node of a landmark of an inlet or outlet is, with a note where no free end is near.
-pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &Nearest) -> (LandmarkEnd, Option<String>) {
+pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &NearestNode) -> (LandmarkEnd, Option<String>) {
     let is_free = degrees_of_ends(network)[nearest.node] == 1;
     let is_outlet = landmark.sites().iter().any(|site| site.is_outlet());
     let (label, id, away) = (&landmark.label, &network.node(nearest.node).id, millimetres(nearest.distance));
@@ -256,7 +256,7 @@ fn degrees_of_ends(network: &Network) -> Vec<usize> {
 }
 
 /// The nearest free end within reach that is not `taken`. It is an end of the observed vessels, where there are any.
-pub(crate) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<Nearest> {
+pub(crate) fn free_end(network: &Network, at: Point, taken: &dyn Fn(usize) -> bool) -> Option<NearestNode> {
     let degree = degrees_of_ends(network);
     nearest_node(network, at, |row| degree[row] == 1 && !taken(row)).filter(|end| end.distance <= REACH)
 }
@@ -266,7 +266,7 @@ fn observed_degrees(network: &Network) -> Vec<usize> {
 }
 
 /// The node of a landmark: the nearest one, for an inlet or outlet the nearest free end where one is near.
-pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<Nearest, Fault> {
+pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<NearestNode, Fault> {
     let at = landmark.position;
     let away = distance_to_lines(network, at);
     if away > REACH {

@@ -5,7 +5,7 @@ use plotters::coord::types::RangedCoordf64;
 
 /// The text at a tick: `text`, then an exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Label {
+pub struct TickLabel {
     /// The text on the line.
     pub text: String,
     /// The exponent after it.
@@ -18,10 +18,10 @@ pub struct Tick {
     /// The position.
     pub at: f64,
     /// The text.
-    pub label: Label,
+    pub label: TickLabel,
 }
 
-impl Label {
+impl TickLabel {
     /// A label without an exponent.
     pub fn plain(text: impl Into<String>) -> Self {
         Self { text: text.into(), exponent: String::new() }
@@ -93,7 +93,7 @@ impl LogRange {
         let (first, last) = (self.low.ceil() as i32, self.high.floor() as i32);
         if last - first >= 2 {
             let step = (last - first) / 10 + 1;
-            let power = |e| Tick { at: f64::from(e), label: Label::power("", e) };
+            let power = |e| Tick { at: f64::from(e), label: TickLabel::power("", e) };
             return (first..=last).step_by(step as usize).map(power).collect();
         }
         let short = self.low >= -3.0 && self.high < 5.0;
@@ -105,9 +105,9 @@ impl LogRange {
                     continue;
                 }
                 let label = match m {
-                    _ if short => Label::plain(format!("{:.*}", (-e).max(0) as usize, f64::from(m) * 10_f64.powi(e))),
-                    1 => Label::power("", e),
-                    _ => Label::power(&format!("{m}\u{b7}"), e),
+                    _ if short => TickLabel::plain(format!("{:.*}", (-e).max(0) as usize, f64::from(m) * 10_f64.powi(e))),
+                    1 => TickLabel::power("", e),
+                    _ => TickLabel::power(&format!("{m}\u{b7}"), e),
                 };
                 ticks.push(Tick { at, label });
             }
@@ -180,13 +180,13 @@ impl LinearRange {
 }
 
 /// `k` times ten to the `power`, in full where that is short.
-fn multiple(k: i64, power: i32) -> Label {
+fn multiple(k: i64, power: i32) -> TickLabel {
     let sign = if k < 0 { "\u{2212}" } else { "" };
     let digits = k.unsigned_abs();
     match power {
-        _ if k == 0 => Label::plain("0"),
-        0..=5 => Label::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
-        -3..0 => Label::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
-        _ => Label::power(&format!("{sign}{digits}\u{b7}"), power),
+        _ if k == 0 => TickLabel::plain("0"),
+        0..=5 => TickLabel::plain(format!("{sign}{}", grouped(digits * 10_u64.pow(power as u32)))),
+        -3..0 => TickLabel::plain(format!("{sign}{:.*}", -power as usize, digits as f64 / 10_f64.powi(-power))),
+        _ => TickLabel::power(&format!("{sign}{digits}\u{b7}"), power),
     }
 }

@@ -6,7 +6,7 @@ use tiny_skia::{
 };
 
 use super::colour::{INK, MAP, Rgb};
-use super::sheet::{Filled, Line, Mark, Place};
+use super::sheet::{FilledBox, LineStyle, Mark, SheetPlace};
 use super::style::{DASH, POINTS_PER_INCH};
 
 const METRES_PER_INCH: f64 = 0.0254;
@@ -23,7 +23,7 @@ pub fn png(inches: [f64; 2], marks: &[Mark], dpi: u32) -> Result<Vec<u8>, String
 }
 
 /// Boxes as a PNG file of a side in pixels. The first of them fills it.
-pub fn image(boxes: &[Filled], side: u32) -> Result<Vec<u8>, String> {
+pub fn image(boxes: &[FilledBox], side: u32) -> Result<Vec<u8>, String> {
     let mut page = page(side, side)?;
     if let Some(([corner, to], _)) = boxes.first() {
         fill(&mut page, boxes, *corner, f64::from(side) / (to[0] - corner[0]));
@@ -55,9 +55,9 @@ fn draw(page: &mut Pixmap, mark: &Mark, scale: f64) {
         Mark::Line(path, line, width, rgb, opacity) => {
             let stroke = Stroke {
                 width: *width as f32,
-                line_cap: if *line == Line::Tube { LineCap::Round } else { LineCap::Butt },
+                line_cap: if *line == LineStyle::Tube { LineCap::Round } else { LineCap::Butt },
                 line_join: LineJoin::Round,
-                dash: (*line == Line::Dashed).then(|| StrokeDash::new(DASH.to_vec(), 0.0)).flatten(),
+                dash: (*line == LineStyle::Dashed).then(|| StrokeDash::new(DASH.to_vec(), 0.0)).flatten(),
                 ..Stroke::default()
             };
             page.stroke_path(path, &paint(*rgb, *opacity), &stroke, to_pixels, None);
@@ -67,7 +67,7 @@ fn draw(page: &mut Pixmap, mark: &Mark, scale: f64) {
 }
 
 /// Fills whole pixels, at least one for each box.
-fn fill(page: &mut Pixmap, boxes: &[Filled], corner: Place, scale: f64) {
+fn fill(page: &mut Pixmap, boxes: &[FilledBox], corner: SheetPlace, scale: f64) {
     let [width, height] = [page.width(), page.height()].map(|side| side as usize);
     for ([from, to], [r, g, b]) in boxes {
         let Some(rgb) = PremultipliedColorU8::from_rgba(*r, *g, *b, u8::MAX) else { continue };

@@ -1,6 +1,6 @@
 //! The bar that says which colour is which value.
 
-use super::axis::Label;
+use super::axis::TickLabel;
 use super::sheet::{Mark, Sheet};
 
 /// The width of a bar, points.
@@ -13,7 +13,7 @@ pub fn colour_bar(
     sheet: &mut Sheet,
     [left, top]: [f64; 2],
     height: f64,
-    ticks: impl IntoIterator<Item = (f64, Label)>,
+    ticks: impl IntoIterator<Item = (f64, TickLabel)>,
     name: &str,
 ) {
     sheet.marks.push(Mark::Map([[left, top], [left + WIDTH, top + height]]));

@@ -1,10 +1,11 @@
 //! The convergence of the likelihood: mean contribution per sample against the number of samples.
 
-use super::axis::{Label, LogRange, count_ticks, grouped};
+use super::axis::{LogRange, TickLabel, count_ticks, grouped};
 use super::colour::{INK, KEPT, PAPER, PRUNED, Rgb};
 use super::figure::Figure;
-use super::sheet::{Align, Place, Sheet};
-use super::style::{self, BOLD, CURVE, Key, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TICK};
+use super::legend::{self, LegendKey, REFERENCE};
+use super::sheet::{Align, Sheet, SheetPlace};
+use super::style::{BOLD, CURVE, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, TICK};
 use willis_core::sampling::Weight;
 use willis_io::output::names::CONVERGENCE_PICTURE;
 
@@ -24,7 +25,7 @@ const THIN: f64 = 0.5;
 
 /// What the line across the curves is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Cut {
+pub enum CutLine {
     /// The threshold of the rule: vessels above it are kept.
     Threshold,
     /// The median of L, above which lies the topology of that name. The rule decides by something else than L.
@@ -42,13 +43,20 @@ pub enum Cut {
 ///
 /// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
 /// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value is one sentence.
-pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: (Cut, &[f64]), kept: &[bool], weight: Weight) -> Figure {
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: (CutLine, &[f64]), kept: &[bool], weight: Weight) -> Figure {
     let mut sheet = Sheet::default();
     draw(&mut sheet, samples, series, threshold, kept, weight);
     Figure::new(CONVERGENCE_PICTURE, PAGE, sheet)
 }
 
-fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold): (Cut, &[f64]), kept: &[bool], weight: Weight) {
+fn draw(
+    sheet: &mut Sheet,
+    samples: &[u64],
+    series: &[Vec<f64>],
+    (cut, threshold): (CutLine, &[f64]),
+    kept: &[bool],
+    weight: Weight,
+) {
     let [left, top, right, bottom] = BOX;
     sheet.title("Convergence of the likelihood of uncertain vessels", left);
 
@@ -64,7 +72,7 @@ fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold
     };
 
     let lowest = values().fold(f64::INFINITY, f64::min);
-    let axes = Axes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
+    let axes = ConvergenceAxes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
     axes.ticks(sheet, weight);
     // A few curves are thick and opaque, thousands thin and transparent.
     let curves = [false, true].map(|kept_ones| {
@@ -83,11 +91,11 @@ fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold
     }
     for run in axes.runs(samples, threshold) {
         match cut {
-            Cut::Threshold => {
+            CutLine::Threshold => {
                 axes.stroke(sheet, &run, 2.0 * BOLD, PAPER, 0.8);
                 axes.stroke(sheet, &run, BOLD, INK, 1.0);
             }
-            Cut::Median => axes.dashes(sheet, &run),
+            CutLine::Median => axes.dashes(sheet, &run),
         }
     }
     sheet.frame([left, top], [right - left, bottom - top]);
@@ -95,23 +103,23 @@ fn draw(sheet: &mut Sheet, samples: &[u64], series: &[Vec<f64>], (cut, threshold
     let count = |word: &str, n: usize| format!("{word} ({})", grouped(n as u64));
     let counts = [count("kept", stay), count("pruned", kept.len() - stay)];
     let line = match cut {
-        Cut::Threshold => ("threshold", Key::Line(BOLD), INK),
-        Cut::Median => ("median of L (the rule does not use L)", REFERENCE.0, REFERENCE.1),
+        CutLine::Threshold => ("threshold", LegendKey::Line(BOLD), INK),
+        CutLine::Median => ("median of L (the rule does not use L)", REFERENCE.0, REFERENCE.1),
     };
     let line = threshold.iter().any(|cut| !cut.is_nan()).then_some(line);
-    let curves = [(&*counts[0], Key::Line(CURVE), KEPT), (&*counts[1], Key::Line(CURVE), PRUNED)];
-    style::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>());
+    let curves = [(&*counts[0], LegendKey::Line(CURVE), KEPT), (&*counts[1], LegendKey::Line(CURVE), PRUNED)];
+    legend::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>());
 }
 
 /// The positions of numbers of samples and contributions on the page.
-struct Axes {
+struct ConvergenceAxes {
     last: u64,
     range: LogRange,
     /// Whether there is a line of zeros.
     zeros: bool,
 }
 
-impl Axes {
+impl ConvergenceAxes {
     fn x(&self, samples: f64) -> f64 {
         // A small margin after the last checkpoint.
         BOX[0] + (BOX[2] - BOX[0]) * samples / (self.last as f64 * 1.02)
@@ -128,7 +136,7 @@ impl Axes {
         sheet.ticks_below([top, bottom], counts.map(|tick| (self.x(tick.at), tick.label)));
         let powers = self.range.ticks();
         let lowest = powers.first().filter(|_| self.range.clipped);
-        let below = lowest.map_or_else(|| Label::plain("0"), |tick| tick.label.clone().after("<"));
+        let below = lowest.map_or_else(|| TickLabel::plain("0"), |tick| tick.label.clone().after("<"));
         let zeros = self.zeros.then_some((ZERO, below));
         let powers = powers.into_iter().map(|tick| (self.y(self.range.share_of_log(tick.at)), tick.label));
         sheet.ticks_left([left, right], powers.chain(zeros));
@@ -150,7 +158,7 @@ impl Axes {
 
     /// Draws a stretch. A single checkpoint is a dash.
     fn stroke(&self, sheet: &mut Sheet, run: &[(u64, f64)], width: f64, rgb: Rgb, opacity: f64) {
-        let mut path: Vec<Place> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
+        let mut path: Vec<SheetPlace> = run.iter().map(|(n, share)| [self.x(*n as f64), self.y(*share)]).collect();
         if let [[x, y]] = path[..] {
             let half = 2.0 + 2.0 * width;
             path = vec![[x - half, y], [x + half, y]];

@@ -1,7 +1,7 @@
 //! The course of a vessel as it is drawn: its radius averaged along it and its corners calmed, for display only.
 
 /// x, y, z and radius, mm.
-pub type Place = [f64; 4];
+pub type CoursePoint = [f64; 4];
 
 /// Radii are averaged over so many radii to either side, as on the page.
 const REACH: f64 = 6.0;
@@ -10,7 +10,7 @@ const MOST: f64 = 0.3;
 
 /// The course with the mean of its piecewise linear radius over 6 mean radii to either side of each point, by the trapezoid rule, and
 /// with each inner point half way nearer to the line between its neighbours, by at most 0.3 radii. The ends stay where they are.
-pub fn smoothed(course: &[Place]) -> Vec<Place> {
+pub fn smoothed(course: &[CoursePoint]) -> Vec<CoursePoint> {
     let last = course.len().saturating_sub(1);
     let mut along = vec![0.0];
     let mut sum = vec![0.0];
@@ -45,12 +45,12 @@ pub fn smoothed(course: &[Place]) -> Vec<Place> {
         .collect()
 }
 
-fn inner(place: &Place) -> [f64; 3] {
+fn inner(place: &CoursePoint) -> [f64; 3] {
     [place[0], place[1], place[2]]
 }
 
 /// The inner point `at`, moved by at most `most`.
-fn calmed(course: &[Place], along: &[f64], at: usize, most: f64) -> [f64; 3] {
+fn calmed(course: &[CoursePoint], along: &[f64], at: usize, most: f64) -> [f64; 3] {
     let (before, place, after) = (&course[at - 1], &course[at], &course[at + 1]);
     let share = (along[at] - along[at - 1]) / (along[at + 1] - along[at - 1]).max(f64::MIN_POSITIVE);
     let moved: [f64; 3] = std::array::from_fn(|axis| 0.5 * (before[axis] + share * (after[axis] - before[axis]) - place[axis]));
@@ -59,6 +59,6 @@ fn calmed(course: &[Place], along: &[f64], at: usize, most: f64) -> [f64; 3] {
     std::array::from_fn(|axis| place[axis] + part * moved[axis])
 }
 
-fn distance(a: &Place, b: &Place) -> f64 {
+fn distance(a: &CoursePoint, b: &CoursePoint) -> f64 {
     (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }

@@ -1,11 +1,12 @@
 //! The flows of a simulation as horizontal bars: the flow of each vessel before and after a perturbation.
 
-use super::axis::{Label, LinearRange};
+use super::axis::{LinearRange, TickLabel};
 use super::colour::{INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
 use super::font;
-use super::sheet::{Align, Run, Sheet};
-use super::style::{self, HAIR, Key, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
+use super::legend::{self, LegendKey};
+use super::sheet::{Align, Sheet, TextDirection};
+use super::style::{self, HAIR, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use willis_io::output::names::FLOW_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
@@ -85,8 +86,8 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
     sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
     sheet.title(&title, left);
     if pair {
-        let keys = [("unperturbed", Key::Box, UNPERTURBED), ("perturbed", Key::Box, PERTURBED)];
-        style::legend(&mut sheet, left, &keys);
+        let keys = [("unperturbed", LegendKey::Box, UNPERTURBED), ("perturbed", LegendKey::Box, PERTURBED)];
+        legend::legend(&mut sheet, left, &keys);
     }
     for (row, (flow, name)) in shown.iter().zip(names).enumerate() {
         let above = top + GAP / 2.0 + each * row as f64;
@@ -97,7 +98,7 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
             let (zero, end) = (x(0.0), x(flow));
             sheet.rectangle([zero.min(end), above], [(end - zero).abs(), BAR], rgb);
             let (at, align) = if flow < 0.0 { (end - 3.0, Align::End) } else { (end + 3.0, Align::Begin) };
-            sheet.text(&figure(flow), [at, above + BAR / 2.0], SMALL, align, Run::Right);
+            sheet.text(&figure(flow), [at, above + BAR / 2.0], SMALL, align, TextDirection::Right);
         }
     }
     sheet.line([[x(0.0), top], [x(0.0), bottom]], HAIR, INK, 1.0);
@@ -105,14 +106,14 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
 }
 
 /// A flow with at least three significant digits, or two as a power of ten.
-fn figure(flow: f64) -> Label {
+fn figure(flow: f64) -> TickLabel {
     let sign = if flow < 0.0 { "\u{2212}" } else { "" };
     let size = flow.abs();
     if size != 0.0 && !(1e-3..1e5).contains(&size) {
         let text = format!("{size:.1e}");
         let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-        return Label { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
+        return TickLabel { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
     }
     let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
-    Label::plain(format!("{sign}{size:.decimals$}"))
+    TickLabel::plain(format!("{sign}{size:.decimals$}"))
 }

@@ -2,13 +2,12 @@
 
 use std::collections::HashSet;
 
-use super::axis::{Label, LogRange, count_ticks, grouped};
+use super::axis::{LogRange, TickLabel, count_ticks, grouped};
 use super::colour::{GREY, ZERO, colour};
 use super::colour_bar::colour_bar;
 use super::figure::Figure;
-use super::sheet::{Align, Filled, Mark, Sheet};
+use super::sheet::{Align, FilledBox, Mark, Sheet};
 use super::style::{self, HAIR, NAME_BELOW, NAME_LEFT, SMALL, TEXT, TICK};
-use crate::run_record::unit_of;
 use willis_core::sampling::Weight;
 use willis_io::output::names::LIKELIHOOD_PICTURE;
 
@@ -31,7 +30,7 @@ type Cell = ([usize; 2], f64);
 
 /// A symmetric matrix over the nodes, by its non-zero cells.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Matrix<'a> {
+pub struct LikelihoodMatrix<'a> {
     /// N, the number of rows and columns, at most 2³² - 1; rows are 0-based.
     pub nodes: usize,
     /// One entry per vessel: its two nodes in either order, and its likelihood L.
@@ -41,12 +40,12 @@ pub struct Matrix<'a> {
     /// For each entry whether its vessel is uncertain; empty where no vessel is.
     pub uncertain: &'a [bool],
     /// The blocks, which hold every node once; fewer than two for the order of the nodes.
-    pub blocks: &'a [Block],
+    pub blocks: &'a [NodeBlock],
 }
 
 /// Nodes that stand side by side.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Block {
+pub struct NodeBlock {
     /// What they have in common.
     pub name: String,
     /// The nodes in their order.
@@ -63,7 +62,7 @@ struct Grid {
     blocks: Vec<(String, usize)>,
 }
 
-impl Matrix<'_> {
+impl LikelihoodMatrix<'_> {
     /// The matrix of the entries that `shown` says, over the nodes that it says.
     fn grid(&self, title: &str, has_node: impl Fn(usize) -> bool, shown: impl Fn(usize) -> bool) -> Grid {
         let mut row_of = vec![usize::MAX; self.nodes];
@@ -126,7 +125,7 @@ fn added(mut cells: Vec<Cell>) -> Vec<Cell> {
 /// colour is that of log10 L from the smallest to the largest positive value, over at least one decade and at most twelve. Smaller
 /// values take the lowest colour, and the bar has `≤`. Zero is light grey ([`ZERO`]). A cell is at least 2 points wide, and where
 /// cells share a pixel the largest value is drawn. In SVG more than 2000 vessels are one embedded image.
-pub fn heat_map(matrix: &Matrix<'_>, weight: Weight) -> Figure {
+pub fn heat_map(matrix: &LikelihoodMatrix<'_>, weight: Weight) -> Figure {
     let grids = matrix.grids();
     let left = LEFT[usize::from(!grids[0].blocks.is_empty())];
     let range = LogRange::of(grids.iter().flat_map(|grid| grid.cells.iter().map(|cell| cell.1)));
@@ -140,7 +139,7 @@ pub fn heat_map(matrix: &Matrix<'_>, weight: Weight) -> Figure {
             let label = if row == 0 && range.clipped { tick.label.after("\u{2264}") } else { tick.label };
             (range.share_of_log(tick.at), label)
         });
-        colour_bar(&mut sheet, [right + BAR, TOP], SIDE, ticks, &format!("L ({})", unit_of(weight)));
+        colour_bar(&mut sheet, [right + BAR, TOP], SIDE, ticks, &format!("L ({})", weight.unit()));
     } else {
         sheet.plain("no likelihood above zero", [left + SIDE / 2.0, TOP + SIDE / 2.0], Align::Middle);
     }
@@ -172,7 +171,7 @@ fn draw(sheet: &mut Sheet, grid: &Grid, left: f64, range: Option<LogRange>) {
 }
 
 /// Both squares of every cell, at least as wide as a mark.
-fn squares(grid: &Grid, left: f64, range: LogRange) -> Vec<Filled> {
+fn squares(grid: &Grid, left: f64, range: LogRange) -> Vec<FilledBox> {
     let extent = |row: usize| {
         let [low, high] = [row, row + 1].map(|row| row as f64 * SIDE / grid.rows as f64);
         let size = (high - low).max(MARK);
@@ -223,6 +222,6 @@ fn names(sheet: &mut Sheet, grid: &Grid, left: f64) {
         free = y + APART;
         let text = if count > 1 { format!("{count} small ones") } else { name.to_owned() };
         let text = style::fitting(&text, LEFT[1] - TICK - 8.0, SMALL);
-        sheet.tick_left([left, y], &Label::plain(text), SMALL);
+        sheet.tick_left([left, y], &TickLabel::plain(text), SMALL);
     }
 }

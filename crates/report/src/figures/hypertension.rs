@@ -3,9 +3,10 @@
 use super::axis::LinearRange;
 use super::colour::{EACH, INK, PRUNED};
 use super::figure::Figure;
+use super::legend::{self, LegendKey, REFERENCE};
 use super::modulation::{SIDES, TOP, WIDTH};
 use super::sheet::{Align, Sheet};
-use super::style::{self, Key, NAME_BELOW, NAME_LEFT, REFERENCE, TEXT, TICK};
+use super::style::{NAME_BELOW, NAME_LEFT, TEXT, TICK};
 use willis_core::support::gamma::Gamma;
 use willis_io::output::names::HYPERTENSION_PICTURE;
 
@@ -57,10 +58,10 @@ fn draw(sheet: &mut Sheet, histograms: &Histograms, height: f64) {
         return sheet.plain("no force above zero", [middle, height / 2.0], Align::Middle);
     };
     let curve = histograms.classes.iter().any(|class| class.fit.is_some());
-    let fit = curve.then_some(("gamma distribution, fitted", Key::Line(1.6), PRUNED));
-    let keys = [("vessels and instances", Key::Box, EACH)].into_iter().chain(fit);
+    let fit = curve.then_some(("gamma distribution, fitted", LegendKey::Line(1.6), PRUNED));
+    let keys = [("vessels and instances", LegendKey::Box, EACH)].into_iter().chain(fit);
     let keys: Vec<_> = keys.chain([("threshold of risk", REFERENCE.0, REFERENCE.1)]).collect();
-    style::legend(sheet, left, &keys);
+    legend::legend(sheet, left, &keys);
     // The threshold is always visible.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);

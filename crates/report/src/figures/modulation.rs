@@ -3,8 +3,9 @@
 use super::axis::LinearRange;
 use super::colour::{EACH, INK, Rgb, WHOLE};
 use super::figure::Figure;
+use super::legend::{self, LegendKey, REFERENCE};
 use super::sheet::{Align, Sheet};
-use super::style::{self, BOLD, CURVE, HAIR, Key, NAME_LEFT, POINTS_PER_INCH, REFERENCE, TICK};
+use super::style::{BOLD, CURVE, HAIR, NAME_LEFT, POINTS_PER_INCH, TICK};
 use willis_io::output::names::MODULATION_PICTURE;
 
 /// Width of this picture and that of hypertension, points.
@@ -71,8 +72,8 @@ fn draw(sheet: &mut Sheet, classes: &[String], panels: &[Panel; 3], rows: usize,
     let ([left, right], room) = (SIDES, room(classes));
     let middle = f64::midpoint(left, right);
     sheet.title("Response to resistance modulation, against the unperturbed network", left);
-    let keys = [("every vessel (pressure: node)", Key::Box, EACH), ("whole network", Key::Box, WHOLE)];
-    style::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)]);
+    let keys = [("every vessel (pressure: node)", LegendKey::Box, EACH), ("whole network", LegendKey::Box, WHOLE)];
+    legend::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)]);
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {

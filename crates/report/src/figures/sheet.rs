@@ -2,7 +2,7 @@
 
 use tiny_skia::{Path, PathBuilder};
 
-use super::axis::Label;
+use super::axis::TickLabel;
 use super::colour::{GRID, INK, Rgb};
 use super::font;
 use super::style::{HAIR, TEXT, TICK, TITLE, TITLE_AT};
@@ -18,7 +18,7 @@ const ASIDE: f64 = 3.0;
 const BELOW: f64 = 7.0;
 
 /// A place on the page, points from its upper left corner.
-pub type Place = [f64; 2];
+pub type SheetPlace = [f64; 2];
 
 /// Which point of the text is at its place.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -33,7 +33,7 @@ pub enum Align {
 
 /// The direction of text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Run {
+pub enum TextDirection {
     /// From left to right.
     Right,
     /// Upwards.
@@ -42,7 +42,7 @@ pub enum Run {
 
 /// How a line is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Line {
+pub enum LineStyle {
     /// Without a break.
     Solid,
     /// In dashes of 4 points with gaps of 3.
@@ -52,17 +52,17 @@ pub enum Line {
 }
 
 /// A box of a colour, by its upper left and lower right corner.
-pub type Filled = ([Place; 2], Rgb);
+pub type FilledBox = ([SheetPlace; 2], Rgb);
 
 /// One thing on the sheet.
 #[derive(Debug)]
 pub enum Mark {
     /// Boxes with sharp edges, later ones over earlier ones; the first of several holds all others.
-    Boxes(Vec<Filled>),
+    Boxes(Vec<FilledBox>),
     /// A box with the colour map from bottom to top, by its corners.
-    Map([Place; 2]),
+    Map([SheetPlace; 2]),
     /// A line of a width in points, and its opacity in (0, 1].
-    Line(Path, Line, f64, Rgb, f64),
+    Line(Path, LineStyle, f64, Rgb, f64),
     /// The outline of text, and its words.
     Text(Path, String),
 }
@@ -76,21 +76,21 @@ pub struct Sheet {
 
 impl Sheet {
     /// A line along `path`, `width` points wide, `opacity` in (0, 1].
-    pub fn line(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb, opacity: f64) {
-        self.stroke(path, Line::Solid, width, rgb, opacity);
+    pub fn line(&mut self, path: impl IntoIterator<Item = SheetPlace>, width: f64, rgb: Rgb, opacity: f64) {
+        self.stroke(path, LineStyle::Solid, width, rgb, opacity);
     }
 
     /// A line along `path` with round corners and ends, `width` points wide.
-    pub fn tube(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) {
-        self.stroke(path, Line::Tube, width, rgb, 1.0);
+    pub fn tube(&mut self, path: impl IntoIterator<Item = SheetPlace>, width: f64, rgb: Rgb) {
+        self.stroke(path, LineStyle::Tube, width, rgb, 1.0);
     }
 
     /// A dashed line along `path`.
-    pub fn dashed(&mut self, path: impl IntoIterator<Item = Place>, width: f64, rgb: Rgb) {
-        self.stroke(path, Line::Dashed, width, rgb, 1.0);
+    pub fn dashed(&mut self, path: impl IntoIterator<Item = SheetPlace>, width: f64, rgb: Rgb) {
+        self.stroke(path, LineStyle::Dashed, width, rgb, 1.0);
     }
 
-    fn stroke(&mut self, path: impl IntoIterator<Item = Place>, line: Line, width: f64, rgb: Rgb, opacity: f64) {
+    fn stroke(&mut self, path: impl IntoIterator<Item = SheetPlace>, line: LineStyle, width: f64, rgb: Rgb, opacity: f64) {
         let mut along = PathBuilder::new();
         for [x, y] in path.into_iter().map(|place| place.map(|c| c as f32)) {
             if along.is_empty() { along.move_to(x, y) } else { along.line_to(x, y) }
@@ -99,51 +99,51 @@ impl Sheet {
     }
 
     /// Fills a rectangle of a corner and size (width, height).
-    pub fn rectangle(&mut self, corner: Place, size: [f64; 2], rgb: Rgb) {
+    pub fn rectangle(&mut self, corner: SheetPlace, size: [f64; 2], rgb: Rgb) {
         self.marks.push(Mark::Boxes(vec![([corner, [corner[0] + size[0], corner[1] + size[1]]], rgb)]));
     }
 
     /// The outline of a rectangle of a corner and size (width, height).
-    pub fn frame(&mut self, [left, top]: Place, [width, height]: [f64; 2]) {
+    pub fn frame(&mut self, [left, top]: SheetPlace, [width, height]: [f64; 2]) {
         let rectangle = tiny_skia::Rect::from_xywh(left as f32, top as f32, width as f32, height as f32);
-        self.marks.extend(rectangle.map(|of| Mark::Line(PathBuilder::from_rect(of), Line::Solid, HAIR, INK, 1.0)));
+        self.marks.extend(rectangle.map(|of| Mark::Line(PathBuilder::from_rect(of), LineStyle::Solid, HAIR, INK, 1.0)));
     }
 
     /// The title of a figure, from `x`, the left edge of its axes.
     pub fn title(&mut self, text: &str, x: f64) {
-        self.text(&Label::plain(text), [x, TITLE_AT], TITLE, Align::Begin, Run::Right);
+        self.text(&TickLabel::plain(text), [x, TITLE_AT], TITLE, Align::Begin, TextDirection::Right);
     }
 
     /// Plain text.
-    pub fn plain(&mut self, text: &str, place: Place, align: Align) {
-        self.text(&Label::plain(text), place, TEXT, align, Run::Right);
+    pub fn plain(&mut self, text: &str, place: SheetPlace, align: Align) {
+        self.text(&TickLabel::plain(text), place, TEXT, align, TextDirection::Right);
     }
 
     /// Plain text that runs upwards, around `place`.
-    pub fn upright(&mut self, text: &str, place: Place) {
-        self.text(&Label::plain(text), place, TEXT, Align::Middle, Run::Up);
+    pub fn upright(&mut self, text: &str, place: SheetPlace) {
+        self.text(&TickLabel::plain(text), place, TEXT, Align::Middle, TextDirection::Up);
     }
 
     /// A tick left of an axis, and its text.
-    pub fn tick_left(&mut self, [x, y]: Place, label: &Label, height: f64) {
+    pub fn tick_left(&mut self, [x, y]: SheetPlace, label: &TickLabel, height: f64) {
         self.line([[x - TICK, y], [x, y]], HAIR, INK, 1.0);
-        self.text(label, [x - TICK - ASIDE, y], height, Align::End, Run::Right);
+        self.text(label, [x - TICK - ASIDE, y], height, Align::End, TextDirection::Right);
     }
 
     /// A tick right of an axis, and its text.
-    pub fn tick_right(&mut self, [x, y]: Place, label: &Label) {
+    pub fn tick_right(&mut self, [x, y]: SheetPlace, label: &TickLabel) {
         self.line([[x, y], [x + TICK, y]], HAIR, INK, 1.0);
-        self.text(label, [x + TICK + ASIDE, y], TEXT, Align::Begin, Run::Right);
+        self.text(label, [x + TICK + ASIDE, y], TEXT, Align::Begin, TextDirection::Right);
     }
 
     /// A tick below an axis, and its text.
-    pub fn tick_below(&mut self, [x, y]: Place, label: &Label, height: f64) {
+    pub fn tick_below(&mut self, [x, y]: SheetPlace, label: &TickLabel, height: f64) {
         self.line([[x, y], [x, y + TICK]], HAIR, INK, 1.0);
-        self.text(label, [x, y + TICK + BELOW], height, Align::Middle, Run::Right);
+        self.text(label, [x, y + TICK + BELOW], height, Align::Middle, TextDirection::Right);
     }
 
     /// Ticks at heights left of the axes, with grid lines between `left` and `right`.
-    pub fn ticks_left(&mut self, [left, right]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) {
+    pub fn ticks_left(&mut self, [left, right]: [f64; 2], ticks: impl IntoIterator<Item = (f64, TickLabel)>) {
         for (y, label) in ticks {
             self.line([[left, y], [right, y]], HAIR, GRID, 1.0);
             self.tick_left([left, y], &label, TEXT);
@@ -151,7 +151,7 @@ impl Sheet {
     }
 
     /// Ticks below the axes, with grid lines between `top` and `bottom`.
-    pub fn ticks_below(&mut self, [top, bottom]: [f64; 2], ticks: impl IntoIterator<Item = (f64, Label)>) {
+    pub fn ticks_below(&mut self, [top, bottom]: [f64; 2], ticks: impl IntoIterator<Item = (f64, TickLabel)>) {
         for (x, label) in ticks {
             self.line([[x, top], [x, bottom]], HAIR, GRID, 1.0);
             self.tick_below([x, bottom], &label, TEXT);
@@ -159,7 +159,7 @@ impl Sheet {
     }
 
     /// Text whose digits are centred on `place` across its direction.
-    pub fn text(&mut self, label: &Label, place: Place, height: f64, align: Align, run: Run) {
+    pub fn text(&mut self, label: &TickLabel, place: SheetPlace, height: f64, align: Align, run: TextDirection) {
         let raised = height * EXPONENT;
         let widths = [font::width(&label.text, height), font::width(&label.exponent, raised)];
         let back = match align {
@@ -172,8 +172,8 @@ impl Sheet {
             [(&label.text, height, -back, base), (&label.exponent, raised, widths[0] - back, base - height * LIFT)]
         {
             let at = |[x, y]: [f64; 2]| match run {
-                Run::Right => [place[0] + along + x, place[1] + across + y],
-                Run::Up => [place[0] + across + y, place[1] - along - x],
+                TextDirection::Right => [place[0] + along + x, place[1] + across + y],
+                TextDirection::Up => [place[0] + across + y, place[1] - along - x],
             };
             self.marks.extend(font::outline(text, size, at).map(|outline| Mark::Text(outline, text.clone())));
         }

@@ -1,8 +1,6 @@
-//! The style that all figures share: sizes of text and lines, where titles and legends stand, and how a legend is drawn.
+//! The style that all figures share: sizes of text and lines, where titles and legends stand, and names that fit a width.
 
-use super::colour::{INK, Rgb};
 use super::font;
-use super::sheet::{Align, Place, Sheet};
 
 /// Places and lengths on a page are in points.
 pub const POINTS_PER_INCH: f64 = 72.0;
@@ -30,45 +28,6 @@ pub const TICK: f64 = 4.0;
 pub const NAME_BELOW: f64 = 25.0;
 /// The middle of the upright name of an axis, points from the left edge.
 pub const NAME_LEFT: f64 = 9.0;
-
-/// What a legend shows of a kind.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Key {
-    /// A line of a width in points.
-    Line(f64),
-    /// A dashed line of a width in points.
-    Dashes(f64),
-    /// A filled box.
-    Box,
-}
-
-/// Size of a key, the space before its text, and between two entries, points.
-const KEY: [f64; 2] = [18.0, 8.0];
-const SPACE: f64 = 5.0;
-const APART: f64 = 18.0;
-
-/// One entry of a legend, with the left and middle of its key at a place; returns its width.
-pub fn key(sheet: &mut Sheet, [x, y]: Place, text: &str, key: Key, rgb: Rgb) -> f64 {
-    let ends = [[x, y], [x + KEY[0], y]];
-    match key {
-        Key::Line(width) => sheet.line(ends, width.max(1.5), rgb, 1.0),
-        Key::Dashes(width) => sheet.dashed(ends, width, rgb),
-        Key::Box => sheet.rectangle([x, y - KEY[1] / 2.0], KEY, rgb),
-    }
-    sheet.plain(text, [x + KEY[0] + SPACE, y], Align::Begin);
-    KEY[0] + SPACE + font::width(text, TEXT)
-}
-
-/// A legend in a row below the title, from the left edge of the axes.
-pub fn legend(sheet: &mut Sheet, left: f64, entries: &[(&str, Key, Rgb)]) {
-    let mut x = left;
-    for (text, kind, rgb) in entries {
-        x += key(sheet, [x, LEGEND_AT], text, *kind, *rgb) + APART;
-    }
-}
-
-/// The key of the line that everything else is compared with.
-pub const REFERENCE: (Key, Rgb) = (Key::Dashes(1.2), INK);
 
 /// More letters than fit, even narrow ones.
 const MOST_LETTERS: usize = 200;

@@ -1,6 +1,6 @@
 //! A run in one picture: the vessels from two sides, the candidates by their probability, and the counts.
 
-use super::axis::Label;
+use super::axis::TickLabel;
 use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 use super::colour_bar::colour_bar;
 use super::course::smoothed;
@@ -71,7 +71,7 @@ pub fn summary(title: &str, words: &str, mut vessels: Vec<DrawnVessel>, views: &
 }
 
 /// A piece of a vessel on the page: how far off, its course, and how it is drawn.
-struct Piece {
+struct DrawnPiece {
     near: f64,
     path: Vec<[f64; 2]>,
     width: f64,
@@ -111,7 +111,7 @@ fn draw(sheet: &mut Sheet, title: &str, words: &str, vessels: &[DrawnVessel], vi
         }
     }
     scale_bar(sheet, scale);
-    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, Label::plain(share.to_string())));
+    let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, TickLabel::plain(share.to_string())));
     colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability");
 }
 
@@ -131,7 +131,7 @@ fn seen(p: &[f64; 4], view: &Projection) -> [f64; 2] {
 }
 
 /// The pieces of all vessels from far to near; those that are uncertain come last, so that nothing hides them.
-fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn(&[f64; 4]) -> [f64; 2]) -> Vec<Piece> {
+fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn(&[f64; 4]) -> [f64; 2]) -> Vec<DrawnPiece> {
     let ([a, b, c], [d, e, f]) = (view.right, view.up);
     let back = [b * f - c * e, c * d - a * f, a * e - b * d];
     let depth = |p: &[f64; 4]| (0..3).map(|axis| back[axis] * p[axis]).sum::<f64>();
@@ -155,7 +155,7 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
             let mean = |of: &dyn Fn(&[f64; 4]) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
             let at = mean(&depth);
             let share_near = ((at - far) / (near - far).max(1e-9)).clamp(0.0, 1.0);
-            Piece {
+            DrawnPiece {
                 near: order + at,
                 path: part.iter().map(&place).collect(),
                 width: (2.0 * share * scale * mean(&|p| p[3])).max(thin),

@@ -1,11 +1,12 @@
 //! Whose blood every outlet gets: a bar an outlet, divided by inlet, with the mean time since entry beside it.
 
-use super::axis::Label;
+use super::axis::TickLabel;
 use super::colour::{INK, Rgb};
 use super::figure::Figure;
 use super::font;
-use super::sheet::{Align, Run, Sheet};
-use super::style::{self, HAIR, Key, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
+use super::legend::{self, LegendKey};
+use super::sheet::{Align, Sheet, TextDirection};
+use super::style::{HAIR, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use willis_io::output::names::TERRITORY_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
@@ -60,9 +61,9 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
     for (at, (name, rgb)) in inlets.iter().enumerate() {
         let (line, place) = ((at / IN_A_LINE) as f64, (at % IN_A_LINE) as f64);
-        style::key(&mut sheet, [left + step * place, LEGEND_AT + LEGEND * line], name, Key::Box, *rgb);
+        legend::key(&mut sheet, [left + step * place, LEGEND_AT + LEGEND * line], name, LegendKey::Box, *rgb);
     }
-    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), Label::plain(format!("{:.0}", 100.0 * share))));
+    let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), TickLabel::plain(format!("{:.0}", 100.0 * share))));
     sheet.ticks_below([top, bottom], ticks);
     sheet.line([[left, bottom], [right, bottom]], HAIR, INK, 1.0);
     let pair = shown.iter().any(|outlet| outlet.states.len() > 1);
@@ -70,8 +71,9 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
     let mut above = top;
     for outlet in shown {
-        let small =
-            |text: String, sheet: &mut Sheet, place| sheet.text(&Label::plain(text), place, SMALL, Align::Begin, Run::Right);
+        let small = |text: String, sheet: &mut Sheet, place| {
+            sheet.text(&TickLabel::plain(text), place, SMALL, Align::Begin, TextDirection::Right);
+        };
         sheet.plain(&outlet.name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
         for (at, state) in outlet.states.iter().enumerate() {
             let place = above + GAP / 2.0 + BAR * at as f64;

@@ -8,7 +8,7 @@ use tiny_skia::{Path, PathSegment};
 
 use super::bitmap::image;
 use super::colour::{INK, MAP, Rgb};
-use super::sheet::{Filled, Line, Mark, Place};
+use super::sheet::{FilledBox, LineStyle, Mark, SheetPlace};
 use super::style::{DASH, POINTS_PER_INCH};
 use willis_io::formats::escape;
 
@@ -38,7 +38,7 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
         Mark::Boxes(boxes) if boxes.len() > BOXES => embedded(boxes)?,
         Mark::Boxes(boxes) => {
             // Crisp edges leave no gap between neighbours.
-            let each = |(corners, rgb): &Filled| {
+            let each = |(corners, rgb): &FilledBox| {
                 let fill = hex(*rgb);
                 format!("<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{}\"/>\n", rectangle(corners))
             };
@@ -57,9 +57,9 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
         Mark::Line(path, line, width, rgb, opacity) => {
             let clear = if *opacity < 1.0 { format!(" stroke-opacity=\"{opacity:.3}\"") } else { String::new() };
             let shape = match line {
-                Line::Solid => String::new(),
-                Line::Dashed => format!(" stroke-dasharray=\"{} {}\"", units(DASH[0].into()), units(DASH[1].into())),
-                Line::Tube => " stroke-linecap=\"round\"".to_owned(),
+                LineStyle::Solid => String::new(),
+                LineStyle::Dashed => format!(" stroke-dasharray=\"{} {}\"", units(DASH[0].into()), units(DASH[1].into())),
+                LineStyle::Tube => " stroke-linecap=\"round\"".to_owned(),
             };
             format!(
                 "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{shape}{clear} d=\"{}\"/>\n",
@@ -75,7 +75,7 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
 }
 
 /// Boxes as one image. Programs older than SVG 2 need the prefix.
-fn embedded(boxes: &[Filled]) -> Result<String, String> {
+fn embedded(boxes: &[FilledBox]) -> Result<String, String> {
     let Some(([from, to], _)) = boxes.first() else { return Ok(String::new()) };
     let ([x, y], [right, bottom]) = (from.map(units), to.map(units));
     Ok(format!(
@@ -90,7 +90,7 @@ fn units(points: f64) -> i32 {
     (UNITS * points).round() as i32
 }
 
-fn rectangle([from, to]: &[Place; 2]) -> String {
+fn rectangle([from, to]: &[SheetPlace; 2]) -> String {
     let ([x, y], [right, bottom]) = (from.map(units), to.map(units));
     format!("M{x} {y}H{right}V{bottom}H{x}z")
 }

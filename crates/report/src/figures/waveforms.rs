@@ -1,10 +1,11 @@
 //! The flow of arteries over a cycle, a panel each, with mean and pulsatility index above, as ultrasound shows them.
 
-use super::axis::{Label, LinearRange};
+use super::axis::{LinearRange, TickLabel};
 use super::colour::{GRID, INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
-use super::sheet::{Align, Run, Sheet};
-use super::style::{self, HAIR, Key, SMALL};
+use super::legend::{self, LegendKey};
+use super::sheet::{Align, Sheet, TextDirection};
+use super::style::{HAIR, SMALL};
 use willis_io::output::names::WAVEFORM_PICTURE;
 
 /// Panels in a row, and the most that are shown.
@@ -53,8 +54,8 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     let mut sheet = Sheet::default();
     sheet.title(&title, MARGIN + LEFT);
     if shown.iter().any(|artery| artery.states.len() > 1) {
-        let keys = [("as it is", Key::Line(LINE), UNPERTURBED), ("perturbed", Key::Line(LINE), PERTURBED)];
-        style::legend(&mut sheet, MARGIN + LEFT, &keys);
+        let keys = [("as it is", LegendKey::Line(LINE), UNPERTURBED), ("perturbed", LegendKey::Line(LINE), PERTURBED)];
+        legend::legend(&mut sheet, MARGIN + LEFT, &keys);
     }
     for (at, artery) in shown.into_iter().enumerate() {
         let left = MARGIN + (at % IN_A_ROW) as f64 * (LEFT + PANEL[0]) + LEFT;
@@ -79,18 +80,18 @@ fn panel(sheet: &mut Sheet, artery: &ArteryWaveform, period: f64, [left, top]: [
         .unzip();
     // The font of the pictures has no arrow.
     let text = format!("mean {}  PI {}", means.join(" to "), indices.join(" to "));
-    sheet.text(&Label::plain(text), [left, top - 10.0], SMALL, Align::Begin, Run::Right);
+    sheet.text(&TickLabel::plain(text), [left, top - 10.0], SMALL, Align::Begin, TextDirection::Right);
     let is_none = values().all(|flow| flow.abs() < NONE);
     let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return };
     let y = |flow: f64| bottom - PANEL[1] * range.share(flow);
     for tick in range.ticks(4) {
         let at = y(tick.at);
         sheet.line([[left, at], [right, at]], HAIR, if tick.at == 0.0 { INK } else { GRID }, 1.0);
-        sheet.text(&tick.label, [left - 3.0, at], SMALL, Align::End, Run::Right);
+        sheet.text(&tick.label, [left - 3.0, at], SMALL, Align::End, TextDirection::Right);
     }
     sheet.line([[left, top], [left, bottom], [right, bottom]], HAIR, INK, 1.0);
     for share in [0.0, 0.5, 1.0] {
-        sheet.tick_below([left + PANEL[0] * share, bottom], &Label::plain(format!("{:.2}", period * share)), SMALL);
+        sheet.tick_below([left + PANEL[0] * share, bottom], &TickLabel::plain(format!("{:.2}", period * share)), SMALL);
     }
     for ((flow, ..), rgb) in artery.states.iter().zip([UNPERTURBED, PERTURBED]) {
         let point = |at: usize| [left + PANEL[0] * at as f64 / flow.len() as f64, y(flow[at % flow.len()])];

@@ -1,61 +1,22 @@
 //! The output folder of a resistance modulation: tables, arrays, pictures, page and record.
 
+mod outcome;
 pub mod pictures;
 mod record;
 mod tables;
 
 use std::path::Path;
 
-use super::page::{ModulationTables, Picture, modulation_page, write_page};
-use super::run_record::Provenance;
+use super::page::{ModulationTables, PagePicture, modulation_page, write_page};
 use willis_core::error::Result;
-use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::modulation::{HypertensionByClass, Instances, Modulation, ModulationOptions, Reading};
+use willis_core::modulation::{Instances, Reading};
 use willis_core::network::units::{ml_per_min, mmhg};
-use willis_core::network::{Condition, Network};
 use willis_io::formats::{NamedArray, write_arrays, write_csv};
 use willis_io::output::atomic::write_file;
 use willis_io::output::names;
 use willis_io::output::write_record;
 
-/// A modulation with everything that its files need.
-#[derive(Debug)]
-pub struct ModulationOutcome<'a> {
-    /// The network.
-    pub network: &'a Network,
-    /// Its boundary conditions.
-    pub boundary: &'a Boundary,
-    /// The condition of outlets without one.
-    pub outlets: FoundOutlets,
-    /// The command and input of the run.
-    pub provenance: &'a Provenance,
-    /// The options of the modulation.
-    pub params: &'a ModulationOptions,
-    /// The instances.
-    pub result: &'a Modulation,
-    /// The distribution of hypertension.
-    pub hypertension: &'a HypertensionByClass,
-    /// The time of the solves, s.
-    pub seconds: f64,
-}
-
-impl ModulationOutcome<'_> {
-    /// The content of run.json.
-    pub fn record(&self) -> impl serde::Serialize {
-        record::Record::of(self)
-    }
-
-    /// For each node whether its pressure can change.
-    fn free(&self) -> Vec<bool> {
-        let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));
-        (0..self.network.node_count()).map(|node| !fixed(node)).collect()
-    }
-
-    /// The mean pressure of the free nodes by instance, mmHg.
-    fn mean_pressure(&self, instances: &Instances) -> Vec<f64> {
-        Instances::means(&instances.pressure, self.network.node_count(), &self.free(), mmhg)
-    }
-}
+pub use outcome::ModulationOutcome;
 
 /// Writes every file of a modulation into a folder; samples.npz only if `samples` is true.
 ///
@@ -84,9 +45,9 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     for (title, caption, picture) in
         [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
     {
-        figures.push(Picture::write(title, caption, &picture, folder, dpi)?);
+        figures.push(PagePicture::write(title, caption, &picture, folder, dpi)?);
     }
-    let record = record::Record::of(outcome);
+    let record = outcome.record();
     write_record(folder, &record)?;
     let page = modulation_page(outcome, &record, tables, figures);
     write_file(&folder.join(names::PAGE), |out| write_page(out, &page))

@@ -1,6 +1,6 @@
 //! The pictures of a resistance modulation: their boxes and histograms from the instances.
 
-use super::ModulationOutcome;
+use super::outcome::ModulationOutcome;
 use crate::figures::figure::Figure;
 use crate::figures::hypertension::{Histogram, Histograms};
 use crate::figures::modulation::{Boxes, Panel};

@@ -3,10 +3,9 @@
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::ModulationOutcome;
-use crate::run_record::{conditions, outlets_found};
+use super::outcome::ModulationOutcome;
+use crate::run_record::{conditions, counts, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
-use willis_core::network::Role;
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use willis_core::support::Distribution;
 
@@ -25,7 +24,7 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
 
 /// The content of run.json.
 #[derive(Debug, Serialize)]
-pub struct Record<'a> {
+struct ModulationRecord<'a> {
     willis: &'static str,
     command: &'a str,
     input: Value,
@@ -40,9 +39,9 @@ pub struct Record<'a> {
     time: Value,
 }
 
-impl<'a> Record<'a> {
+impl<'a> ModulationRecord<'a> {
     /// Gathers the record of a run.
-    pub fn of(outcome: &ModulationOutcome<'a>) -> Self {
+    fn of(outcome: &ModulationOutcome<'a>) -> Self {
         let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
         let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
         let by_class = outcome.result.classes.iter().zip(&outcome.hypertension.classes);
@@ -66,17 +65,19 @@ impl<'a> Record<'a> {
                 "outlets_found": outlets_found(outcome.outlets),
             }),
             boundary_conditions: conditions(network, boundary),
-            counts: json!({
-                "nodes": network.node_count(),
-                "vessels": network.vessel_count(),
-                "inlets": boundary.count(Role::Inlet),
-                "outlets": boundary.count(Role::Outlet),
-            }),
+            counts: counts(network, boundary),
             unperturbed: figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
             classes: classes.collect(),
             solver: json!({ "flow": outcome.result.solver }),
             notes: &provenance.notes,
             time: json!({ "solving_s": outcome.seconds }),
         }
+    }
+}
+
+impl ModulationOutcome<'_> {
+    /// The content of run.json.
+    pub fn record(&self) -> impl serde::Serialize {
+        ModulationRecord::of(self)
     }
 }

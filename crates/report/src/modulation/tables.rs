@@ -1,13 +1,13 @@
 //! The tables of a resistance modulation: one distribution per row, and the histograms of hypertension.
 
-use super::ModulationOutcome;
+use super::outcome::ModulationOutcome;
 use willis_core::modulation::{Class, Hypertension, Instances};
 use willis_core::network::units::{ml_per_min, mmhg, mmhg_per_mm2};
 use willis_core::support::Distribution;
 use willis_io::formats::Column;
 
 /// A quantity in a class: its distribution over the instances, and its value in the unperturbed network.
-struct Row {
+struct DistributionRow {
     class: Class,
     /// The row of a node or vessel.
     item: usize,
@@ -18,9 +18,9 @@ struct Row {
 }
 
 /// The columns of rows: the class, those `of_item`, the quantity, its unit where there is one, and the distribution.
-fn columns(rows: &[Row], of_item: Vec<Column>) -> Vec<Column> {
-    let text = |name: &'static str, of: fn(&Row) -> String| Column::text(name, rows.iter().map(of));
-    let real = |name: &'static str, of: &dyn Fn(&Row) -> f64| Column::real(name, rows.iter().map(of));
+fn columns(rows: &[DistributionRow], of_item: Vec<Column>) -> Vec<Column> {
+    let text = |name: &'static str, of: fn(&DistributionRow) -> String| Column::text(name, rows.iter().map(of));
+    let real = |name: &'static str, of: &dyn Fn(&DistributionRow) -> f64| Column::real(name, rows.iter().map(of));
     let mut columns = vec![text("class", |r| r.class.to_string())];
     columns.extend(of_item);
     columns.push(text("quantity", |r| r.quantity.to_owned()));
@@ -56,26 +56,26 @@ pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     for (class, instances) in &outcome.result.classes {
         for ((quantity, unit, values), (.., rest)) in of_network(outcome, instances).into_iter().zip(&at_rest) {
             let distribution = Distribution::of(values);
-            rows.push(Row { class: *class, item: 0, quantity, unit, distribution, unperturbed: rest[0] });
+            rows.push(DistributionRow { class: *class, item: 0, quantity, unit, distribution, unperturbed: rest[0] });
         }
     }
-    let [low, high] = [|r: &Row| r.class.low, |r: &Row| r.class.high].map(|of| rows.iter().map(of));
+    let [low, high] = [|r: &DistributionRow| r.class.low, |r: &DistributionRow| r.class.high].map(|of| rows.iter().map(of));
     let mut columns = columns(&rows, vec![Column::real("low", low), Column::real("high", high)]);
-    let ratio = |r: &Row| if r.unperturbed == 0.0 { f64::NAN } else { r.distribution.mean / r.unperturbed };
+    let ratio = |r: &DistributionRow| if r.unperturbed == 0.0 { f64::NAN } else { r.distribution.mean / r.unperturbed };
     columns.push(Column::real("ratio", rows.iter().map(ratio)));
     columns
 }
 
 /// A quantity: its name, its table in the instances, and the conversion to its unit.
-type Quantity = (&'static str, fn(&Instances) -> &Vec<f64>, fn(f64) -> f64);
+type InstanceFigure = (&'static str, fn(&Instances) -> &Vec<f64>, fn(f64) -> f64);
 
 /// One row for each class, node or vessel, and quantity.
-fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[Quantity]) -> Vec<Row> {
+fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[InstanceFigure]) -> Vec<DistributionRow> {
     let mut rows = Vec::new();
     for (class, instances) in &outcome.result.classes {
         for item in 0..items {
             for (quantity, table, unit) in quantities {
-                rows.push(Row {
+                rows.push(DistributionRow {
                     class: *class,
                     item,
                     quantity,
@@ -104,7 +104,7 @@ pub fn node_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
 /// edges.csv: flow, drop, resilience and hypertension of every vessel by class. Flow and drop are positive from `node_a` to `node_b`.
 pub fn vessel_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
     let network = outcome.network;
-    let quantities: [Quantity; 4] = [
+    let quantities: [InstanceFigure; 4] = [
         ("flow_mL_per_min", |i| &i.flow, ml_per_min),
         ("drop_mmHg", |i| &i.drop, mmhg),
         ("resilience_W_per_m3", |i| &i.resilience, |r| r),

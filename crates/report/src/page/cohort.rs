@@ -5,8 +5,10 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{Table, Template, encode};
-use crate::cohort::{About, Row, WALL_TIME};
+use super::content::PageTable;
+use super::encode;
+use super::template::Template;
+use crate::cohort::{CohortRow, CohortRun, WALL_TIME};
 use willis_io::formats::Column;
 use willis_io::output::names::{PAGE, SUMMARY_PICTURE};
 
@@ -31,13 +33,13 @@ const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 /// An error of the writer.
 pub fn write_cohort_page(
     out: &mut impl Write,
-    rows: &[Row],
+    rows: &[CohortRow],
     columns: Vec<Column>,
-    about: &About<'_>,
+    about: &CohortRun<'_>,
     folder: &Path,
 ) -> io::Result<()> {
     let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
-    let table = Table::new("Subjects", columns, false);
+    let table = PageTable::new("Subjects", columns, false);
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({
         "command": about.line,
@@ -55,7 +57,7 @@ pub fn write_cohort_page(
 }
 
 /// The picture of a subject, seen from the folder of the cohort; null where there is none.
-fn picture(row: &Row, folder: &Path) -> Value {
+fn picture(row: &CohortRow, folder: &Path) -> Value {
     let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
     let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
     if row.figures.is_ok() && folder.join(&beside).is_file() { json!(beside) } else { Value::Null }

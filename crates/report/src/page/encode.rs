@@ -7,8 +7,8 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::scene::Scene;
-use super::{Page, Table};
+use super::content::{Page, PageTable};
+use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
 use willis_io::formats::{Column, Values};
 use willis_io::masks::strips::{ACROSS, ALONG};
@@ -43,7 +43,7 @@ pub fn colours() -> Vec<Rgb> {
 }
 
 /// The points as four u16 each (x, y, z, radius), with the corner and the two step sizes that convert them to mm.
-fn scene(scene: &Scene) -> Value {
+fn scene(scene: &PageScene) -> Value {
     let points = || scene.vessels.iter().flatten().chain(scene.markers.iter().map(|m| &m.place));
     let (mut low, mut high, mut widest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
     for [x, y, z, radius] in points() {
@@ -72,7 +72,7 @@ fn scene(scene: &Scene) -> Value {
 }
 
 /// A table and its columns.
-pub fn table(table: &Table) -> io::Result<Value> {
+pub fn table(table: &PageTable) -> io::Result<Value> {
     let rows = table.columns.first().map_or(0, |column| column.values.len());
     if table.columns.iter().any(|column| column.values.len() != rows) {
         return Err(io::Error::new(io::ErrorKind::InvalidInput, format!("{}: columns differ in length", table.title)));

@@ -4,10 +4,13 @@ use std::collections::HashSet;
 
 use serde_json::Value;
 
+use super::content::{
+    ColourScale, Colouring, Page, PagePicture, PageTable, Threshold, conditions, facts, record, take, warnings,
+};
 use super::scene::{cuts, scene, suggestions};
-use super::{Colouring, Page, Picture, Scale, Table, Threshold, conditions, facts, record, take};
-use crate::inference::{Outcome, pairing_columns, suggested_cut_columns};
-use crate::run_record::{Summary, unit_of};
+use crate::inference::Outcome;
+use crate::inference::tables::{pairing_columns, suggested_cut_columns};
+use crate::run_record::Summary;
 use willis_core::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
 use willis_io::formats::{Column, END_POSITION_COLUMNS};
 
@@ -17,9 +20,9 @@ const UNDECIDED: &str = "undecided";
 const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
-pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<Picture>) -> Page {
+pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<PagePicture>) -> Page {
     let mut record = record(summary);
-    let mut warnings = super::warnings(&record);
+    let mut warnings = warnings(&record);
     if let Some(warning) = outcome.few_perfused() {
         warnings.insert(0, warning);
     }
@@ -38,8 +41,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     columns.push(Column::whole(UNCERTAIN, open));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
-    let table = |title: &str, columns, of_vessels| Table { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let unit = unit_of(outcome.sampling.weight);
+    let table = |title: &str, columns, of_vessels| PageTable { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
+    let unit = outcome.sampling.weight.unit();
     let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
     let evidence = has_evidence(outcome.network);
     let mut names = vec![
@@ -97,12 +100,12 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
         ..Colouring::new(name, unit, scale, vec![(String::new(), 0, String::from(column))])
     };
     let mut all = vec![
-        colouring("likelihood L", unit, Scale::Log, true, "likelihood"),
-        colouring("frequency in the forest", "", Scale::Share, true, "frequency"),
-        colouring("radius", "mm", Scale::Linear, false, "radius_mm"),
+        colouring("likelihood L", unit, ColourScale::Log, true, "likelihood"),
+        colouring("frequency in the forest", "", ColourScale::Share, true, "frequency"),
+        colouring("radius", "mm", ColourScale::Linear, false, "radius_mm"),
     ];
     if evidence {
-        all.insert(0, colouring("probability P", "", Scale::Share, true, "probability"));
+        all.insert(0, colouring("probability P", "", ColourScale::Share, true, "probability"));
     }
     all
 }

@@ -1,13 +1,13 @@
 //! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
 
+use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, record, take, warnings};
 use super::scene::scene;
-use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, record, take};
 use crate::modulation::ModulationOutcome;
 use willis_io::formats::{Column, Values};
 
 /// The tables of the output folder.
 #[derive(Debug)]
-pub struct Tables {
+pub struct ModulationTables {
     /// classes.csv.
     pub classes: Vec<Column>,
     /// nodes.csv.
@@ -30,9 +30,14 @@ const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The page of a modulation.
-pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tables: Tables, figures: Vec<Picture>) -> Page {
+pub fn page(
+    outcome: &ModulationOutcome<'_>,
+    of_run: &impl serde::Serialize,
+    tables: ModulationTables,
+    figures: Vec<PagePicture>,
+) -> Page {
     let mut record = record(of_run);
-    let warnings = super::warnings(&record);
+    let warnings = warnings(&record);
     let lead = super::lead::modulation(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let facts = facts(
@@ -51,11 +56,11 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &impl serde::Serialize, tab
     let of_vessels = classes
         .iter()
         .enumerate()
-        .map(|(at, class)| Table::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
-    let mut all: Vec<Table> = of_vessels.collect();
-    all.push(Table::new("Classes", tables.classes, false));
-    all.push(Table::new("Nodes", tables.nodes, false));
-    all.push(Table::new("Hypertension", tables.hypertension, false));
+        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
+    let mut all: Vec<PageTable> = of_vessels.collect();
+    all.push(PageTable::new("Classes", tables.classes, false));
+    all.push(PageTable::new("Nodes", tables.nodes, false));
+    all.push(PageTable::new("Hypertension", tables.hypertension, false));
     all.extend(conditions(&take(&mut record, "boundary_conditions")));
     let scene = scene(outcome.network, outcome.boundary);
     let colourings = colourings(&classes);
@@ -73,7 +78,7 @@ fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> V
     let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
     let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
     let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
-    let mut columns = crate::inference::select(&of_rows, &rows);
+    let mut columns = crate::inference::tables::select(&of_rows, &rows);
     for (quantity, (_, _, name, variation_name)) in QUANTITIES.into_iter().enumerate() {
         let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
         let (mean, std) = (of("mean"), of("std"));
@@ -96,8 +101,8 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
     };
     let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
-        let mean = Colouring::new(name, unit, Scale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
-        [mean, Colouring::new(of, "std / |mean|", Scale::Linear, by_class(variation.to_owned()).collect())]
+        let mean = Colouring::new(name, unit, ColourScale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
+        [mean, Colouring::new(of, "std / |mean|", ColourScale::Linear, by_class(variation.to_owned()).collect())]
     });
     each.flatten().collect()
 }

@@ -4,8 +4,9 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
+use super::content::{PageTable, title};
 use super::encode::{self, colours};
-use super::{Table, Template, title};
+use super::template::Template;
 use willis_io::formats::Column;
 
 const PHENOTYPE_PAGE: Template = Template {
@@ -31,7 +32,7 @@ pub fn write_phenotype_page(out: &mut impl Write, record: &Value, collaterals: V
     let mut record = record.clone();
     let phenotype = record["phenotype"].take();
     record["collateral"].take();
-    let table = Table::new("Flow without each feeder", collaterals, false);
+    let table = PageTable::new("Flow without each feeder", collaterals, false);
     let title = title("classify", &record);
     let data = json!({
         "phenotype": phenotype,

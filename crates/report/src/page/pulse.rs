@@ -1,8 +1,8 @@
 //! The pulse on the page: the flow of every vessel at even times of the cycle, by which a slider colours the vessels.
 
-use super::{Colouring, Scale, Table};
-use crate::pulse::flows_by_time;
+use super::content::{ColourScale, Colouring, PageTable};
 use crate::simulation::Simulated;
+use crate::simulation::pulse::flows_by_time;
 use willis_core::network::units::milliseconds;
 use willis_core::simulation::pulse::Pulses;
 use willis_io::formats::Column;
@@ -15,7 +15,7 @@ const MOST_FIGURES: usize = 400_000;
 pub const OVER_THE_CYCLE: &str = "flow over the cycle";
 
 /// The table of flows by time, and the colouring that it gives, where the table is number `at`; none of a large network.
-pub fn cycle(simulated: &Simulated<'_>, pulses: &Pulses, at: usize) -> Option<(Table, Colouring)> {
+pub fn cycle(simulated: &Simulated<'_>, pulses: &Pulses, at: usize) -> Option<(PageTable, Colouring)> {
     let network = simulated.network;
     if network.vessel_count() * STOPS > MOST_FIGURES {
         return None;
@@ -31,6 +31,6 @@ pub fn cycle(simulated: &Simulated<'_>, pulses: &Pulses, at: usize) -> Option<(T
     }
     let title = if pulses.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
     let variants = (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect();
-    let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", Scale::Linear, variants);
-    Some((Table::new(title, columns, true), colouring))
+    let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", ColourScale::Linear, variants);
+    Some((PageTable::new(title, columns, true), colouring))
 }

@@ -1,22 +1,20 @@
 //! The vessels of a page in space: their centerlines, without points that make no visible difference.
 
+use crate::figures::course::CoursePoint;
 use willis_core::flow::Boundary;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::geometry::{Point, box_diagonal};
 use willis_models::contacts::suggested_cuts::SuggestedCut;
 
-/// x, y, z and radius, mm.
-pub type Place = [f64; 4];
-
 /// Points nearer to the line than this share of the box around the network are left out, since no screen shows them.
 const INVISIBLE: f64 = 1.0 / 4000.0;
 
 /// The vessels of a page in space.
 #[derive(Debug, Clone, Default)]
-pub struct Scene {
+pub struct PageScene {
     /// The centerline of each vessel, at least two points.
-    pub vessels: Vec<Vec<Place>>,
+    pub vessels: Vec<Vec<CoursePoint>>,
     /// Where blood enters and leaves, and what is cut.
     pub markers: Vec<Marker>,
 }
@@ -25,7 +23,7 @@ pub struct Scene {
 #[derive(Debug, Clone)]
 pub struct Marker {
     /// The position of the node and the radius of its widest vessel, or the middle of the contact and its radius.
-    pub place: Place,
+    pub place: CoursePoint,
     /// What is there: `inlet`, `outlet`, `cut` or `suggested`.
     pub kind: &'static str,
     /// The node's label or id, or the probability of the contact.
@@ -37,7 +35,7 @@ pub struct Marker {
 /// # Errors
 ///
 /// A message for the reader when nodes have no coordinates.
-pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
+pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String> {
     if !network.has_positions() {
         return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
     }
@@ -61,7 +59,7 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<Scene, String> {
         let name = if node.label.is_empty() { node.id.clone() } else { node.label.clone() };
         Marker { place: place(position(row), widest[row]), kind: role.name(), name }
     });
-    Ok(Scene { vessels, markers: markers.collect() })
+    Ok(PageScene { vessels, markers: markers.collect() })
 }
 
 /// A mark at each of some contacts, where two vessels only touch.
@@ -85,7 +83,7 @@ fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Ma
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
-pub fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
+pub fn thinned(line: &[CoursePoint], distance: f64) -> Vec<CoursePoint> {
     let mut kept = vec![false; line.len()];
     let mut open = vec![(0, line.len() - 1)];
     while let Some((first, last)) = open.pop() {
@@ -100,12 +98,12 @@ pub fn thinned(line: &[Place], distance: f64) -> Vec<Place> {
 }
 
 /// The distance of a place from the segment between two others, in all four coordinates.
-fn from_segment(p: Place, a: Place, b: Place) -> f64 {
-    let along: Place = std::array::from_fn(|i| b[i] - a[i]);
-    let from: Place = std::array::from_fn(|i| p[i] - a[i]);
-    let product = |u: Place, v: Place| u.iter().zip(v).map(|(x, y)| x * y).sum::<f64>();
+fn from_segment(p: CoursePoint, a: CoursePoint, b: CoursePoint) -> f64 {
+    let along: CoursePoint = std::array::from_fn(|i| b[i] - a[i]);
+    let from: CoursePoint = std::array::from_fn(|i| p[i] - a[i]);
+    let product = |u: CoursePoint, v: CoursePoint| u.iter().zip(v).map(|(x, y)| x * y).sum::<f64>();
     let length = product(along, along);
     let share = if length > 0.0 { (product(from, along) / length).clamp(0.0, 1.0) } else { 0.0 };
-    let off: Place = std::array::from_fn(|i| from[i] - share * along[i]);
+    let off: CoursePoint = std::array::from_fn(|i| from[i] - share * along[i]);
     product(off, off).sqrt()
 }

@@ -1,11 +1,11 @@
 //! The page of a forward simulation: vessels by flow, before and after the changes.
 
+use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable, conditions, list, record, take, warnings};
 use super::pulse::cycle;
 use super::scene::scene;
-use super::{Colouring, Page, Picture, Scale, Table, conditions, facts, list, record, take};
 use crate::figures::colour::Rgb;
-use crate::simulation::{FlowRecord, Simulated};
-use crate::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
+use crate::simulation::Simulated;
+use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
 use willis_core::simulation::PERTURBED;
 use willis_io::formats::Column;
 
@@ -22,17 +22,17 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
     simulated: &Simulated<'_>,
-    flow_record: &FlowRecord,
+    flow_record: &impl serde::Serialize,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
-    figures: Vec<Picture>,
+    figures: Vec<PagePicture>,
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
     let mut record = record(flow_record);
-    let warnings = super::warnings(&record);
+    let warnings = warnings(&record);
     let lead = super::lead::simulation(&record);
-    let mut facts = facts(&record, &FACTS);
-    facts.extend(super::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
+    let mut facts = content::facts(&record, &FACTS);
+    facts.extend(content::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
     let mut part = |name| take(&mut record, name);
     let lists = [
         list("Perturbations", &part("perturbations"), &PERTURBATION),
@@ -40,13 +40,13 @@ pub fn page(
         list("Reversed flows", &part("reversed"), &COLLATERAL),
         conditions(&part("boundary_conditions")),
     ];
-    let mut tables = vec![Table::new("Vessels", vessels, true), Table::new("Nodes", nodes, false)];
+    let mut tables = vec![PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)];
     tables.extend(lists.into_iter().flatten());
     let mut colourings = colourings(perturbed);
     if let Some(transports) = simulated.transports {
         colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
-        tables.push(Table::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
-        tables.push(Table::new("Arrival", transit_columns(simulated, transports), false));
+        tables.push(PageTable::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
+        tables.push(PageTable::new("Arrival", transit_columns(simulated, transports), false));
     }
     if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
         tables.push(flows);
@@ -81,10 +81,10 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
         if perturbed {
             variants.insert(0, ("perturbed".to_owned(), 0, format!("{column}{PERTURBED}")));
         }
-        Colouring::new(name, unit, Scale::Log, variants)
+        Colouring::new(name, unit, ColourScale::Log, variants)
     });
     let of_change = vec![(String::new(), 0, "flow_change".to_owned())];
-    let change = Colouring::new("change of flow", "mL/min", Scale::Diverging, of_change);
+    let change = Colouring::new("change of flow", "mL/min", ColourScale::Diverging, of_change);
     each.into_iter().chain(perturbed.then_some(change)).collect()
 }
 
@@ -95,6 +95,6 @@ fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) 
         let shown = suffixes.into_iter().filter(|(_, suffix)| perturbed || suffix.is_empty());
         shown.map(|(name, suffix)| (name.to_owned(), table, format!("{column}{suffix}"))).collect()
     };
-    let supply = Colouring { legend, ..Colouring::new("blood from", "", Scale::Mixed, variants(at, MIXED)) };
-    [supply, Colouring::new("mean time since entry", "ms", Scale::Linear, variants(0, "arrival_ms"))]
+    let supply = Colouring { legend, ..Colouring::new("blood from", "", ColourScale::Mixed, variants(at, MIXED)) };
+    [supply, Colouring::new("mean time since entry", "ms", ColourScale::Linear, variants(0, "arrival_ms"))]
 }

@@ -44,7 +44,7 @@ pub struct LabelledCase {
 }
 
 #[derive(Deserialize)]
-struct Truth {
+struct NamesTruthFile {
     subject: String,
     #[serde(default)]
     level: String,
@@ -53,11 +53,11 @@ struct Truth {
     #[serde(default)]
     frame: String,
     #[serde(default)]
-    phenotype: Vec<Segment>,
+    phenotype: Vec<StatedSegment>,
 }
 
 #[derive(Deserialize)]
-struct Segment {
+struct StatedSegment {
     segment: String,
     present: bool,
 }
@@ -109,7 +109,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     .map_err(|fault| fault.in_file(&path))?;
     let truth_file = folder.join(TRUTH);
-    let truth: Truth = serde_json::from_slice(&regular_bytes_of(&truth_file)?).map_err(|e| {
+    let truth: NamesTruthFile = serde_json::from_slice(&regular_bytes_of(&truth_file)?).map_err(|e| {
         Fault::line(e.line().max(1), e.to_string(), "expected an object with subject and phenotype").in_file(&truth_file)
     })?;
     if !network.frame.is_known() {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::atlas::fit_atlas;
 use super::cases::LabelledCase;
-use crate::logistic::{Row, logistic};
+use crate::logistic::{RegressionRow, logistic};
 use willis_core::error::{Error, Result};
 use willis_core::sampling::SamplingOptions;
 use willis_core::support::in_order;
@@ -35,7 +35,7 @@ pub struct FittedNames {
 }
 
 /// A case as an atlas without its subject sees it.
-struct Named<'a> {
+struct NamedCase<'a> {
     case: &'a LabelledCase,
     fold: usize,
     names: Names,
@@ -71,7 +71,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let mut model = bare(&of_all);
 
     // Twice: the second pass sees the pieces as the first one left them.
-    let mut named: Vec<Named> = Vec::new();
+    let mut named: Vec<NamedCase> = Vec::new();
     for pass in 0..2 {
         let found = in_order(cases, |_, case| {
             let of = &models[fold_of(case)];
@@ -85,7 +85,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         named = cases
             .iter()
             .zip(found)
-            .filter_map(|(case, names)| Some(Named { case, fold: fold_of(case), names: names? }))
+            .filter_map(|(case, names)| Some(NamedCase { case, fold: fold_of(case), names: names? }))
             .collect();
         progress(["first pass", "second pass"][pass]);
         let first = model.false_pieces[0].clone();
@@ -97,8 +97,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         model.false_pieces[pass] = fit(&rows(None), L2);
     }
     let weights = Weights::shipped()?;
-    let judged: Vec<Judged> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
-    let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<Row> {
+    let judged: Vec<JudgedCase> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
+    let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<RegressionRow> {
         let mut rows = Vec::new();
         for one in judged.iter().filter(|one| Some(one.fold) != fold) {
             for segment in (0..7).filter(|s| kind_of(*s) == kind) {
@@ -109,7 +109,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         }
         rows
     };
-    let share = |rows: &[Row]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
+    let share = |rows: &[RegressionRow]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
         for (fold, of) in models.iter_mut().enumerate() {
             let rows = presence_rows(Some(fold), kind, false);
@@ -152,7 +152,7 @@ fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
 }
 
 /// What a model without its subject says of a case.
-fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a> {
+fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> JudgedCase<'a> {
     let pieces: Vec<f64> = one.names.piece_features[1]
         .iter()
         .zip(&one.names.piece_features[0])
@@ -165,7 +165,7 @@ fn judge<'a>(one: &Named<'a>, of: &NamingModel, weights: &Weights) -> Judged<'a>
     let names = &one.names;
     let at_first = || Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
     let (seen, topologies) = seen_again(names, one.case, of, weights).unwrap_or_else(|| (at_first(), [0.5; 7]));
-    Judged { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
+    JudgedCase { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
 }
 
 /// What is seen of a case, and the share of its plausible topologies with each segment, once candidates know where blood enters: as `infer`
@@ -180,8 +180,8 @@ fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &We
 }
 
 /// How the models of the folds did at a level of damage.
-fn scores_at(level: &str, judged: &[Judged], models: &[NamingModel]) -> NamingScores {
-    let own: Vec<&Judged> = judged.iter().filter(|one| one.case.level == level).collect();
+fn scores_at(level: &str, judged: &[JudgedCase], models: &[NamingModel]) -> NamingScores {
+    let own: Vec<&JudgedCase> = judged.iter().filter(|one| one.case.level == level).collect();
     let n = own.len() as f64;
     // Segments right, all; cases with every segment right: by names alone, and with topologies.
     let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
@@ -214,7 +214,7 @@ fn scores_at(level: &str, judged: &[Judged], models: &[NamingModel]) -> NamingSc
 }
 
 /// A case with what names and topologies say of its segments.
-struct Judged<'a> {
+struct JudgedCase<'a> {
     case: &'a LabelledCase,
     fold: usize,
     /// The shares of the length with the right name.
@@ -224,7 +224,7 @@ struct Judged<'a> {
     topologies: [f64; 7],
 }
 
-impl Judged<'_> {
+impl JudgedCase<'_> {
     fn features(&self, segment: usize, with_topology: bool) -> Vec<f64> {
         let mut x = self.seen.features(segment).to_vec();
         x.extend(with_topology.then(|| log_odds(self.topologies[segment])));
@@ -233,7 +233,13 @@ impl Judged<'_> {
 }
 
 /// The features of pieces that an atlas without their subject found, with whether they are false.
-fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64], firsts: &[Logistic]) -> Vec<Row> {
+fn piece_rows(
+    named: &[NamedCase],
+    without: Option<usize>,
+    pass: usize,
+    first: &[f64],
+    firsts: &[Logistic],
+) -> Vec<RegressionRow> {
     let mut rows = Vec::new();
     for one in named.iter().filter(|one| Some(one.fold) != without) {
         let nodes = &one.names.nodes;
@@ -262,12 +268,12 @@ fn piece_rows(named: &[Named], without: Option<usize>, pass: usize, first: &[f64
     rows
 }
 
-fn fit(rows: &[Row], l2: f64) -> Logistic {
+fn fit(rows: &[RegressionRow], l2: f64) -> Logistic {
     logistic(rows, l2 / rows.len().max(1) as f64)
 }
 
 /// The shares of the true length that have the right name: all names, and M1 and M2 as one.
-fn length_right(one: &Named, labels: &[[f64; LABELS]]) -> [f64; 2] {
+fn length_right(one: &NamedCase, labels: &[[f64; LABELS]]) -> [f64; 2] {
     let known = &one.case.truth;
     let (mut right, mut merged, mut all) = (0.0, 0.0, 1e-9);
     if known.nodes.len() != labels.len() {

@@ -7,13 +7,11 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::star_mesh;
-use super::star_mesh::{Open, StarMesh, inverse};
+use super::star_mesh::{Open, StarMesh, StarMeshWorkspace, inverse};
 use crate::flow::circuit::Circuit;
-use crate::flow::dead_ends;
-use crate::flow::dead_ends::DeadEnds;
+use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::support::elimination::{Incomplete, NOWHERE};
-use crate::support::simd::{Lanes, Simd, map, plus, plus_product, splat, zip};
+use crate::support::simd::{Lanes, Simd, map, plus, plus_product, product, splat, zip};
 
 /// Nodes of at most so many neighbours are eliminated exactly.
 const FEW: usize = 6;
@@ -37,8 +35,8 @@ pub struct ConjugateGradients {
 
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
-pub struct Workspace<const B: usize> {
-    pub(crate) mesh: star_mesh::Workspace<B>,
+pub struct GradientsWorkspace<const B: usize> {
+    pub(crate) mesh: StarMeshWorkspace<B>,
     /// Conductances of the incomplete elimination, over the largest; once a star is eliminated, the weights of its mean. Single precision
     /// is enough for a preconditioner, and half of the memory that every step passes over.
     weight: Vec<[f32; B]>,
@@ -50,7 +48,7 @@ pub struct Workspace<const B: usize> {
     product: Vec<Lanes<B>>,
     /// The pressures of one sample by node, and the memory for its dead ends.
     pressure: Vec<f64>,
-    dead_ends: dead_ends::Workspace,
+    dead_ends: DeadEndsWorkspace,
 }
 
 impl ConjugateGradients {
@@ -84,9 +82,9 @@ impl ConjugateGradients {
     }
 
     /// The memory for groups of `B` samples.
-    pub fn workspace<const B: usize>(&self) -> Workspace<B> {
+    pub fn workspace<const B: usize>(&self) -> GradientsWorkspace<B> {
         let core = || vec![Lanes::ZERO; self.core()];
-        Workspace {
+        GradientsWorkspace {
             mesh: self.mesh.workspace(),
             weight: vec![[0.0; B]; self.incomplete.rays()],
             inverse: vec![[0.0; B]; self.core()],
@@ -94,7 +92,7 @@ impl ConjugateGradients {
             direction: core(),
             product: core(),
             pressure: vec![0.0; self.fixed.len()],
-            dead_ends: dead_ends::Workspace::default(),
+            dead_ends: DeadEndsWorkspace::default(),
         }
     }
 
@@ -106,7 +104,7 @@ impl ConjugateGradients {
         masks: &[u64],
         first: usize,
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut GradientsWorkspace<B>,
     ) {
         self.mesh.assemble(simd, &Open { masks, first }, first, stranded, &mut work.mesh);
         self.solve_assembled(simd, work);
@@ -120,7 +118,7 @@ impl ConjugateGradients {
         simd: S,
         conductance: &[Lanes<B>],
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut GradientsWorkspace<B>,
     ) {
         self.mesh.assemble(simd, conductance, 0, stranded, &mut work.mesh);
         self.solve_assembled(simd, work);
@@ -128,7 +126,7 @@ impl ConjugateGradients {
     }
 
     #[inline(always)]
-    fn solve_assembled<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    fn solve_assembled<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
         self.mesh.eliminate(simd, &mut work.mesh);
         self.precondition(simd, work);
         self.iterate(simd, work);
@@ -136,8 +134,8 @@ impl ConjugateGradients {
     }
 
     /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
-    fn level_dead_ends<const B: usize>(&self, work: &mut Workspace<B>, open: impl Fn(usize, usize) -> bool) {
-        let Workspace { mesh, pressure, dead_ends, .. } = work;
+    fn level_dead_ends<const B: usize>(&self, work: &mut GradientsWorkspace<B>, open: impl Fn(usize, usize) -> bool) {
+        let GradientsWorkspace { mesh, pressure, dead_ends, .. } = work;
         for lane in 0..B {
             for (node, p) in pressure.iter_mut().enumerate() {
                 *p = mesh.pressure[self.mesh.slot(node)][lane];
@@ -151,9 +149,9 @@ impl ConjugateGradients {
 
     /// The incomplete elimination of the core.
     #[inline(always)]
-    fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
         let core = self.mesh.program().eliminated();
-        let Workspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
+        let GradientsWorkspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
         for (weight, from) in weight.iter_mut().zip(&self.incomplete.from) {
             *weight = if *from == NOWHERE { [0.0; B] } else { narrow(&mesh.conductance[*from as usize], self.scale) };
         }
@@ -176,13 +174,13 @@ impl ConjugateGradients {
             let to = &ray_to[star.clone()];
             let mut mesh = self.incomplete.mesh(k).iter();
             for i in 0..rays.len() {
-                let weight = zip(simd, &wide(&rays[i]), &one_over, |c, i| simd.mul_f64s(c, i));
+                let weight = product(simd, &wide(&rays[i]), &one_over);
                 rays[i] = narrow(&weight, 1.0);
                 let mut lost = Lanes::ZERO;
                 for ((j, other), target) in rays.iter().enumerate().skip(i + 1).zip(&mut mesh) {
                     let other = &wide(other);
                     if *target == NOWHERE {
-                        let join = zip(simd, &weight, other, |w, c| simd.mul_f64s(w, c));
+                        let join = product(simd, &weight, other);
                         lost = plus(simd, &lost, &join);
                         let ground = &mut ground[to[j] as usize];
                         *ground = plus_product(simd, ground, &grounded, &join);
@@ -192,7 +190,7 @@ impl ConjugateGradients {
                     }
                 }
                 let ground = &mut ground[to[i] as usize];
-                let share = plus_product(simd, &zip(simd, &weight, &own, |w, g| simd.mul_f64s(w, g)), &grounded, &lost);
+                let share = plus_product(simd, &product(simd, &weight, &own), &grounded, &lost);
                 *ground = plus(simd, ground, &share);
             }
             // What single precision cannot hold belongs to a node that is all but cut off.
@@ -202,9 +200,9 @@ impl ConjugateGradients {
 
     /// Applies the preconditioner to the residual.
     #[inline(always)]
-    fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
         let ray_to = self.incomplete.ray_to();
-        let Workspace { weight, inverse, residual, product: better, .. } = work;
+        let GradientsWorkspace { weight, inverse, residual, product: better, .. } = work;
         better.copy_from_slice(residual);
         for k in 0..self.incomplete.nodes() {
             let star = self.incomplete.star(k);
@@ -213,7 +211,7 @@ impl ConjugateGradients {
                 let sum = &mut better[*to as usize];
                 *sum = plus_product(simd, sum, &wide(weight), &own);
             }
-            better[k] = zip(simd, &own, &wide(&inverse[k]), |b, i| simd.mul_f64s(b, i));
+            better[k] = product(simd, &own, &wide(&inverse[k]));
         }
         for k in (0..self.incomplete.nodes()).rev() {
             let star = self.incomplete.star(k);
@@ -227,11 +225,11 @@ impl ConjugateGradients {
 
     /// What flows out of every node of the core at the pressures `at`.
     #[inline(always)]
-    fn flows<S: Simd, const B: usize>(&self, simd: S, mesh: &star_mesh::Workspace<B>, at: &[Lanes<B>], flow: &mut [Lanes<B>]) {
+    fn flows<S: Simd, const B: usize>(&self, simd: S, mesh: &StarMeshWorkspace<B>, at: &[Lanes<B>], flow: &mut [Lanes<B>]) {
         let program = self.mesh.program();
         let core = program.eliminated();
         for (flow, (ground, at)) in flow.iter_mut().zip(mesh.ground[core..].iter().zip(at)) {
-            *flow = zip(simd, ground, at, |g, p| simd.mul_f64s(g, p));
+            *flow = product(simd, ground, at);
         }
         for k in 0..at.len() {
             let star = program.star(core + k);
@@ -239,7 +237,7 @@ impl ConjugateGradients {
             for (c, to) in mesh.conductance[star.clone()].iter().zip(&program.ray_to()[star]) {
                 let to = *to as usize - core;
                 let drop = zip(simd, &own, &at[to], |a, b| simd.sub_f64s(a, b));
-                let along = zip(simd, c, &drop, |c, d| simd.mul_f64s(c, d));
+                let along = product(simd, c, &drop);
                 out = plus(simd, &out, &along);
                 flow[to] = zip(simd, &flow[to], &along, |f, q| simd.sub_f64s(f, q));
             }
@@ -249,7 +247,7 @@ impl ConjugateGradients {
 
     /// Finds the pressures of the core from what flows into it.
     #[inline(always)]
-    fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
         let core = self.mesh.program().eliminated()..self.mesh.program().nodes();
         let answer = &mut work.mesh.pressure[core.clone()];
         work.residual.copy_from_slice(answer);
@@ -276,7 +274,7 @@ impl ConjugateGradients {
             let answer = &mut work.mesh.pressure[core.clone()];
             for (k, answer) in answer.iter_mut().enumerate() {
                 *answer = plus_product(simd, answer, &step, &work.direction[k]);
-                let lost = zip(simd, &step, &work.product[k], |s, f| simd.mul_f64s(s, f));
+                let lost = product(simd, &step, &work.product[k]);
                 work.residual[k] = zip(simd, &work.residual[k], &lost, |r, l| simd.sub_f64s(r, l));
             }
             self.improve(simd, work);

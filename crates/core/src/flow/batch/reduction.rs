@@ -4,7 +4,7 @@
 //! A tree whose ends have one pressure P₀ acts as a conductance to P₀ at its root in the core, and every drop in it is a fixed share of
 //! P - P₀ there. Shares are products and quotients of positive numbers: nothing cancels.
 
-use crate::flow::circuit::{Circuit, Terminal, same_pressure};
+use crate::flow::circuit::{Circuit, TerminalLink, same_pressure};
 use crate::flow::peeling::{Peeled, peel};
 
 /// A reduced circuit.
@@ -15,12 +15,12 @@ pub struct Reduction {
     /// Per row of the core its vessels in series, by row of the circuit; one, or certain ones. The terminals come last.
     pub chains: Vec<Vec<usize>>,
     /// The trees that begin at the core, one for each node and end pressure.
-    pub trees: Vec<Tree>,
+    pub trees: Vec<HangingTree>,
 }
 
 /// Certain vessels that branch from a node of the core and end at one pressure.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Tree {
+pub struct HangingTree {
     /// The node of the core.
     pub node: usize,
     /// P₀, Pa above the circuit's level.
@@ -83,7 +83,7 @@ struct Leaf {
 
 /// Removes trees leaf by leaf: their chains become self-loops, and what they conduct is added to the node that they were joined to. Returns
 /// the trees.
-fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<Tree> {
+fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>]) -> Vec<HangingTree> {
     let nodes = circuit.node_count();
     let mut around = vec![Vec::new(); nodes];
     for (chain, [a, b]) in circuit.ends.iter().enumerate().filter(|(_, [a, b])| a != b) {
@@ -126,10 +126,10 @@ fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>])
     }
     // From the core outwards: where a node's tree is rooted, and the share of P - P₀ there that is left at the node.
     let mut root: Vec<(usize, f64)> = (0..nodes).map(|node| (node, 1.0)).collect();
-    let mut trees: std::collections::BTreeMap<(usize, u64), Tree> = std::collections::BTreeMap::new();
+    let mut trees: std::collections::BTreeMap<(usize, u64), HangingTree> = std::collections::BTreeMap::new();
     for Leaf { node, on, chain, end, share } in removed.into_iter().rev() {
         let (at, rest) = root[on];
-        let tree = trees.entry((at, end.to_bits())).or_insert_with(|| Tree { node: at, end, vessels: Vec::new() });
+        let tree = trees.entry((at, end.to_bits())).or_insert_with(|| HangingTree { node: at, end, vessels: Vec::new() });
         let flow = circuit.conductance[chain] * (share * rest);
         tree.vessels.extend(members[chain].iter().map(|row| (*row, flow)));
         // What hangs on a fixed pressure goes by that.
@@ -141,7 +141,7 @@ fn remove_trees(circuit: &mut Circuit, certain: &[bool], members: &[Vec<usize>])
 }
 
 /// Numbers the core: nodes with a chain or a tree, in order; chains by their last vessel, whose row decides between equals.
-fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> Reduction {
+fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<HangingTree>) -> Reduction {
     let mut row_of = vec![usize::MAX; circuit.node_count()];
     let rows: Vec<usize> = (0..circuit.row_count()).filter(|row| circuit.ends[*row][0] != circuit.ends[*row][1]).collect();
     rows.iter().flat_map(|row| circuit.ends[*row]).chain(trees.iter().map(|tree| tree.node)).for_each(|node| row_of[node] = 0);
@@ -151,7 +151,7 @@ fn finish(circuit: &Circuit, members: Vec<Vec<usize>>, mut trees: Vec<Tree>) -> 
         tree.node = row_of[tree.node];
     }
     let terminals = rows.iter().filter_map(|row| circuit.terminals.get(row.checked_sub(circuit.vessel_count())?));
-    let terminals = terminals.map(|terminal| Terminal { node: row_of[terminal.node], ..*terminal }).collect();
+    let terminals = terminals.map(|terminal| TerminalLink { node: row_of[terminal.node], ..*terminal }).collect();
     let of = |values: &[f64]| nodes.iter().map(|node| values[*node]).collect();
     let core = Circuit {
         ends: rows.iter().map(|row| circuit.ends[*row].map(|node| row_of[node])).collect(),

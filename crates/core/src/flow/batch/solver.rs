@@ -2,9 +2,8 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::conjugate_gradients::ConjugateGradients;
-use super::star_mesh::StarMesh;
-use super::{conjugate_gradients, star_mesh};
+use super::conjugate_gradients::{ConjugateGradients, GradientsWorkspace};
+use super::star_mesh::{StarMesh, StarMeshWorkspace};
 use crate::error::{Error, Result};
 use crate::flow::circuit::Circuit;
 use crate::support::simd::{Lanes, Simd};
@@ -23,14 +22,14 @@ pub enum BatchSolver {
 
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
-pub enum Workspace<const B: usize> {
+pub enum BatchWorkspace<const B: usize> {
     /// For star-mesh elimination.
-    StarMesh(Box<star_mesh::Workspace<B>>),
+    StarMesh(Box<StarMeshWorkspace<B>>),
     /// For conjugate gradients.
-    Gradients(Box<conjugate_gradients::Workspace<B>>),
+    Gradients(Box<GradientsWorkspace<B>>),
 }
 
-impl<const B: usize> Workspace<B> {
+impl<const B: usize> BatchWorkspace<B> {
     /// The pressures that were found, Pa above the circuit's level; those of a node stand at its [`BatchSolver::slot`].
     #[inline(always)]
     pub fn pressure(&self) -> &[Lanes<B>] {
@@ -87,11 +86,11 @@ impl BatchSolver {
         }
     }
 
-    /// The memory for groups of `B` samples, of which at least so many places are [spare](Workspace::pressure_and_spare).
-    pub fn workspace<const B: usize>(&self, spare: usize) -> Workspace<B> {
+    /// The memory for groups of `B` samples, of which at least so many places are [spare](BatchWorkspace::pressure_and_spare).
+    pub fn workspace<const B: usize>(&self, spare: usize) -> BatchWorkspace<B> {
         match self {
-            Self::StarMesh(program) => Workspace::StarMesh(Box::new(program.workspace_with(spare))),
-            Self::Gradients(program) => Workspace::Gradients(Box::new(program.workspace())),
+            Self::StarMesh(program) => BatchWorkspace::StarMesh(Box::new(program.workspace_with(spare))),
+            Self::Gradients(program) => BatchWorkspace::Gradients(Box::new(program.workspace())),
         }
     }
 
@@ -103,11 +102,11 @@ impl BatchSolver {
         masks: &[u64],
         first: usize,
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut BatchWorkspace<B>,
     ) {
         match (self, work) {
-            (Self::StarMesh(program), Workspace::StarMesh(work)) => program.solve(simd, masks, first, stranded, work),
-            (Self::Gradients(program), Workspace::Gradients(work)) => program.solve(simd, masks, first, stranded, work),
+            (Self::StarMesh(program), BatchWorkspace::StarMesh(work)) => program.solve(simd, masks, first, stranded, work),
+            (Self::Gradients(program), BatchWorkspace::Gradients(work)) => program.solve(simd, masks, first, stranded, work),
             _ => debug_assert!(false, "the memory of another solver"),
         }
     }
@@ -119,11 +118,11 @@ impl BatchSolver {
         simd: S,
         conductance: &[Lanes<B>],
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut BatchWorkspace<B>,
     ) {
         match (self, work) {
-            (Self::StarMesh(program), Workspace::StarMesh(work)) => program.solve_with(simd, conductance, stranded, work),
-            (Self::Gradients(program), Workspace::Gradients(work)) => program.solve_with(simd, conductance, stranded, work),
+            (Self::StarMesh(program), BatchWorkspace::StarMesh(work)) => program.solve_with(simd, conductance, stranded, work),
+            (Self::Gradients(program), BatchWorkspace::Gradients(work)) => program.solve_with(simd, conductance, stranded, work),
             _ => debug_assert!(false, "the memory of another solver"),
         }
     }

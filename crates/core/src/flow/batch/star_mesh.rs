@@ -9,7 +9,7 @@
 
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
-use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, splat, zip};
+use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// The compiled elimination of a circuit.
 #[derive(Debug, Clone)]
@@ -61,7 +61,7 @@ struct GroundStamp {
 
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
-pub struct Workspace<const B: usize> {
+pub struct StarMeshWorkspace<const B: usize> {
     /// Conductances by ray; once a star is eliminated, the weights of its mean.
     pub(crate) conductance: Vec<Lanes<B>>,
     pub(crate) ground: Vec<Lanes<B>>,
@@ -71,7 +71,7 @@ pub struct Workspace<const B: usize> {
     held: Vec<Lanes<B>>,
 }
 
-impl<const B: usize> Workspace<B> {
+impl<const B: usize> StarMeshWorkspace<B> {
     /// The pressures, and memory that is free until the next group is solved.
     pub fn pressure_and_spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
         (&self.pressure, &mut self.conductance)
@@ -185,8 +185,8 @@ impl StarMesh {
         self.slot[node] as usize
     }
 
-    /// The memory for groups of `B` samples, with at least so many [`Workspace::pressure_and_spare`] places.
-    pub fn workspace_with<const B: usize>(&self, spare: usize) -> Workspace<B> {
+    /// The memory for groups of `B` samples, with at least so many [`StarMeshWorkspace::pressure_and_spare`] places.
+    pub fn workspace_with<const B: usize>(&self, spare: usize) -> StarMeshWorkspace<B> {
         let mut work = self.workspace();
         if spare > work.conductance.len() {
             work.conductance = vec![Lanes::ZERO; spare];
@@ -195,10 +195,10 @@ impl StarMesh {
     }
 
     /// The memory for groups of `B` samples.
-    pub fn workspace<const B: usize>(&self) -> Workspace<B> {
+    pub fn workspace<const B: usize>(&self) -> StarMeshWorkspace<B> {
         let (nodes, rays) = (self.program.nodes(), self.program.rays());
         let fixed = self.fixed.iter().map(|p| Lanes([*p; B]));
-        Workspace {
+        StarMeshWorkspace {
             conductance: vec![Lanes::ZERO; rays],
             ground: vec![Lanes::ZERO; nodes],
             pressure: vec![Lanes::ZERO; nodes].into_iter().chain(fixed).collect(),
@@ -217,7 +217,7 @@ impl StarMesh {
         masks: &[u64],
         first: usize,
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut StarMeshWorkspace<B>,
     ) {
         self.assemble(simd, &Open { masks, first }, first, stranded, work);
         self.eliminate(simd, work);
@@ -232,7 +232,7 @@ impl StarMesh {
         simd: S,
         conductance: &[Lanes<B>],
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut StarMeshWorkspace<B>,
     ) {
         self.assemble(simd, conductance, 0, stranded, work);
         self.eliminate(simd, work);
@@ -247,7 +247,7 @@ impl StarMesh {
         conductances: &(impl Conductances<B> + ?Sized),
         first: usize,
         stranded: &[(usize, u64)],
-        work: &mut Workspace<B>,
+        work: &mut StarMeshWorkspace<B>,
     ) {
         self.prepare(simd, first, stranded, work);
         for stamp in &self.rays {
@@ -280,7 +280,13 @@ impl StarMesh {
 
     /// What no vessel contributes to.
     #[inline(always)]
-    fn prepare<S: Simd, const B: usize>(&self, simd: S, first: usize, stranded: &[(usize, u64)], work: &mut Workspace<B>) {
+    fn prepare<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        first: usize,
+        stranded: &[(usize, u64)],
+        work: &mut StarMeshWorkspace<B>,
+    ) {
         for ray in &self.fill {
             work.conductance[*ray as usize] = Lanes::ZERO;
         }
@@ -295,7 +301,7 @@ impl StarMesh {
     }
 
     #[inline(always)]
-    pub(crate) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    pub(crate) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
         let ray_to = self.program.ray_to();
         for k in 0..self.program.eliminated() {
             let star = self.program.star(k);
@@ -310,7 +316,7 @@ impl StarMesh {
             let inverse = inverse(simd, &total);
             let mut mesh = self.program.mesh(k).iter();
             for (i, to) in ray_to[star.clone()].iter().enumerate() {
-                let weight = zip(simd, &rays[i], &inverse, |c, i| simd.mul_f64s(c, i));
+                let weight = product(simd, &rays[i], &inverse);
                 rays[i] = weight;
                 let to = *to as usize;
                 work.ground[to] = plus_product(simd, &work.ground[to], &weight, &ground);
@@ -320,12 +326,12 @@ impl StarMesh {
                     *sum = plus_product(simd, sum, &weight, other);
                 }
             }
-            work.pressure[k] = zip(simd, &source, &inverse, |s, i| simd.mul_f64s(s, i));
+            work.pressure[k] = product(simd, &source, &inverse);
         }
     }
 
     #[inline(always)]
-    pub(crate) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut Workspace<B>) {
+    pub(crate) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
         let ray_to = self.program.ray_to();
         for k in (0..self.program.eliminated()).rev() {
             let mut p = work.pressure[k];
@@ -366,11 +372,6 @@ fn holds(circuit: &Circuit, slot: &[u32], program: &Elimination) -> Vec<Hold> {
         Some(Hold { terminal: row as u32, place: slot[node], pressure, rays: rays.remove(&node)? })
     };
     fixing.into_iter().filter_map(&mut hold).collect()
-}
-
-#[inline(always)]
-fn product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
-    zip(simd, a, b, |a, b| simd.mul_f64s(a, b))
 }
 
 /// Zero where `held` is one; the values where it is zero.

@@ -6,7 +6,7 @@ use num_complex::Complex64;
 
 use super::fourier::{at, derivative, samples};
 use super::indices::behind;
-use super::{Drive, Setting};
+use super::setting::{Drive, Setting};
 use crate::network::paths::ShortestPaths;
 
 /// Even times of a period among which rises are looked for.

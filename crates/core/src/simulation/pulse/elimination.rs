@@ -19,7 +19,7 @@ pub struct Equations<'a> {
 }
 
 /// The factors of the equations.
-struct Factors<'a> {
+struct Factorisation<'a> {
     elimination: &'a Elimination,
     /// One over the pivots.
     inverse: Vec<Complex64>,
@@ -87,7 +87,7 @@ impl<'a> Equations<'a> {
         left
     }
 
-    fn factors(&self) -> Factors<'a> {
+    fn factors(&self) -> Factorisation<'a> {
         let elimination = self.elimination;
         let (mut diagonal, mut rays) = (self.ground.clone(), self.rays.clone());
         for (k, ray) in (0..diagonal.len()).flat_map(|k| elimination.star(k).map(move |ray| (k, ray))) {
@@ -113,11 +113,11 @@ impl<'a> Equations<'a> {
                 }
             }
         }
-        Factors { elimination, inverse, rays }
+        Factorisation { elimination, inverse, rays }
     }
 }
 
-impl Factors<'_> {
+impl Factorisation<'_> {
     fn solve(&self, mut right: Vec<Complex64>) -> Vec<Complex64> {
         for k in 0..right.len() {
             let passed = right[k] * self.inverse[k];

@@ -11,6 +11,7 @@ pub mod two_port;
 pub mod typical;
 pub mod womersley;
 
+mod setting;
 mod terminal;
 mod vessels;
 
@@ -29,42 +30,15 @@ use arrival::Arrivals;
 use elimination::Equations;
 use indices::{Indices, behind};
 use two_port::Halved;
-use womersley::{Fluid, Segment};
+use womersley::{Fluid, TubeSegment};
 
-pub use terminal::{Terminal, terminals};
+pub use setting::{Drive, Setting};
+pub use terminal::{TerminalImpedance, terminals};
 pub use vessels::{Walled, walled};
 pub use womersley::Friction;
 
 /// The most joins of an elimination.
 const MOST_JOINS: usize = 1 << 27;
-
-/// What drives a node at every harmonic but 0.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drive {
-    /// The node.
-    pub node: usize,
-    /// Whether its pressure or the flow into it is prescribed.
-    pub quantity: Quantity,
-    /// c_0 to c_H, Pa or m³/s; c_0 is left to the steady flow.
-    pub coefficients: Vec<Complex64>,
-}
-
-/// What the pulse meets beside the steady flow.
-#[derive(Debug, Clone, Copy)]
-pub struct Setting<'a> {
-    /// Blood and how it meets friction.
-    pub fluid: &'a Fluid,
-    /// T, s.
-    pub period: f64,
-    /// H.
-    pub harmonics: usize,
-    /// The vessels, by row.
-    pub vessels: &'a [Walled],
-    /// What drives nodes.
-    pub drives: &'a [Drive],
-    /// By node, what is behind a terminal resistance.
-    pub terminals: &'a [Option<Terminal>],
-}
 
 /// The pulse of one vessel by its harmonics. Flows are positive from the first node to the second.
 #[derive(Debug, Clone, PartialEq)]
@@ -161,14 +135,14 @@ impl Pulse {
         let at = |(n, q): (usize, &Complex64)| {
             let frequency = TAU * n as f64 / self.period;
             // At rest F10 is 1 exactly, whatever the profile.
-            Segment::wall_shear(radius, fluid, frequency, *q)
+            TubeSegment::wall_shear(radius, fluid, frequency, *q)
         };
         self.vessels[row].flow[1].iter().enumerate().map(at).collect()
     }
 }
 
 /// What holds at a node at every harmonic but 0.
-enum Place {
+enum NodeEquation {
     /// No pressure reaches it.
     Dead,
     /// Its pressure is prescribed.
@@ -182,7 +156,7 @@ struct System<'a> {
     ends: &'a [[usize; 2]],
     setting: &'a Setting<'a>,
     elimination: Elimination,
-    places: Vec<Place>,
+    places: Vec<NodeEquation>,
     /// By node the terminal behind it; of the free ones only.
     drive: Vec<Option<&'a Drive>>,
 }
@@ -214,9 +188,9 @@ impl<'a> System<'a> {
             Error::parameter("pulse", format!("{nodes} nodes"), "the loops of the network are too many for a direct solution")
         })?;
         let place = |node: usize| match (is_dead(node), is_fixed(node)) {
-            (true, _) => Place::Dead,
-            (_, true) => Place::Fixed,
-            _ => Place::Free(elimination.place(number[node])),
+            (true, _) => NodeEquation::Dead,
+            (_, true) => NodeEquation::Fixed,
+            _ => NodeEquation::Free(elimination.place(number[node])),
         };
         let places = (0..nodes).map(place).collect();
         Ok(Self { ends, setting, elimination, places, drive })
@@ -235,7 +209,7 @@ impl<'a> System<'a> {
 
         let mut equations = Equations::new(&self.elimination);
         for (node, place) in self.places.iter().enumerate() {
-            let Place::Free(place) = place else { continue };
+            let NodeEquation::Free(place) = place else { continue };
             match (self.drive[node], &terminals[node]) {
                 (Some(_), _) => equations.inject(*place, self.driven(node, n)),
                 (None, Some(terminal)) => equations.ground(*place, terminal.admittance(frequency)),
@@ -245,26 +219,26 @@ impl<'a> System<'a> {
         for (row, [a, b]) in self.ends.iter().enumerate() {
             let Some(port) = &ports[row] else { continue };
             for (node, shunt) in [*a, *b].into_iter().zip(port.whole.shunts) {
-                if let Place::Free(place) = self.places[node] {
+                if let NodeEquation::Free(place) = self.places[node] {
                     equations.ground(place, shunt);
                 }
             }
             match (&self.places[*a], &self.places[*b]) {
-                (Place::Free(p), Place::Free(q)) => equations.join(*p, *q, port.whole.series),
-                (Place::Free(p), Place::Fixed) => equations.tie(*p, port.whole.series, self.driven(*b, n)),
-                (Place::Fixed, Place::Free(q)) => equations.tie(*q, port.whole.series, self.driven(*a, n)),
+                (NodeEquation::Free(p), NodeEquation::Free(q)) => equations.join(*p, *q, port.whole.series),
+                (NodeEquation::Free(p), NodeEquation::Fixed) => equations.tie(*p, port.whole.series, self.driven(*b, n)),
+                (NodeEquation::Fixed, NodeEquation::Free(q)) => equations.tie(*q, port.whole.series, self.driven(*a, n)),
                 _ => {}
             }
         }
         let solved = equations.solve();
         let pressure = self.places.iter().enumerate().map(|(node, place)| match place {
-            Place::Dead => Complex64::ZERO,
-            Place::Fixed => self.driven(node, n),
-            Place::Free(place) => solved[*place as usize],
+            NodeEquation::Dead => Complex64::ZERO,
+            NodeEquation::Fixed => self.driven(node, n),
+            NodeEquation::Free(place) => solved[*place as usize],
         });
         let pressure: Vec<Complex64> = pressure.collect();
         let vessel = |(port, ends): (&Option<Halved>, &[usize; 2])| {
-            let alive = ends.iter().all(|node| !matches!(self.places[*node], Place::Dead));
+            let alive = ends.iter().all(|node| !matches!(self.places[*node], NodeEquation::Dead));
             let Some(port) = port.as_ref().filter(|_| alive) else { return [Complex64::ZERO; 4] };
             let at = ends.map(|node| pressure[node]);
             let ([a, b], (middle, through)) = (port.end_flows(at), port.middle(at));

@@ -11,7 +11,7 @@ use crate::network::{Condition, Network, Windkessel};
 
 /// R1 in series with R2 beside C: Z = R1 + R2/(1 + iωR2C).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Terminal {
+pub struct TerminalImpedance {
     /// R1, Pa s/m³.
     pub proximal: f64,
     /// R2, Pa s/m³.
@@ -20,7 +20,7 @@ pub struct Terminal {
     pub compliance: f64,
 }
 
-impl Terminal {
+impl TerminalImpedance {
     /// 1/Z at the angular frequency ω, m³/(Pa s).
     pub fn admittance(&self, frequency: f64) -> Complex64 {
         let behind = Complex64::new(1.0, frequency * self.distal * self.compliance).inv() * self.distal;
@@ -38,7 +38,7 @@ pub fn terminals(
     vessels: &[Walled],
     fluid: &Fluid,
     time_constant: Option<f64>,
-) -> Vec<Option<Terminal>> {
+) -> Vec<Option<TerminalImpedance>> {
     let mut matched = vec![0.0; network.node_count()];
     for ((ends, _), vessel) in network.vessels().zip(vessels) {
         for (node, segment) in ends.into_iter().zip([vessel.halves[0].first(), vessel.halves[1].last()]) {
@@ -52,7 +52,7 @@ pub fn terminals(
         let compliance = stated[*node].compliance.or(time_constant.map(|time| time / resistance));
         let proximal = stated[*node].proximal.unwrap_or(if compliance.is_some() { 1.0 / matched[*node] } else { *resistance });
         let proximal = proximal.min(*resistance);
-        out[*node] = Some(Terminal { proximal, distal: resistance - proximal, compliance: compliance.unwrap_or(0.0) });
+        out[*node] = Some(TerminalImpedance { proximal, distal: resistance - proximal, compliance: compliance.unwrap_or(0.0) });
     }
     out
 }

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use super::womersley::{Fluid, Segment};
+use super::womersley::{Fluid, TubeSegment};
 
 /// Q_a = y_s (P_a - P_b) + y_a P_a flows in at the first end, Q_b = y_s (P_a - P_b) - y_b P_b out at the second; m³/(Pa s).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -69,7 +69,7 @@ pub struct Halved {
 
 impl Halved {
     /// A vessel of segments, those before and those behind its middle. One that is closed has none.
-    pub fn of(halves: &[Vec<Segment>; 2], fluid: &Fluid, frequency: f64) -> Self {
+    pub fn of(halves: &[Vec<TubeSegment>; 2], fluid: &Fluid, frequency: f64) -> Self {
         // A vessel of one radius, the usual one, is a line as a whole.
         if let ([first], [last]) = (halves[0].as_slice(), halves[1].as_slice())
             && first.is_like(last)
@@ -78,7 +78,7 @@ impl Halved {
             let half = TwoPort::of_line(line, first.length);
             return Self { whole: TwoPort::of_line(line, first.length + last.length), halves: [half; 2] };
         }
-        let joined = |segments: &[Segment]| {
+        let joined = |segments: &[TubeSegment]| {
             let each = segments.iter().map(|segment| TwoPort::of_line(segment.line(fluid, frequency), segment.length));
             each.reduce(TwoPort::then).unwrap_or(TwoPort::CLOSED)
         };

@@ -1,6 +1,6 @@
 //! The vessels as the pulse meets them: their lumen in stretches of one radius, cut in the middle, with and without perturbations.
 
-use super::womersley::{Fluid, Segment};
+use super::womersley::{Fluid, TubeSegment};
 use crate::error::Result;
 use crate::flow::{Tube, WallLaw};
 use crate::network::Network;
@@ -11,7 +11,7 @@ use crate::simulation::{Change, Perturbation};
 #[derive(Debug, Clone, PartialEq)]
 pub struct Walled {
     /// From the first node to the middle, and from there to the second; empty where the vessel is closed.
-    pub halves: [Vec<Segment>; 2],
+    pub halves: [Vec<TubeSegment>; 2],
     /// The radius where it is narrowest, m.
     pub narrowest: f64,
     /// The volume of the lumen, m³.
@@ -49,11 +49,11 @@ pub fn walled(
         if !tube.is_open() {
             return Ok(Walled { halves: Default::default(), narrowest, volume });
         }
-        let stated = vessel.resistance.map(|r| r / vessel.length - Segment::poiseuille(vessel.radius, fluid.viscosity));
+        let stated = vessel.resistance.map(|r| r / vessel.length - TubeSegment::poiseuille(vessel.radius, fluid.viscosity));
         let segment = |length: f64, open: f64| {
             let radius = vessel.radius * open;
             let compliance = law.compliance(radius, vessel.wall, fluid.density, &network.vessel_name(row))?;
-            Ok::<_, crate::error::Error>(Segment { length, radius, compliance, excess: stated.unwrap_or(0.0) / open.powi(4) })
+            Ok::<_, crate::error::Error>(TubeSegment { length, radius, compliance, excess: stated.unwrap_or(0.0) / open.powi(4) })
         };
         let longer = changes[row].iter().find_map(|c| if let Change::Tortuosity(factor) = c { Some(*factor) } else { None });
         let length = vessel.length * longer.unwrap_or(1.0);
@@ -78,14 +78,14 @@ pub fn walled(
 }
 
 /// Segments, cut at a length from their beginning.
-fn halves(segments: &[Segment], at: f64) -> [Vec<Segment>; 2] {
+fn halves(segments: &[TubeSegment], at: f64) -> [Vec<TubeSegment>; 2] {
     let (mut first, mut last, mut left) = (Vec::new(), Vec::new(), at);
     for segment in segments {
         let here = segment.length.min(left);
         left -= here;
         for (part, length) in [(&mut first, here), (&mut last, segment.length - here)] {
             if length > 0.0 {
-                part.push(Segment { length, ..*segment });
+                part.push(TubeSegment { length, ..*segment });
             }
         }
     }

@@ -34,7 +34,7 @@ pub struct Fluid {
 
 /// A tube of one radius.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment {
+pub struct TubeSegment {
     /// l, m.
     pub length: f64,
     /// r, m.
@@ -63,7 +63,7 @@ pub fn womersley_number(fluid: &Fluid, frequency: f64, radius: f64) -> f64 {
     radius * (frequency * fluid.density / fluid.viscosity).sqrt()
 }
 
-impl Segment {
+impl TubeSegment {
     /// Poiseuille's resistance per length, Pa s/m⁴.
     pub fn poiseuille(radius: f64, viscosity: f64) -> f64 {
         8.0 * viscosity / (PI * radius.powi(4))

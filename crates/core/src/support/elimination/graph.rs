@@ -10,12 +10,12 @@ pub trait Remaining {
 }
 
 /// As a matrix of bits, several times faster than lists as long as it is small.
-pub struct Bits {
+pub struct BitMatrix {
     words: usize,
     bits: Vec<u64>,
 }
 
-impl Bits {
+impl BitMatrix {
     /// Links from a node to itself count for nothing.
     pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
         let words = nodes.div_ceil(64);
@@ -54,7 +54,7 @@ impl Bits {
     }
 }
 
-impl Remaining for Bits {
+impl Remaining for BitMatrix {
     fn degree(&self, node: usize) -> usize {
         self.row(node).iter().map(|word| word.count_ones() as usize).sum()
     }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use super::graph::{Bits, Lists, Remaining};
+use super::graph::{BitMatrix, Lists, Remaining};
 
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
@@ -35,7 +35,7 @@ impl Star {
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
     if nodes <= MOST_IN_BITS {
-        return by_degree(nodes, &mut Bits::new(nodes, links), usize::MAX, limit);
+        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
     }
     let mut graph = Lists::new(nodes, links);
     let mut stars = by_degree(nodes, &mut graph, DENSE - 1, limit)?;
@@ -58,7 +58,7 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
     let pairs = rest.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
     let links: Vec<[usize; 2]> = pairs.map(|pair| pair.map(|node| place[node])).collect();
     let mut stars = if rest.len() <= MOST_IN_BITS {
-        by_degree(rest.len(), &mut Bits::new(rest.len(), &links), usize::MAX, limit)
+        by_degree(rest.len(), &mut BitMatrix::new(rest.len(), &links), usize::MAX, limit)
     } else {
         by_degree(rest.len(), &mut Lists::new(rest.len(), &links), usize::MAX, limit)
     }?;
@@ -148,7 +148,7 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
     if limit > FILL_JOINS || nodes > FILL_NODES {
         return None;
     }
-    let mut graph = Bits::new(nodes, links);
+    let mut graph = BitMatrix::new(nodes, links);
     let mut figures: Vec<(usize, usize, usize)> = (0..nodes).map(|node| figure(&graph, node)).collect();
     let mut queue: BTreeSet<(usize, usize, usize)> = figures.iter().copied().collect();
     let mut stars = Vec::with_capacity(nodes);
@@ -175,7 +175,7 @@ pub fn least_fill(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Ve
 }
 
 /// The pairs of neighbours not joined yet, the degree, and the node.
-fn figure(graph: &Bits, node: usize) -> (usize, usize, usize) {
+fn figure(graph: &BitMatrix, node: usize) -> (usize, usize, usize) {
     let around = graph.neighbours(node);
     let joined: usize = around.iter().map(|other| graph.shared(node, *other)).sum();
     let pairs = around.len() * around.len().saturating_sub(1);

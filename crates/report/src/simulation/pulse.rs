@@ -5,8 +5,8 @@ use std::path::Path;
 
 use num_complex::Complex64;
 
-use super::figures::{ArteryWaveform, Figure, waveform_panels};
-use super::simulation::{Simulated, picture_names};
+use super::simulated::{Simulated, picture_names};
+use crate::figures::{ArteryWaveform, Figure, waveform_panels};
 use willis_core::error::Result;
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
 use willis_core::simulation::pulse::fourier::samples;
@@ -30,7 +30,7 @@ pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
         let pressures: Vec<Option<Indices>> =
             pulse.vessels.iter().map(|v| v.pressure.as_ref().map(|p| Indices::of(p, period, 0.0))).collect();
         let shears: Vec<[f64; 3]> = rows.clone().map(|row| shear(pulses, pulse, row)).collect();
-        let speed = |row: usize, of: &dyn Fn(&willis_core::simulation::pulse::womersley::Segment) -> f64| {
+        let speed = |row: usize, of: &dyn Fn(&willis_core::simulation::pulse::womersley::TubeSegment) -> f64| {
             pulse.walls[row].halves[0].first().map_or(f64::NAN, of)
         };
         let frequency = TAU / period;

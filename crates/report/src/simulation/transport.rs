@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use super::figures::colour::{EACH, GREEN, GREY, KEPT, PRUNED, PURPLE, Rgb, WHOLE, YELLOW};
-use super::figures::{Figure, OutletSupply, supply_bars};
-use super::simulation::Simulated;
+use super::simulated::Simulated;
+use crate::figures::colour::{EACH, GREEN, GREY, KEPT, PRUNED, PURPLE, Rgb, WHOLE, YELLOW};
+use crate::figures::{Figure, OutletSupply, supply_bars};
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::network::units::{milliseconds, ml_per_min};
@@ -32,7 +32,7 @@ fn figure<'a, T>(name: &str, suffix: &str, rows: &'a [T], of: impl Fn(&'a T) -> 
 }
 
 /// What drains a row of territories.csv: a vessel or an outlet.
-enum Place {
+enum Drain {
     Vessel(usize),
     Outlet(usize),
 }
@@ -42,39 +42,39 @@ pub fn territory_columns(simulated: &Simulated<'_>, transports: &Transports) -> 
     let network = simulated.network;
     let sources = transports.sources();
     let carries = |row: &usize| transports.states().any(|(state, _)| state.of_vessel(*row).is_some());
-    let vessels = (0..network.vessel_count()).filter(carries).map(Place::Vessel);
-    let places = vessels.chain(transports.exits().into_iter().map(Place::Outlet));
-    let rows: Vec<(Place, usize)> = places
+    let vessels = (0..network.vessel_count()).filter(carries).map(Drain::Vessel);
+    let places = vessels.chain(transports.exits().into_iter().map(Drain::Outlet));
+    let rows: Vec<(Drain, usize)> = places
         .flat_map(|place| {
             sources.iter().map(move |source| match place {
-                Place::Vessel(row) => (Place::Vessel(row), *source),
-                Place::Outlet(node) => (Place::Outlet(node), *source),
+                Drain::Vessel(row) => (Drain::Vessel(row), *source),
+                Drain::Outlet(node) => (Drain::Outlet(node), *source),
             })
         })
         .collect();
-    let text = |name: &'static str, of: &dyn Fn(&(Place, usize)) -> String| Column::text(name, rows.iter().map(of));
+    let text = |name: &'static str, of: &dyn Fn(&(Drain, usize)) -> String| Column::text(name, rows.iter().map(of));
     let mut columns = vec![
-        text("kind", &|(place, _)| if matches!(place, Place::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
+        text("kind", &|(place, _)| if matches!(place, Drain::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
         Column::whole(
             "row",
             rows.iter().map(|(place, _)| match place {
-                Place::Vessel(row) | Place::Outlet(row) => *row,
+                Drain::Vessel(row) | Drain::Outlet(row) => *row,
             }),
         ),
         text("label", &|(place, _)| match place {
-            Place::Vessel(row) => network.vessel(*row).label.clone(),
-            Place::Outlet(node) => end_name(network, *node),
+            Drain::Vessel(row) => network.vessel(*row).label.clone(),
+            Drain::Outlet(node) => end_name(network, *node),
         }),
         text("inlet", &|(_, source)| end_name(network, *source)),
         text("inlet_id", &|(_, source)| network.node(*source).id.clone()),
     ];
     for (state, suffix) in transports.states() {
-        let share = |(place, source): &(Place, usize)| {
+        let share = |(place, source): &(Drain, usize)| {
             let (blood, flow) = match place {
-                Place::Vessel(row) => {
+                Drain::Vessel(row) => {
                     (state.of_vessel(*row), simulated.state(suffix).map_or(0.0, |state| state.vessels[*row].flow.abs()))
                 }
-                Place::Outlet(node) => (state.nodes[*node].as_ref(), state.leaving(*node)),
+                Drain::Outlet(node) => (state.nodes[*node].as_ref(), state.leaving(*node)),
             };
             blood.map(|blood| (state.of_source(blood, *source), flow))
         };

@@ -9,7 +9,7 @@ use super::circle::{cerebral, circle_of_willis};
 use super::gaps::Gaps;
 use super::large::{EDGES, Large};
 use super::mask::Scan;
-use super::tree::{Tree, branching_tree};
+use super::tree::{BranchingTree, branching_tree};
 use willis_core::error::{Error, Result};
 use willis_core::network::Network;
 use willis_core::network::units::{metres, millimetres};
@@ -20,7 +20,7 @@ const SPACING: f64 = 0.0005;
 
 /// Which test anatomy.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Kind {
+pub enum Anatomy {
     /// The 33 vessels from the heart to the cerebral arteries ([`circle_of_willis`]).
     CircleOfWillis,
     /// The 20 of them that an angiogram of the head shows ([`cerebral`]).
@@ -45,7 +45,7 @@ pub struct Recipe {
     pub seed: u64,
 }
 
-impl Kind {
+impl Anatomy {
     /// Every kind.
     pub const ALL: [Self; 5] = [Self::CircleOfWillis, Self::Cerebral, Self::Tree, Self::Arterial, Self::Capillary];
 
@@ -96,7 +96,7 @@ impl Kind {
         match (self, recipe.edges) {
             (Self::CircleOfWillis, None) => Ok(circle_of_willis(spacing)),
             (Self::Cerebral, None) => Ok(cerebral(&circle_of_willis(spacing))),
-            (Self::Tree, None) => branching_tree(&Tree { spacing, ..Tree::default() }),
+            (Self::Tree, None) => branching_tree(&BranchingTree { spacing, ..BranchingTree::default() }),
             (Self::Arterial, Some(edges)) => arterial(&large(edges)),
             (Self::Capillary, Some(edges)) => capillary(&large(edges)),
             (_, None) => {
@@ -113,13 +113,13 @@ impl Kind {
     }
 }
 
-impl fmt::Display for Kind {
+impl fmt::Display for Anatomy {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(self.name())
     }
 }
 
-impl FromStr for Kind {
+impl FromStr for Anatomy {
     type Err = Error;
 
     fn from_str(word: &str) -> Result<Self> {

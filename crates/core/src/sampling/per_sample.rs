@@ -1,59 +1,14 @@
-//! The sums of a block over its forests, vessel by vessel.
+//! One figure for each sample of a block: how many vessels are open, whether blood flows, sums over the samples.
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::batch_forest::InForest;
-use super::choose_solver::FULL_GRAPH_LANES as B;
-use super::likelihood::Sums;
 use crate::support::random::BLOCK;
-use crate::support::simd::{Bits, Lanes, Simd, masked, masked_by, plus, plus_product, splat};
+use crate::support::simd::{Lanes, Simd, masked, plus, splat};
 
 /// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
-const SUM_LANES: usize = 8;
+pub const SUM_LANES: usize = 8;
 /// One figure for each sample of a block.
 pub type PerSample = Lanes<{ BLOCK as usize }>;
-
-/// The forests of a block of a full graph.
-#[derive(Debug, Clone, Copy)]
-pub struct Forests<'a> {
-    /// Which vessels each has, one group of samples after another.
-    pub in_forest: &'a [InForest<B>],
-    /// How many vessels.
-    pub vessels: usize,
-}
-
-impl Forests<'_> {
-    /// Sums over all vessels; `value` gives what a vessel contributes to the eight samples from one on.
-    #[inline(always)]
-    pub fn add_up<S: Simd>(&self, simd: S, value: impl Fn(usize, usize) -> Lanes<SUM_LANES>, sums: &mut Sums) {
-        for vessel in 0..self.vessels {
-            let word = self.word(vessel);
-            let (mut likelihood, mut square) = (Lanes::ZERO, Lanes::ZERO);
-            for first in (0..BLOCK as usize).step_by(SUM_LANES) {
-                let value = masked_by(simd, &value(vessel, first), &ACROSS, word, first);
-                likelihood = plus(simd, &likelihood, &value);
-                square = plus_product(simd, &square, &value, &value);
-            }
-            sums.likelihood[vessel] = pairwise(&likelihood);
-            sums.square[vessel] = pairwise(&square);
-            sums.count[vessel] = f64::from(word.count_ones());
-        }
-    }
-
-    /// The samples whose forest has the vessel, as the bits [`ACROSS`] of a word.
-    #[inline(always)]
-    fn word(&self, vessel: usize) -> u64 {
-        let (row, rows) = (self.vessels - vessel, self.vessels + 1);
-        let mut word = 0;
-        for eight in 0..BLOCK as usize / 8 {
-            let samples = self.in_forest[8 * eight / B * rows + row].as_chunks().0[eight % (B / 8)];
-            word |= u64::from_le_bytes(samples) & 0x0101_0101_0101_0101 << eight;
-        }
-        word
-    }
-}
-
-static ACROSS: Bits = Bits::ACROSS;
 
 /// The sum of `values` over the samples, each times its probability where there is one.
 pub fn expectation(values: &PerSample, probability: Option<&[f64; BLOCK as usize]>) -> f64 {

@@ -1,17 +1,10 @@
-//! cohort.csv and cohort.html: many subjects, one row each.
+//! The figures of a subject in the table of its cohort, from the record of its run.
 
 use std::borrow::Cow;
-use std::path::Path;
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 
-use super::bids_table::describe;
-use super::page::cohort::write_cohort_page;
-use willis_core::error::Result;
 use willis_io::formats::tables::reader::plural;
-use willis_io::formats::{Column, Covariates, write_csv};
-use willis_io::output::atomic::{StagedFile, write_file};
-use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
 use willis_models::circle_of_willis::{FEEDERS, RING, TERRITORIES};
 
 /// The one column that differs between two runs of one command, from run.json, in seconds.
@@ -19,130 +12,6 @@ pub const WALL_TIME: &str = "wall_s";
 
 /// The column that says why a subject needs a person.
 const NEEDS_PERSON: &str = "needs_person";
-
-/// A subject.
-#[derive(Debug, Clone)]
-pub struct Row {
-    /// The name of its folder.
-    pub subject: String,
-    /// Its input.
-    pub input: String,
-    /// The SHA-256 of its input, empty where that cannot be read.
-    pub sha256: String,
-    /// What else is said of it: the same columns in all rows, or nothing.
-    pub covariates: Covariates,
-    /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
-    pub page: Option<String>,
-    /// What came out, by column, or why nothing did.
-    pub figures: Result<Figures, String>,
-}
-
-/// What a cohort is made with.
-#[derive(Debug, Clone)]
-pub struct About<'a> {
-    /// The subcommand.
-    pub command: &'static str,
-    /// The command line that repeats it.
-    pub line: String,
-    /// Every option that changes a result.
-    pub parameters: &'a Value,
-}
-
-impl Row {
-    fn status(&self) -> &'static str {
-        if self.figures.is_ok() { "ok" } else { "failed" }
-    }
-
-    fn error(&self) -> &str {
-        self.figures.as_ref().err().map_or("", String::as_str)
-    }
-
-    fn cell(&self, column: &str) -> Option<&Value> {
-        self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
-    }
-
-    fn number(&self, column: &str) -> f64 {
-        self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
-    }
-
-    /// The row as an object.
-    pub fn record(&self) -> Value {
-        let mut fields = Map::new();
-        fields.insert("subject".into(), json!(self.subject));
-        fields.insert("input".into(), json!(self.input));
-        fields.insert("sha256".into(), json!(self.sha256));
-        fields.insert("status".into(), json!(self.status()));
-        fields.insert("error".into(), json!(self.error()));
-        fields.extend(self.covariates.iter().map(|(name, text)| (covariate(name), json!(text))));
-        fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
-        fields.into()
-    }
-}
-
-/// The column of a covariate. Names that the table has for its own columns stay with those.
-fn covariate(name: &str) -> String {
-    if describe(name).is_some() || name == "subject" { format!("given_{name}") } else { name.to_owned() }
-}
-
-/// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
-pub fn cohort_columns(rows: &[Row]) -> Vec<Column> {
-    let text = |name, of: fn(&Row) -> &str| Column::text(name, rows.iter().map(|row| of(row).to_owned()));
-    let mut columns = vec![
-        text("subject", |row| &row.subject),
-        text("input", |row| &row.input),
-        text("sha256", |row| &row.sha256),
-        text("status", Row::status),
-        text("error", Row::error),
-    ];
-    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
-    for (at, (name, _)) in stated.into_iter().flatten().enumerate() {
-        let text = |row: &Row| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
-        columns.push(Column::text(covariate(name), rows.iter().map(text)));
-    }
-    for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
-        if columns.iter().any(|column| column.name == *name) {
-            continue;
-        }
-        columns.push(if rows.iter().any(|row| row.cell(name).is_some_and(Value::is_string)) {
-            let word = |row: &Row| row.cell(name).and_then(Value::as_str).unwrap_or_default().to_owned();
-            Column::text(name.clone(), rows.iter().map(word))
-        } else {
-            Column::real(name.clone(), rows.iter().map(|row| row.number(name)))
-        });
-    }
-    columns
-}
-
-/// How uncertain a subject is: by the probability that its variant is another; without a variant by the errors expected of it, or its
-/// undecided connections where there is no evidence. One that failed is the most uncertain.
-pub fn uncertainty(row: &Row) -> f64 {
-    if row.figures.is_err() {
-        return f64::INFINITY;
-    }
-    let variant = row.number("p_variant");
-    if !variant.is_nan() {
-        return 1.0 - variant;
-    }
-    let expected = row.number("expected_wrong") + row.number("expected_missed");
-    let figure = if expected.is_nan() { row.number("undecided") } else { expected };
-    if figure.is_nan() { 0.0 } else { figure }
-}
-
-/// Writes the table and the page into the folder of a cohort, in place of earlier ones.
-///
-/// # Errors
-///
-/// A file that cannot be written.
-pub fn write_cohort(folder: &Path, rows: &[Row], about: &About<'_>) -> Result<()> {
-    let [table, page] = [COHORT_TABLE, COHORT_PAGE].map(|name| StagedFile::new(&folder.join(name), true));
-    let (table, page) = (table?, page?);
-    write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
-    let mut first: Vec<Row> = rows.to_vec();
-    first.sort_by(|a, b| uncertainty(b).total_cmp(&uncertainty(a)));
-    write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about, folder))?;
-    table.commit()?;
-    page.commit()
-}
 
 /// What came out of a subject, by column: text, or a number, which is null where it is missing.
 pub type Figures = Vec<(Cow<'static, str>, Value)>;

@@ -1,26 +1,27 @@
 //! The output folder of a forward simulation: its record, tables, picture and page.
 
-use std::collections::BTreeMap;
+pub mod pulse;
+mod simulated;
+pub mod transport;
+
 use std::path::Path;
 
 use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::figures::flow_bars::{VesselFlow, flow_bars};
-use super::inference::condition_columns;
-use super::page::{Picture, simulation_page, write_page};
-use super::pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
-use super::run_record::{Provenance, conditions, outlets_found};
-use super::transport::{transport_columns, write_transports};
+use super::inference::tables::condition_columns;
+use super::page::{PagePicture, simulation_page, write_page};
+use super::run_record::{Provenance, conditions, counts, outlets_found};
+use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
+use simulated::picture_names;
+use transport::{transport_columns, write_transports};
 use willis_core::error::Result;
+use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
-use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Network, RadiusRule, Role};
-use willis_core::simulation::PERTURBED;
-use willis_core::simulation::pulse::Pulses;
-use willis_core::simulation::transport::Transports;
-use willis_core::simulation::{Change, FlowChange, Perturbation, Simulation, gains, reversals};
+use willis_core::network::{Network, RadiusRule};
+use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
 use willis_io::formats::{
     Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
     write_vtp,
@@ -28,6 +29,8 @@ use willis_io::formats::{
 use willis_io::output::atomic::write_file;
 use willis_io::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
 use willis_io::output::write_record;
+
+pub use simulated::Simulated;
 
 /// How many collaterals are listed, those of the largest gain of flow.
 pub const MOST_COLLATERALS: usize = 5;
@@ -71,13 +74,8 @@ impl FlowRecord {
             let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
             state.beyond_laminar().map(beyond).collect()
         };
-        let mut counts = json!({
-            "nodes": network.node_count(),
-            "vessels": network.vessel_count(),
-            "inlets": boundary.count(Role::Inlet),
-            "outlets": boundary.count(Role::Outlet),
-            "diffused": before.diffused(),
-        });
+        let mut counts = counts(network, boundary);
+        counts["diffused"] = json!(before.diffused());
         let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
         if let Some(after) = after {
             counts["diffused_perturbed"] = json!(after.diffused());
@@ -141,7 +139,7 @@ fn collateral(network: &Network, c: &FlowChange) -> Value {
 pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
     let mut columns =
-        super::inference::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
+        super::inference::tables::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
     columns.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
     let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
     let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
@@ -184,32 +182,6 @@ fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
     ]
 }
 
-/// A simulation with everything that its files need.
-#[derive(Debug)]
-pub struct Simulated<'a> {
-    /// The vessels.
-    pub network: &'a Network,
-    /// Their boundary conditions.
-    pub boundary: &'a Boundary,
-    /// The changes.
-    pub perturbations: &'a [Perturbation],
-    /// The flow before and after the changes.
-    pub result: &'a Simulation,
-    /// Blood viscosity, Pa s.
-    pub viscosity: f64,
-    /// Where the blood comes from and when, if it was asked for.
-    pub transports: Option<&'a Transports>,
-    /// The pulse, if it was asked for, and its record.
-    pub pulses: Option<&'a (Pulses, Value)>,
-}
-
-impl Simulated<'_> {
-    /// The state whose columns end so.
-    pub(super) fn state(&self, suffix: &str) -> Option<&State> {
-        if suffix.is_empty() { Some(&self.result.unperturbed) } else { self.result.perturbed.as_ref() }
-    }
-}
-
 /// Writes every file of a simulation into a folder and returns notes about files that are left out.
 ///
 /// # Errors
@@ -228,35 +200,21 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     }
     let bars = flow_bars(&flows(simulated));
     let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
-    let mut figures = vec![Picture::write("Flow", caption, &bars, folder, dpi)?];
+    let mut figures = vec![PagePicture::write("Flow", caption, &bars, folder, dpi)?];
     if let Some(transports) = simulated.transports {
         let territories = write_transports(folder, simulated, transports)?;
         let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
-        figures.push(Picture::write("Territories", caption, &territories, folder, dpi)?);
+        figures.push(PagePicture::write("Territories", caption, &territories, folder, dpi)?);
     }
     if let Some((pulses, _)) = simulated.pulses {
         let waveforms = write_pulses(folder, simulated, pulses)?;
         let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
-        figures.push(Picture::write("Waveforms", caption, &waveforms, folder, dpi)?);
+        figures.push(PagePicture::write("Waveforms", caption, &waveforms, folder, dpi)?);
     }
     write_record(folder, record)?;
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
-}
-
-/// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
-pub(super) fn picture_names(network: &Network) -> Vec<String> {
-    let mut uses = BTreeMap::new();
-    for (_, vessel) in network.vessels() {
-        *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
-    }
-    let name = |(row, (_, vessel)): (usize, (_, &willis_core::network::Vessel))| match vessel.label.as_str() {
-        "" => format!("edge {row}"),
-        label if uses[label] > 1 => format!("{label} (edge {row})"),
-        label => label.to_owned(),
-    };
-    network.vessels().enumerate().map(name).collect()
 }
 
 /// The flow of every vessel.

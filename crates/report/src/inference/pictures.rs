@@ -3,14 +3,14 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use super::figures::convergence::{Cut, convergence};
-use super::figures::figure::Figure;
-use super::figures::heat_map::{Matrix, heat_map};
-use super::figures::summary::{DrawnVessel, Projection, summary as summary_picture};
-use super::inference::Outcome;
-use super::node_blocks::node_blocks;
-use super::page::{Picture, scene};
-use super::run_record::Summary;
+use super::outcome::Outcome;
+use crate::figures::convergence::{CutLine, convergence};
+use crate::figures::figure::Figure;
+use crate::figures::heat_map::{LikelihoodMatrix, heat_map};
+use crate::figures::summary::{DrawnVessel, Projection, summary as summary_picture};
+use crate::node_blocks::node_blocks;
+use crate::page::{PagePicture, scene};
+use crate::run_record::Summary;
 use willis_core::decision::{Keep, threshold};
 use willis_core::error::Result;
 use willis_core::network::{Frame, Origin};
@@ -59,17 +59,17 @@ fn views(frame: Frame) -> [Projection; 2] {
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Picture>> {
+pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<PagePicture>> {
     let (network, result) = (outcome.network, outcome.result);
     let open = network.vessels().zip(&result.likelihood).zip(&result.uncertain).filter(|((([a, b], _), _), _)| a != b);
     let (entries, uncertain): (Vec<_>, Vec<bool>) =
         open.map(|((([a, b], _), likelihood), uncertain)| ((a as u32, b as u32, *likelihood), *uncertain)).unzip();
     let blocks = node_blocks(network, outcome.boundary);
-    let matrix = Matrix { nodes: network.node_count(), entries: &entries, uncertain: &uncertain, blocks: &blocks };
+    let matrix = LikelihoodMatrix { nodes: network.node_count(), entries: &entries, uncertain: &uncertain, blocks: &blocks };
     let matrix = heat_map(&matrix, outcome.sampling.weight);
     let says = "The likelihood over all pairs of nodes on a logarithmic scale of colour; light grey is zero. The nodes are in order of the \
                 inlet that feeds them along observed vessels, or of their fragment. A second matrix has the uncertain vessels alone.";
-    let matrix = Picture::write("Likelihood matrix", says, &matrix, folder, dpi)?;
+    let matrix = PagePicture::write("Likelihood matrix", says, &matrix, folder, dpi)?;
 
     let samples: Vec<u64> = result.trace.iter().map(|s| s.samples).collect();
     let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
@@ -77,9 +77,9 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
     let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
     let (cut, rule) = match outcome.rule {
         Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => {
-            (Cut::Median, Keep::Median)
+            (CutLine::Median, Keep::Median)
         }
-        rule => (Cut::Threshold, rule),
+        rule => (CutLine::Threshold, rule),
     };
     let cuts: Vec<f64> = result.trace.iter().map(|s| running_threshold(rule, result.samples, &uncertain, s)).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
@@ -89,16 +89,16 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pi
             "The mean contribution per sample of every uncertain vessel against the number of samples; \
              lines that are still moving at the right end call for more samples."
         }
-        Cut::Threshold => {
+        CutLine::Threshold => {
             "The mean contribution per sample of every uncertain vessel against the number of samples, and the threshold; \
              lines that are still moving at the right end call for more samples."
         }
-        Cut::Median => {
+        CutLine::Median => {
             "The mean contribution per sample of every uncertain vessel against the number of samples, and their median, above which \
              lies topology-median; lines that are still moving at the right end call for more samples."
         }
     };
-    Ok(vec![matrix, Picture::write("Convergence", says, &traces, folder, dpi)?])
+    Ok(vec![matrix, PagePicture::write("Convergence", says, &traces, folder, dpi)?])
 }
 
 /// The threshold of a rule on L/n that the samples so far would give; NaN where there is none. `samples`: of the whole run.

@@ -1,0 +1,115 @@
+//! The table of a cohort: its rows, its columns, and how uncertain each row is.
+
+use serde_json::{Map, Value, json};
+
+use super::descriptions::describe;
+use super::figures::Figures;
+use willis_io::formats::{Column, Covariates};
+
+/// A subject.
+#[derive(Debug, Clone)]
+pub struct CohortRow {
+    /// The name of its folder.
+    pub subject: String,
+    /// Its input.
+    pub input: String,
+    /// The SHA-256 of its input, empty where that cannot be read.
+    pub sha256: String,
+    /// What else is said of it: the same columns in all rows, or nothing.
+    pub covariates: Covariates,
+    /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
+    pub page: Option<String>,
+    /// What came out, by column, or why nothing did.
+    pub figures: Result<Figures, String>,
+}
+
+/// What a cohort is made with.
+#[derive(Debug, Clone)]
+pub struct CohortRun<'a> {
+    /// The subcommand.
+    pub command: &'static str,
+    /// The command line that repeats it.
+    pub line: String,
+    /// Every option that changes a result.
+    pub parameters: &'a Value,
+}
+
+impl CohortRow {
+    fn status(&self) -> &'static str {
+        if self.figures.is_ok() { "ok" } else { "failed" }
+    }
+
+    fn error(&self) -> &str {
+        self.figures.as_ref().err().map_or("", String::as_str)
+    }
+
+    fn cell(&self, column: &str) -> Option<&Value> {
+        self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
+    }
+
+    fn number(&self, column: &str) -> f64 {
+        self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
+    }
+
+    /// The row as an object.
+    pub fn record(&self) -> Value {
+        let mut fields = Map::new();
+        fields.insert("subject".into(), json!(self.subject));
+        fields.insert("input".into(), json!(self.input));
+        fields.insert("sha256".into(), json!(self.sha256));
+        fields.insert("status".into(), json!(self.status()));
+        fields.insert("error".into(), json!(self.error()));
+        fields.extend(self.covariates.iter().map(|(name, text)| (covariate(name), json!(text))));
+        fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
+        fields.into()
+    }
+}
+
+/// The column of a covariate. Names that the table has for its own columns stay with those.
+fn covariate(name: &str) -> String {
+    if describe(name).is_some() || name == "subject" { format!("given_{name}") } else { name.to_owned() }
+}
+
+/// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
+pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
+    let text = |name, of: fn(&CohortRow) -> &str| Column::text(name, rows.iter().map(|row| of(row).to_owned()));
+    let mut columns = vec![
+        text("subject", |row| &row.subject),
+        text("input", |row| &row.input),
+        text("sha256", |row| &row.sha256),
+        text("status", CohortRow::status),
+        text("error", CohortRow::error),
+    ];
+    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
+    for (at, (name, _)) in stated.into_iter().flatten().enumerate() {
+        let text = |row: &CohortRow| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
+        columns.push(Column::text(covariate(name), rows.iter().map(text)));
+    }
+    for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
+        if columns.iter().any(|column| column.name == *name) {
+            continue;
+        }
+        columns.push(if rows.iter().any(|row| row.cell(name).is_some_and(Value::is_string)) {
+            let word = |row: &CohortRow| row.cell(name).and_then(Value::as_str).unwrap_or_default().to_owned();
+            Column::text(name.clone(), rows.iter().map(word))
+        } else {
+            Column::real(name.clone(), rows.iter().map(|row| row.number(name)))
+        });
+    }
+    columns
+}
+
+/// How uncertain a subject is: by the probability that its variant is another; without a variant by the errors expected of it, or its
+/// undecided connections where there is no evidence. One that failed is the most uncertain.
+pub fn uncertainty(row: &CohortRow) -> f64 {
+    if row.figures.is_err() {
+        return f64::INFINITY;
+    }
+    let variant = row.number("p_variant");
+    if !variant.is_nan() {
+        return 1.0 - variant;
+    }
+    let expected = row.number("expected_wrong") + row.number("expected_missed");
+    let figure = if expected.is_nan() { row.number("undecided") } else { expected };
+    if figure.is_nan() { 0.0 } else { figure }
+}

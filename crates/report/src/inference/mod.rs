@@ -1,0 +1,165 @@
+//! What an inference writes: tables, topologies, matrices and pictures.
+
+mod outcome;
+mod pictures;
+pub(crate) mod tables;
+
+use std::path::Path;
+
+use super::page::{infer_page, write_page};
+use super::run_record::Summary;
+use pictures::{overview, pictures};
+use tables::{condition_columns, node_columns, pairing_columns, select, suggested_cut_columns};
+use willis_core::error::{Error, Result};
+use willis_core::flow::{Boundary, Circuit, pressures};
+use willis_core::network::{Network, fragments};
+use willis_io::formats::{
+    Checksummed, Column, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+};
+use willis_io::output::atomic::write_file;
+use willis_io::output::names::{
+    DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
+};
+use willis_io::output::write_record;
+
+pub use outcome::{Outcome, few_perfused};
+pub use tables::{agreement, vessel_columns};
+
+/// The largest matrix written densely, in nodes.
+pub const DENSE_LIMIT: usize = 8192;
+/// The largest network that gets a page: a browser takes seconds for so many vessels.
+const PAGE_LIMIT: usize = 100_000;
+
+/// Writes every file of an inference into a folder and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written, or pressures that cannot be solved for.
+pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary, dpi: u32) -> Result<Vec<String>> {
+    let mut notes = Vec::new();
+    let network = outcome.network;
+    let vessels = vessel_columns(outcome);
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
+    let kept_nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &vessels, &mut notes)?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &kept_nodes))?;
+    if outcome.answer.kept == outcome.answer.above_median {
+        copy(folder, ["graphml", "vtp"])?;
+    } else {
+        topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+    }
+    if !outcome.suggested_cuts.is_empty() {
+        write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
+    }
+    if !outcome.pairings.is_empty() {
+        write_file(&folder.join(PAIRINGS), |out| write_csv(out, &pairing_columns(outcome)))?;
+    }
+    let matrix = outcome.result.matrix(network);
+    write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
+    if network.node_count() <= DENSE_LIMIT {
+        write_file(&folder.join(DENSE_LIKELIHOOD), |out| write_npy(out, network.node_count(), &matrix))?;
+    } else {
+        notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
+    }
+    summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
+    if let Some(picture) = overview(outcome, summary) {
+        picture.write(folder, dpi)?;
+    }
+    let figures = pictures(folder, outcome, dpi)?;
+    write_record(folder, summary)?;
+    if network.vessel_count() <= PAGE_LIMIT {
+        let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
+        write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
+    } else {
+        notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));
+    }
+    Ok(notes)
+}
+
+/// Gives the topology above the median the files of the kept one, which it is.
+fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
+    for ending in endings {
+        let [from, to] = [TOPOLOGY, MEDIAN_TOPOLOGY].map(|name| folder.join(format!("{name}.{ending}")));
+        if from.exists() {
+            std::fs::copy(&from, &to).map_err(|source| Error::Write { path: to, source })?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
+fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
+    let mut graph = outcome.boundary.stated_in(outcome.network.clone());
+    if outcome.sampling.uniform_prior {
+        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    }
+    let (nodes, vessels) = graph_columns(&graph);
+    let mut sum = String::new();
+    write_file(path, |out| {
+        let mut summed = Checksummed::new(out);
+        write_graphml(&mut summed, &graph, &nodes, &vessels)?;
+        sum = summed.finish();
+        Ok(())
+    })?;
+    Ok(sum)
+}
+
+/// The vessels that are kept, with all nodes and their roles, the rows of those vessels, and the conditions that hold there.
+fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>, Boundary) {
+    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
+    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
+    for (node, role) in boundary.roles.iter().enumerate() {
+        graph.node_mut(node).role = Some(*role);
+    }
+    (graph, rows, boundary)
+}
+
+/// The columns of the nodes of a topology, with their pressures and conditions.
+fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
+    let circuit = Circuit::new(graph, boundary, viscosity)?;
+    let pressure = pressures::pressures(&circuit, |_| true)?;
+    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(graph, boundary));
+    Ok(nodes)
+}
+
+/// The columns of nodes.csv, for the vessels that are kept.
+///
+/// # Errors
+///
+/// Pressures that cannot be solved for.
+pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
+    let (graph, _, boundary) = kept_graph(outcome, kept);
+    columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)
+}
+
+/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
+fn topology(
+    folder: &Path,
+    name: &str,
+    outcome: &Outcome<'_>,
+    kept: &[bool],
+    vessels: &[Column],
+    notes: &mut Vec<String>,
+) -> Result<Vec<Column>> {
+    let (graph, rows, boundary) = kept_graph(outcome, kept);
+    let nodes = columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)?;
+    let mut vessels = select(vessels, &rows);
+    for column in vessels.iter_mut().filter(|column| column.name == "kept") {
+        *column = Column::whole("kept", rows.iter().map(|_| 1));
+    }
+    let file = |ending: &str| folder.join(format!("{name}.{ending}"));
+    write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
+    if graph.has_positions() {
+        write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
+        if name == TOPOLOGY {
+            if is_forest(&graph) {
+                write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
+            } else {
+                notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
+            }
+        }
+    } else if name == TOPOLOGY {
+        notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
+    }
+    Ok(nodes)
+}

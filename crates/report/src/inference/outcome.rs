@@ -1,0 +1,90 @@
+//! An inference with everything its files are made of.
+
+use crate::page::{ImageCut, Segmentation};
+use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
+use willis_core::flow::Boundary;
+use willis_core::network::{Network, Origin};
+use willis_core::sampling::{Likelihood, Method, SamplingOptions};
+use willis_models::contacts::pairings::Pairings;
+use willis_models::contacts::suggested_cuts::SuggestedCut;
+
+/// The share of the samples in which blood flows below which a run is warned of.
+const FEW_PERFUSED: f64 = 0.5;
+
+/// An inference and everything its files are made of.
+#[derive(Debug)]
+pub struct Outcome<'a> {
+    /// The over-connected graph.
+    pub network: &'a Network,
+    /// Its boundary conditions.
+    pub boundary: &'a Boundary,
+    /// Cuts that are suggested, the surest first.
+    pub suggested_cuts: &'a [SuggestedCut],
+    /// How the vessels at each opened contact may be paired.
+    pub pairings: &'a [Pairings],
+    /// What an image shows along doubtful vessels, by row.
+    pub image_cuts: &'a [ImageCut],
+    /// The segmentation that they were found in, where they were.
+    pub segmentation: Option<&'a Segmentation>,
+    /// What the samples say.
+    pub result: &'a Likelihood,
+    /// The rule that decided.
+    pub rule: Keep,
+    /// The decisions.
+    pub answer: &'a Decision,
+    /// Whether every decision on L is clear; `None` where the run was not to go on until it is.
+    pub stable: Option<bool>,
+    /// The kept graph.
+    pub kept: Topology,
+    /// The graph above the median.
+    pub above_median: Topology,
+    /// The errors that the evidence expects of the kept graph, where there is evidence.
+    pub expected: Option<ExpectedErrors>,
+    /// How it was sampled.
+    pub sampling: &'a SamplingOptions,
+    /// How the samples were computed.
+    pub method: Method,
+}
+
+/// That blood flows in this share of the samples, and what raises it, where it is below one half.
+pub fn few_perfused(network: &Network, boundary: &Boundary, sampling: &SamplingOptions, share: f64) -> Option<String> {
+    if network.vessel_count() == 0 || share >= FEW_PERFUSED {
+        return None;
+    }
+    let (what, so) = if share == 0.0 {
+        ("in none of the samples".to_owned(), "they tell nothing of L")
+    } else {
+        (format!("in {:.1} % of the samples", 100.0 * share), "L rests on few")
+    };
+    let advice = if sampling.chance_of_an_inlet(network, boundary) < FEW_PERFUSED {
+        "The inlets found lie at ends that other vessels probably join: state where blood enters, with --inlet."
+    } else if sampling.epsilon > 0.0 {
+        "A smaller --epsilon leaves more ways from inlets to outlets open."
+    } else {
+        "State where blood leaves, with --outlet."
+    };
+    Some(format!("Blood flows {what}, so {so}. {advice}"))
+}
+
+impl Outcome<'_> {
+    /// As [`few_perfused`].
+    pub fn few_perfused(&self) -> Option<String> {
+        few_perfused(self.network, self.boundary, self.sampling, self.result.perfused)
+    }
+
+    /// How many contacts there are: places where observed vessels may only touch.
+    pub fn contacts(&self) -> usize {
+        self.network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact).count()
+    }
+
+    /// The boundary conditions that hold in the kept topology.
+    pub fn held(&self) -> Boundary {
+        self.boundary.held(self.network, |row| self.answer.kept[row])
+    }
+
+    /// The contacts that are cut, by row.
+    pub fn cuts(&self) -> impl Iterator<Item = usize> {
+        let decided = self.network.vessels().zip(&self.answer.kept).enumerate();
+        decided.filter(|(_, ((_, vessel), kept))| vessel.origin == Origin::Contact && !**kept).map(|(row, _)| row)
+    }
+}

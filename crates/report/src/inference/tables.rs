@@ -1,0 +1,107 @@
+//! The tables of an inference; and how far runs with different occlusion probabilities agree.
+
+use super::outcome::Outcome;
+use willis_core::decision::Decision;
+use willis_core::flow::Boundary;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Condition, Network, Role};
+use willis_core::support::geometry::Point;
+use willis_io::formats::{Column, Values};
+use willis_models::contacts::suggested_cuts::SuggestedCut;
+
+/// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
+/// how many.
+pub fn agreement(decisions: &[(f64, Decision)], uncertain: &[bool]) -> Vec<Column> {
+    let pairs: Vec<(usize, usize)> = (0..decisions.len()).flat_map(|i| (i + 1..decisions.len()).map(move |j| (i, j))).collect();
+    let same = |(i, j): &(usize, usize)| {
+        let (a, b) = (&decisions[*i].1.kept, &decisions[*j].1.kept);
+        a.iter().zip(b).zip(uncertain).filter(|((a, b), uncertain)| **uncertain && a == b).count()
+    };
+    let uncertain_count = uncertain.iter().filter(|u| **u).count();
+    vec![
+        Column::real("epsilon_a", pairs.iter().map(|(i, _)| decisions[*i].0)),
+        Column::real("epsilon_b", pairs.iter().map(|(_, j)| decisions[*j].0)),
+        Column::whole("decided_alike", pairs.iter().map(same)),
+        Column::whole("uncertain", pairs.iter().map(|_| uncertain_count)),
+    ]
+}
+
+/// The columns of nodes.csv. `pressure` in Pa.
+pub fn node_columns(network: &Network, boundary: &Boundary, pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
+    let roles: Vec<Option<Role>> = boundary.roles.iter().copied().map(Some).collect();
+    willis_io::formats::node_columns(network, &roles, pressure, component)
+}
+
+/// The terminal resistances and flows of the nodes, and which of their conditions were found, by which a graph file keeps its boundary
+/// conditions.
+pub fn condition_columns(network: &Network, boundary: &Boundary) -> Vec<Column> {
+    let conditions: Vec<Option<Condition>> = (0..network.node_count()).map(|node| boundary.condition(node)).collect();
+    let found: Vec<bool> = (0..network.node_count()).map(|node| boundary.is_found(node)).collect();
+    willis_io::formats::condition_columns(&conditions).into_iter().chain(willis_io::formats::found_column(&found)).collect()
+}
+
+/// The columns of edges.csv.
+pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
+    let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);
+    let flag = |name, flags: &[bool]| Column::whole(name, flags.iter().map(|f| usize::from(*f)));
+    let mut columns = willis_io::formats::vessel_columns(network);
+    columns.extend([
+        Column::real("prior", network.vessels().map(|(_, v)| if outcome.sampling.uniform_prior { 1.0 } else { v.prior })),
+        Column::real("likelihood", result.likelihood.iter().copied()),
+        Column::real("std_error", result.std_error.iter().copied()),
+        Column::real("frequency", result.frequency.iter().copied()),
+        Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
+        Column::real("needed", answer.needed.iter().copied()),
+        Column::real("instead", answer.instead.iter().map(|row| row.map_or(f64::NAN, |row| row as f64))),
+        flag("above_median", &answer.above_median),
+        flag("kept", &answer.kept),
+    ]);
+    columns
+}
+
+/// The columns of suggested-cuts.csv.
+pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
+    let mut columns = positions(&cuts.iter().map(|cut| cut.position));
+    columns.extend([
+        Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
+        Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
+        Column::real("probability", cuts.iter().map(|cut| cut.probability)),
+    ]);
+    columns
+}
+
+/// Three columns of positions.
+fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
+    let along = |(axis, name): (usize, &'static str)| Column::real(name, of.clone().map(move |at| millimetres(at[axis])));
+    ["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(along).collect()
+}
+
+/// The columns of pairings.csv.
+pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
+    let kept = &outcome.answer.kept;
+    let mut rows: Vec<(Point, String, f64, bool)> = Vec::new();
+    for pairings in outcome.pairings {
+        let taken = pairings.taken(kept);
+        rows.extend(pairings.ways.iter().map(|(way, p)| (pairings.position, pairings.told(way), *p, *way == taken)));
+        if pairings.ways.iter().all(|(way, _)| *way != taken) {
+            rows.push((pairings.position, pairings.told(&taken), f64::NAN, true));
+        }
+    }
+    let mut columns = positions(&rows.iter().map(|row| row.0));
+    columns.extend([
+        Column::text("vessels", rows.iter().map(|row| row.1.clone())),
+        Column::real("probability", rows.iter().map(|row| row.2)),
+        Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
+    ]);
+    columns
+}
+
+/// The rows of some columns.
+pub fn select(columns: &[Column], rows: &[usize]) -> Vec<Column> {
+    let pick = |values: &Values| match values {
+        Values::Real(v) => Values::Real(rows.iter().map(|r| v[*r]).collect()),
+        Values::Integer(v) => Values::Integer(rows.iter().map(|r| v[*r]).collect()),
+        Values::Text(v) => Values::Text(rows.iter().map(|r| v[*r].clone()).collect()),
+    };
+    columns.iter().map(|c| Column { name: c.name.clone(), values: pick(&c.values) }).collect()
+}

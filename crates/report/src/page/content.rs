@@ -1,0 +1,311 @@
+//! What the page of a run holds: tables, pictures, colourings, a threshold, and what its record says in short.
+
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+use super::image::{ImageCut, Segmentation};
+use super::lead;
+use super::scene::PageScene;
+use crate::figures::colour::Rgb;
+use crate::figures::{DEFAULT_DPI, Figure};
+use willis_core::error::Result;
+use willis_io::formats::{Column, Values};
+use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
+
+/// The page of a run, of any command.
+#[derive(Debug, Clone)]
+pub struct Page {
+    /// The heading.
+    pub title: String,
+    /// The record of the run, as in run.json: command, seed, parameters, notes.
+    pub record: Value,
+    /// The sentence that it begins with; empty where the page makes one of its vessels.
+    pub lead: Vec<lead::Part>,
+    /// What a reader should know before anything else.
+    pub warnings: Vec<String>,
+    /// The figures at the end of the page.
+    pub facts: Vec<Fact>,
+    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
+    pub phenotype: Option<Value>,
+    /// The vessels in space, or the reason why they cannot be shown.
+    pub scene: std::result::Result<PageScene, String>,
+    /// The figures that can colour the vessels of the scene; the page starts with the first.
+    pub colourings: Vec<Colouring>,
+    /// What an image shows along doubtful vessels.
+    pub image_cuts: Vec<ImageCut>,
+    /// The segmentation that the vessels were found in.
+    pub segmentation: Option<Segmentation>,
+    /// A threshold that the reader can move.
+    pub threshold: Option<Threshold>,
+    /// The pictures.
+    pub figures: Vec<PagePicture>,
+    /// The tables.
+    pub tables: Vec<PageTable>,
+}
+
+impl Page {
+    /// The page of a run of a command with the least that every run has.
+    pub fn new(command: &str, record: Value, scene: std::result::Result<PageScene, String>, figures: Vec<PagePicture>) -> Self {
+        Self {
+            title: title(command, &record),
+            record,
+            lead: Vec::new(),
+            warnings: Vec::new(),
+            facts: Vec::new(),
+            phenotype: None,
+            scene,
+            colourings: Vec::new(),
+            image_cuts: Vec::new(),
+            segmentation: None,
+            threshold: None,
+            figures,
+            tables: Vec::new(),
+        }
+    }
+}
+
+/// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
+pub type Fact = (&'static str, Value, &'static str);
+
+/// Figures of the record by name, JSON pointer and unit. A list stands for its length.
+pub fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Vec<Fact> {
+    let value = |pointer: &str| match record.pointer(pointer) {
+        Some(Value::Array(items)) => items.len().into(),
+        value => value.cloned().unwrap_or_default(),
+    };
+    let frame = record.pointer("/input/frame").map(|_| ("frame of the coordinates", "/input/frame", ""));
+    names.iter().copied().chain(frame).map(|(name, pointer, unit)| (name, value(pointer), unit)).collect()
+}
+
+/// The most warnings on a page.
+const MOST_WARNINGS: usize = 6;
+
+/// What a reader of a run should know before anything else: inlets that nobody stated, parts without flow, doubtful units.
+pub fn warnings(record: &Value) -> Vec<String> {
+    let mut all = Vec::new();
+    let conditions = record["boundary_conditions"].as_array().map_or(&[][..], Vec::as_slice);
+    let of = |role: &str| conditions.iter().filter(|c| c["role"] == role).count();
+    let found = |role: &str| conditions.iter().filter(|c| c["role"] == role && c["found"] == true).count();
+    // The direction of the lines in the file states a source.
+    let inlets = found("inlet") - conditions.iter().filter(|c| c["source"] == true).count();
+    match inlets {
+        0 => {}
+        1 => all.push(
+            "Nobody stated where blood enters: the widest free end is assumed to be the inlet. --inlet states it.".to_owned(),
+        ),
+        n => all.push(format!("Nobody stated where blood enters: {n} free ends are assumed to be inlets. --inlet states them.")),
+    }
+    if !conditions.is_empty() && of("outlet") == 0 {
+        all.push("There is no outlet, so that no blood flows.".to_owned());
+    }
+    match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
+        None | Some(0) => {}
+        Some(1) => all.push("One part of what the run kept carries no flow: it lacks an inlet or an outlet.".to_owned()),
+        Some(n) => all.push(format!("{n} parts of what the run kept carry no flow: they lack an inlet or an outlet.")),
+    }
+    let notes = record["notes"].as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(Value::as_str);
+    let plain = |note: &&str| note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING);
+    all.extend(notes.filter(|note| !plain(note)).map(|note| {
+        let mut letters = note.chars();
+        letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    }));
+    all.truncate(MOST_WARNINGS);
+    all
+}
+
+/// A table of the page.
+#[derive(Debug, Clone)]
+pub struct PageTable {
+    /// Its heading.
+    pub title: String,
+    /// The columns, all of the same length. The page leaves out columns without any value.
+    pub columns: Vec<Column>,
+    /// The columns that the page holds in double precision; it holds others in single precision.
+    pub exact: &'static [&'static str],
+    /// Whether row i is vessel i.
+    pub of_vessels: bool,
+}
+
+impl PageTable {
+    /// A table of numbers in single precision.
+    pub fn new(title: impl Into<String>, columns: Vec<Column>, of_vessels: bool) -> Self {
+        Self { title: title.into(), columns, exact: &[], of_vessels }
+    }
+}
+
+/// How a figure is converted to a colour.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum ColourScale {
+    /// By its logarithm.
+    Log,
+    /// By its value.
+    Linear,
+    /// By its value, which lies between 0 and 1; the ends of the scale stay there.
+    Share,
+    /// By its value, with one colour for each side of zero.
+    Diverging,
+    /// It is a colour itself, red · 2¹⁶ + green · 2⁸ + blue.
+    Mixed,
+}
+
+/// A figure that colours the vessels.
+#[derive(Debug, Clone, Serialize)]
+pub struct Colouring {
+    /// Its name.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// How it is converted to a colour. All scales but [`ColourScale::Diverging`] use the magnitude.
+    pub scale: ColourScale,
+    /// Whether vessels that are certain stay grey.
+    pub uncertain_only: bool,
+    /// Its variants: name, number of the table, and column. All variants share one scale.
+    pub variants: Vec<(String, usize, String)>,
+    /// What is mixed by [`ColourScale::Mixed`]: names and colours.
+    pub legend: Vec<(String, Rgb)>,
+}
+
+impl Colouring {
+    /// A figure that colours all vessels.
+    pub fn new(name: &'static str, unit: &'static str, scale: ColourScale, variants: Vec<(String, usize, String)>) -> Self {
+        Self { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() }
+    }
+}
+
+/// A threshold on a column of the first table.
+#[derive(Debug, Clone, Serialize)]
+pub struct Threshold {
+    /// The column that is compared with the threshold.
+    pub figure: &'static str,
+    /// The name of the figure.
+    pub name: &'static str,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
+    /// The column of its standard error. Without one, the error is that of a share of `samples`, sqrt(f(1-f)/n).
+    pub error: Option<&'static str>,
+    /// How many samples there were.
+    pub samples: u64,
+    /// Whether a figure equal to the threshold passes.
+    pub at_least: bool,
+    /// Whether a decision changes midway between the two figures next to the threshold, or at the threshold itself.
+    pub midway: bool,
+    /// How many standard errors from there a decision counts as certain.
+    pub within: f64,
+    /// The threshold of the run.
+    pub cut: Option<f64>,
+    /// The median of the positive figures of uncertain vessels, where the page can offer it.
+    pub median: Option<f64>,
+    /// Where the rule of the run is not a threshold on the figure: the column that is 1 where it kept a vessel ...
+    pub kept: Option<&'static str>,
+    /// ... and the figure near which its decisions are uncertain.
+    pub middle: Option<f64>,
+    /// The distance from the threshold within which a figure without standard error is undecided.
+    pub band: Option<f64>,
+    /// The column that is 1 where a vessel is uncertain.
+    pub uncertain: &'static str,
+    /// The column that is 1 where a decision of the run is undecided.
+    pub undecided: &'static str,
+    /// How many nodes there are.
+    pub nodes: usize,
+}
+
+/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show.
+pub fn record(of: &impl Serialize) -> Value {
+    let mut record = serde_json::to_value(of).unwrap_or_default();
+    if let Some(fields) = record.as_object_mut() {
+        fields.remove("time");
+    }
+    if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
+        convergence.remove("undecided_edges");
+    }
+    record
+}
+
+/// The heading of a run: its command and the name of its input.
+pub fn title(command: &str, record: &Value) -> String {
+    let path = record["input"]["path"].as_str().unwrap_or_default();
+    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
+    format!("willis {command}: {name}")
+}
+
+/// Removes a part of the record that becomes a table.
+pub fn take(record: &mut Value, name: &str) -> Value {
+    record.get_mut(name).map_or(json!([]), Value::take)
+}
+
+/// The largest SVG in a page, bytes. A larger picture becomes a PNG.
+const LARGEST_SVG: usize = 200_000;
+
+/// A picture of the page, with its description.
+#[derive(Debug, Clone, Serialize)]
+pub struct PagePicture {
+    /// Its heading.
+    pub title: &'static str,
+    /// What it shows: its caption, and its text for readers who cannot see it.
+    pub caption: &'static str,
+    /// The picture itself as a data URL.
+    source: String,
+    /// Whether it takes the width of two.
+    wide: bool,
+}
+
+impl PagePicture {
+    /// Writes a figure into a folder. The page has it as SVG, or as PNG where the SVG is large.
+    ///
+    /// # Errors
+    ///
+    /// When `dpi` is out of range, and when a file cannot be written.
+    pub fn write(title: &'static str, caption: &'static str, figure: &Figure, folder: &Path, dpi: u32) -> Result<Self> {
+        let drawing = figure.write(folder, dpi)?;
+        let (kind, bytes) =
+            if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
+        let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
+        Ok(Self { title, caption, source, wide: figure.is_wide() })
+    }
+}
+
+/// A table with one row per item. A column holds numbers where all its values are numbers. `None` without an item.
+pub fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<PageTable> {
+    let items = items.as_array().filter(|items| !items.is_empty())?;
+    let column = |&name: &&'static str| {
+        let values = || items.iter().map(|item| &item[name]);
+        let numbers = values().all(|v| v.is_null() || v.is_number());
+        let values = if numbers {
+            Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
+        } else {
+            Values::Text(values().map(word).collect())
+        };
+        Column { name: name.into(), values }
+    };
+    Some(PageTable::new(title, columns.iter().map(column).collect(), false))
+}
+
+fn word(value: &Value) -> String {
+    match value {
+        Value::Null => String::new(),
+        Value::String(text) => text.clone(),
+        Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
+        other => other.to_string(),
+    }
+}
+
+/// The boundary conditions of a record.
+pub fn conditions(items: &Value) -> Option<PageTable> {
+    const COLUMNS: [&str; 9] = [
+        "node",
+        "id",
+        "role",
+        "found",
+        "holds",
+        "pressure_mmHg",
+        "resistance_mmHg_s_per_mL",
+        "venous_pressure_mmHg",
+        "flow_mL_per_min",
+    ];
+    list("Boundary conditions", items, &COLUMNS)
+}

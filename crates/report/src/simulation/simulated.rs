@@ -1,0 +1,52 @@
+//! A simulation with everything that its files need, and what its vessels are called in pictures.
+
+use std::collections::BTreeMap;
+
+use serde_json::Value;
+
+use willis_core::flow::Boundary;
+use willis_core::flow::state::State;
+use willis_core::network::Network;
+use willis_core::simulation::pulse::Pulses;
+use willis_core::simulation::transport::Transports;
+use willis_core::simulation::{Perturbation, Simulation};
+
+/// A simulation with everything that its files need.
+#[derive(Debug)]
+pub struct Simulated<'a> {
+    /// The vessels.
+    pub network: &'a Network,
+    /// Their boundary conditions.
+    pub boundary: &'a Boundary,
+    /// The changes.
+    pub perturbations: &'a [Perturbation],
+    /// The flow before and after the changes.
+    pub result: &'a Simulation,
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+    /// Where the blood comes from and when, if it was asked for.
+    pub transports: Option<&'a Transports>,
+    /// The pulse, if it was asked for, and its record.
+    pub pulses: Option<&'a (Pulses, Value)>,
+}
+
+impl Simulated<'_> {
+    /// The state whose columns end so.
+    pub(super) fn state(&self, suffix: &str) -> Option<&State> {
+        if suffix.is_empty() { Some(&self.result.unperturbed) } else { self.result.perturbed.as_ref() }
+    }
+}
+
+/// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
+pub(super) fn picture_names(network: &Network) -> Vec<String> {
+    let mut uses = BTreeMap::new();
+    for (_, vessel) in network.vessels() {
+        *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
+    }
+    let name = |(row, (_, vessel)): (usize, (_, &willis_core::network::Vessel))| match vessel.label.as_str() {
+        "" => format!("edge {row}"),
+        label if uses[label] > 1 => format!("{label} (edge {row})"),
+        label => label.to_owned(),
+    };
+    network.vessels().enumerate().map(name).collect()
+}
