@@ -164,17 +164,27 @@ fn with_flags(error: &Error) -> String {
     flags_in(&Error::Parameter { name, value: value.clone(), accepted: accepted.clone() }.to_string())
 }
 
-/// A text of the library with the fields in backticks as options: "give `default_radius`" becomes "give --default-radius".
+/// A text of the library with what it has in backticks as its reader types it: "give `default_radius`" becomes "give --default-radius", and
+/// `units=voxel` becomes --units voxel. Inside of another program they are arguments: default_radius= and units=voxel.
 pub fn flags_in(text: &str) -> String {
     let mut parts = text.split('`');
     let mut out = parts.next().unwrap_or_default().to_owned();
     while let Some(quoted) = parts.next() {
-        match (flag(quoted), parts.next()) {
-            (Some(flag), Some(after)) => out.extend([&flag, after]),
+        match (option(quoted), parts.next()) {
+            (Some(option), Some(after)) => out.extend([&option, after]),
             (_, after) => out.extend(["`", quoted, after.map_or("", |_| "`"), after.unwrap_or_default()]),
         }
     }
     out
+}
+
+/// `FIELD` or `FIELD=VALUE` as its reader types it, where it is an option.
+fn option(quoted: &str) -> Option<String> {
+    let (field, value) = quoted.split_once('=').map_or((quoted, None), |(field, value)| (field, Some(value)));
+    if GIVEN.read().is_ok_and(|given| given.command.is_empty()) {
+        return words::argument(field).map(|name| format!("{name}={}", value.unwrap_or_default()));
+    }
+    flag(field).map(|flag| value.map_or_else(|| flag.clone(), |value| format!("{flag} {value}")))
 }
 
 /// A field as the option of the subcommand at work.

@@ -7,13 +7,13 @@ use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, simulate_with};
+use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 use clap::Args;
 
-use super::args::boundary_for;
 use super::args::figures::{viscosity, whole};
 use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
+use super::args::{boundary_for, unfed};
 use super::checkpoint::Follower;
 use super::command_line::command_line;
 use super::print::Terminal;
@@ -51,6 +51,9 @@ pub struct SimulateArgs {
     pulse: PulseArgs,
     #[command(flatten)]
     changes: ChangeArgs,
+    /// Vessels that no inlet feeds
+    #[arg(long, default_value = "keep", value_parser = unfed())]
+    unfed: Unfed,
     #[command(flatten)]
     boundary: BoundaryOptions,
 }
@@ -101,7 +104,7 @@ impl SimulateArgs {
         let occlusions = occlude.iter().map(|name| (name.clone(), Change::Occlusion));
         let changes = stenosis.iter().cloned().chain(occlusions).chain(tortuosity.iter().cloned()).collect();
         let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
-        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse }, changes))
+        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse, unfed: self.unfed }, changes))
     }
 }
 

@@ -18,6 +18,7 @@ use super::print::inference::say_outcome;
 use super::print::{say_read, say_step, taken};
 use super::refusal::of_library;
 use super::simulate::SimulateArgs;
+use super::{Cli, flags_in};
 use crate::error::{Error, Result};
 use crate::{
     ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
@@ -107,6 +108,27 @@ pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
 /// What the command says of a simulation: facts under headings.
 pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
     taken(|terminal| say_simulated(terminal, &run.simulated()))
+}
+
+/// A text of the library, such as an error, with the arguments that it names as they are written: `max_gap` becomes max_gap=.
+pub fn arguments_in(text: &str) -> String {
+    flags_in(text)
+}
+
+/// The options that are lists of several in a binding.
+const LISTS: [(&str, &str); 3] = [("inlet", "inlets"), ("outlet", "outlets"), ("flow", "flows")];
+
+/// The name of the argument that a field of the library is, if any command has such an option.
+pub(super) fn argument(field: &str) -> Option<&str> {
+    let flag = field.replace('_', "-");
+    let is_long =
+        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
+    let builder = Cli::builder();
+    let arguments = builder.get_subcommands().flat_map(clap::Command::get_arguments).chain(builder.get_arguments());
+    // Where a result goes is not named.
+    let is_option = field != "output" && arguments.into_iter().any(is_long);
+    let list = LISTS.iter().find(|(one, _)| *one == field);
+    is_option.then(|| list.map_or(field, |(_, several)| *several))
 }
 
 /// The arguments of a command, by words.

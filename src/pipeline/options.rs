@@ -16,8 +16,8 @@ use super::prior::Prior;
 use super::pulse::PulseOptions;
 use willis_core::decision::Keep;
 use willis_core::error::{Error, Fault, Result};
-use willis_core::flow::FoundOutlets;
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use willis_core::flow::{FoundOutlets, Unfed};
 use willis_core::sampling::{SamplingOptions, Uncertain};
 use willis_io::formats::{ReadOptions, bytes_of, checksum};
 use willis_io::masks::Appearance;
@@ -207,11 +207,14 @@ pub struct FlowOptions {
     pub transport: bool,
     /// How the flow pulsates; `None` leaves it steady.
     pub pulse: Option<PulseOptions>,
+    /// What becomes of vessels that no inlet feeds.
+    pub unfed: Unfed,
 }
 
 impl Default for FlowOptions {
     fn default() -> Self {
-        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false, pulse: None }
+        let boundary = BoundaryOptions::default();
+        Self { boundary, viscosity: BLOOD_VISCOSITY, transport: false, pulse: None, unfed: Unfed::Keep }
     }
 }
 

@@ -13,11 +13,12 @@ use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
 use willis_core::network::units::millimetres;
-use willis_core::network::{Condition, Network, Origin, Role, fragments};
+use willis_core::network::{Condition, Merged, Network, Origin, Role, fragments, merge};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{
-    Checksummed, Column, Values, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Checksummed, Column, Values, graph_columns, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml,
+    write_npy, write_npz, write_swc, write_vtp,
 };
 use willis_io::masks::strips::Strip;
 use willis_io::masks::{Affine, Foreground, RunLengths};
@@ -103,6 +104,8 @@ const FEW_PERFUSED: f64 = 0.5;
 pub struct Outcome<'a> {
     /// The over-connected graph.
     pub network: &'a Network,
+    /// The rows of its first nodes that are the input's own, which no file of a topology leaves out.
+    pub own_nodes: usize,
     /// Its boundary conditions.
     pub boundary: &'a Boundary,
     /// Cuts that are suggested, the surest first.
@@ -144,11 +147,11 @@ pub fn few_perfused(network: &Network, boundary: &Boundary, sampling: &SamplingO
         (format!("in {:.1} % of the samples", 100.0 * share), "L rests on few")
     };
     let advice = if sampling.chance_of_an_inlet(network, boundary) < FEW_PERFUSED {
-        "The inlets found lie at ends that other vessels probably join: state where blood enters, with --inlet."
+        "The inlets found lie at ends that other vessels probably join: state where blood enters, with `inlet`."
     } else if sampling.epsilon > 0.0 {
-        "A smaller --epsilon leaves more ways from inlets to outlets open."
+        "A smaller `epsilon` leaves more ways from inlets to outlets open."
     } else {
-        "State where blood leaves, with --outlet."
+        "State where blood leaves, with `outlet`."
     };
     Some(format!("Blood flows {what}, so {so}. {advice}"))
 }
@@ -167,6 +170,21 @@ impl Outcome<'_> {
     /// The boundary conditions that hold in the kept topology.
     pub fn held(&self) -> Boundary {
         self.boundary.held(self.network, |row| self.answer.kept[row])
+    }
+
+    /// A topology of the vessels that are kept, with the conditions that hold there. Where only a candidate or a contact ended that is not kept,
+    /// the vessel goes on: its parts are one again, but for those that were uncertain one by one.
+    pub fn topology(&self, kept: &[bool]) -> Merged {
+        let boundary = self.boundary.held(self.network, |row| kept[row]);
+        let (graph, rows) = self.network.subgraph(|row| kept[row]);
+        let mut may_go = vec![true; graph.node_count()];
+        may_go[..self.own_nodes].fill(false);
+        for row in rows.iter().filter(|row| self.result.uncertain[**row]) {
+            self.network.ends(*row).into_iter().for_each(|node| may_go[node] = false);
+        }
+        let mut merged = merge(&boundary.stated_in(graph), |node| may_go[node]);
+        merged.parts.iter_mut().flatten().for_each(|part| *part = rows[*part]);
+        merged
     }
 
     /// The contacts that are cut, by row.
@@ -249,36 +267,22 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     Ok(sum)
 }
 
-/// The vessels that are kept, with all nodes and their roles, the rows of those vessels, and the conditions that hold there.
-fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>, Boundary) {
-    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
-    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
-    for (node, role) in boundary.roles.iter().enumerate() {
-        graph.node_mut(node).role = Some(*role);
-    }
-    (graph, rows, boundary)
-}
-
-/// The columns of the nodes of a topology, with their pressures and conditions.
-fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
-    let circuit = Circuit::new(graph, boundary, viscosity)?;
-    let pressure = pressures::pressures(&circuit, |_| true)?;
-    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(graph, boundary));
-    Ok(nodes)
-}
-
-/// The columns of nodes.csv, for the vessels that are kept.
+/// The columns of nodes.csv, for the vessels that are kept, with pressures and conditions.
 ///
 /// # Errors
 ///
 /// Pressures that cannot be solved for.
 pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
-    let (graph, _, boundary) = kept_graph(outcome, kept);
-    columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)
+    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
+    let (graph, _) = outcome.network.subgraph(|row| kept[row]);
+    let circuit = Circuit::new(&graph, &boundary, outcome.sampling.viscosity)?;
+    let pressure = pressures::pressures(&circuit, |_| true)?;
+    let mut nodes = node_columns(&graph, &boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(&graph, &boundary));
+    Ok(nodes)
 }
 
-/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
+/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns, those of merged nodes too.
 fn topology(
     folder: &Path,
     name: &str,
@@ -287,19 +291,21 @@ fn topology(
     vessels: &[Column],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
-    let (graph, rows, boundary) = kept_graph(outcome, kept);
-    let nodes = columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)?;
-    let mut vessels = select(vessels, &rows);
-    for column in vessels.iter_mut().filter(|column| column.name == "kept") {
-        *column = Column::whole("kept", rows.iter().map(|_| 1));
-    }
+    let all_nodes = topology_columns(outcome, kept)?;
+    let merged = outcome.topology(kept);
+    let graph = &merged.network;
+    let vessels = merged_columns(outcome.network, &merged, vessels);
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
-    write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
+    write_file(&file("graphml"), |out| {
+        let mut nodes = select(&all_nodes, &merged.nodes);
+        nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+        write_graphml(out, graph, &nodes, &[&vessels[..], &stated_columns(graph)].concat())
+    })?;
     if graph.has_positions() {
-        write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
+        write_file(&file("vtp"), |out| write_vtp(out, graph, &vessels))?;
         if name == TOPOLOGY {
-            if is_forest(&graph) {
-                write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
+            if is_forest(graph) {
+                write_file(&file("swc"), |out| write_swc(out, graph).map(drop))?;
             } else {
                 notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
             }
@@ -307,7 +313,46 @@ fn topology(
     } else if name == TOPOLOGY {
         notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
     }
-    Ok(nodes)
+    Ok(all_nodes)
+}
+
+/// The columns of the vessels of a topology from those of edges.csv. Of vessels that were merged, L and its error are means weighted by volume,
+/// as ρ is of what it adds up over, and the frequency is the least; their other figures are equal.
+fn merged_columns(network: &Network, merged: &Merged, vessels: &[Column]) -> Vec<Column> {
+    let parts = &merged.parts;
+    let own = willis_io::formats::vessel_columns(&merged.network);
+    let first: Vec<usize> = parts.iter().filter_map(|parts| parts.iter().min().copied()).collect();
+    let mut columns = select(vessels, &first);
+    let volume = |row: &usize| network.vessel(*row).volume();
+    let mean = |of: &[f64], parts: &[usize]| {
+        if let [row] = parts {
+            return of[*row];
+        }
+        let whole: f64 = parts.iter().map(volume).sum();
+        parts.iter().map(|row| of[*row] * (volume(row) / whole)).sum()
+    };
+    let least = |of: &[f64], parts: &[usize]| parts.iter().map(|row| of[*row]).fold(f64::INFINITY, f64::min);
+    for (column, all) in columns.iter_mut().zip(vessels) {
+        match (&*all.name, &all.values) {
+            ("likelihood" | "std_error", Values::Real(of)) => {
+                column.values = Values::Real(parts.iter().map(|parts| mean(of, parts)).collect());
+            }
+            ("frequency", Values::Real(of)) => {
+                column.values = Values::Real(parts.iter().map(|parts| least(of, parts)).collect());
+            }
+            ("kept", _) => *column = Column::whole("kept", parts.iter().map(|_| 1)),
+            ("node_a" | "node_b", _) => {
+                let side = usize::from(column.name == "node_b");
+                let ends = merged.network.vessels().map(|(ends, _)| merged.nodes[ends[side]]);
+                *column = Column::whole(column.name.clone(), ends);
+            }
+            ("edge", _) => {}
+            (name, _) => own.iter().filter(|own| own.name == name).for_each(|own| *column = own.clone()),
+        }
+    }
+    let words = parts.iter().map(|parts| parts.iter().map(usize::to_string).collect::<Vec<_>>().join("+"));
+    columns.push(Column::text("edges", words));
+    columns
 }
 
 /// The columns of nodes.csv. `pressure` in Pa.

@@ -274,7 +274,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
     let cleans = options.cavities == Cavities::Fill;
-    let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities` keep goes on with any");
+    let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities=keep` goes on with any");
     if let Some(why) = why_no_vessels(&mask).filter(|_| cleans) {
         return Err(no_vessels(why));
     }
@@ -287,7 +287,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     if traced.lines.links.is_empty() {
         let found = format!("no vessel in a mask of {x} x {y} x {z} voxels: {}", plural(traced.specks, "speck"));
-        return Err(Fault::file(found, "expected a part that is longer than wide; `cavities` keep takes all"));
+        return Err(Fault::file(found, "expected a part that is longer than wide; `cavities=keep` takes all"));
     }
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
@@ -308,7 +308,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     if filled.wide > 0 {
         let are = if filled.wide == 1 { "1 cavity is".to_owned() } else { format!("{} cavities are", filled.wide) };
-        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities` keep leaves all as they are"));
+        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
     }
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));

@@ -12,7 +12,7 @@ const THICKNESS: f64 = 0.1;
 /// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
 const LEAST: f64 = 1e-3;
 /// openBF has equations for a conjunction, a bifurcation and an anastomosis.
-const MOST_JOINED: usize = 3;
+pub(in crate::formats) const MOST_JOINED: usize = 3;
 
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
