@@ -80,7 +80,7 @@ fn openbf_gets_tubes_in_si() {
             && vessels[1].contains("outlet: wk3\n    R1: 1000000000.0\n    R2: 3000000000.0\n"),
         "{text}"
     );
-    assert!(vessels[1].contains("Cc: 1e-10\n    Pout: 500.0"), "{text}");
+    assert!(vessels[1].contains("Cc: 1.0e-10\n    Pout: 500.0"), "{text}");
     // c0² = (2/3) (E h/r)/ρ.
     let number = |key: &str| -> f64 {
         let rest = &vessels[0][vessels[0].find(key).expect("a key") + key.len()..];
@@ -142,7 +142,7 @@ fn a_repaired_network_reaches_a_solver() {
     write_svzerod(&mut Vec::new(), &made).expect("a model");
     // Six vessels meet at the fork: the widest two stay there, beside a link as wide as the widest of 2 mm.
     let (made, notes) = target("a.yaml", None).network(&whole).expect("a network");
-    assert_eq!(notes[2], "1 node of more than 3 vessels divided, by 3 vessels as long as their radius");
+    assert_eq!(notes[2], "1 node of more than 3 vessels divided, by 3 vessels one radius long");
     let degree = made.degrees(|_| true);
     assert!(degree.iter().all(|degree| (1..=3).contains(degree)), "{degree:?}");
     let links: Vec<f64> = made.vessels().filter(|(_, v)| v.length == v.radius).map(|(_, v)| v.radius).collect();

@@ -267,9 +267,11 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
 fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
     let ([x, y, z], spacing) = (mask.as_in_file(mask.shape), mask.as_in_file(mask.spacing()));
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
-    let frame = match mask.frame {
-        Frame::Unknown => "in the frame of its axes, as nobody states which way they point",
-        Frame::Ras | Frame::Lps => "in the scanner's frame (RAS: right, anterior, superior)",
+    let frame = match (mask.frame, options.frame) {
+        (Frame::Unknown, Some(Frame::Ras)) => "in the frame of its axes, RAS as `frame` states",
+        (Frame::Unknown, Some(Frame::Lps)) => "in the frame of its axes, LPS as `frame` states",
+        (Frame::Unknown, _) => "in the frame of its axes, as nobody states which way they point",
+        (Frame::Ras | Frame::Lps, _) => "in the scanner's frame (RAS: right, anterior, superior)",
     };
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();

@@ -95,7 +95,7 @@ pub(in crate::formats) fn with_few_at_a_node(network: &Network, most: usize) -> 
         made.add_vessel(ends, vessel);
     }
     let nodes = plural(crowded.len(), "node");
-    Some((made, format!("{nodes} of more than {most} vessels divided, by {} as long as their radius", plural(count, "vessel"))))
+    Some((made, format!("{nodes} of more than {most} vessels divided, by {} one radius long", plural(count, "vessel"))))
 }
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
