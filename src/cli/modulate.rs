@@ -73,7 +73,7 @@ pub struct ModulateArgs {
     #[arg(long, help_heading = "Answer")]
     json: bool,
     /// Vessels that no inlet feeds
-    #[arg(long, default_value = "keep", value_parser = unfed())]
+    #[arg(long, default_value = "keep", value_parser = unfed(), help_heading = "Modulation")]
     unfed: Unfed,
     #[command(flatten)]
     boundary: BoundaryOptions,

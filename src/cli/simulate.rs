@@ -44,6 +44,9 @@ pub struct SimulateArgs {
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer", hide_short_help = true)]
     json: bool,
+    /// Vessels that no inlet feeds
+    #[arg(long, default_value = "keep", value_parser = unfed())]
+    unfed: Unfed,
     /// Follow the blood: territories.csv, who feeds what; transit.csv, when it arrives
     #[arg(long)]
     transport: bool,
@@ -51,9 +54,6 @@ pub struct SimulateArgs {
     pulse: PulseArgs,
     #[command(flatten)]
     changes: ChangeArgs,
-    /// Vessels that no inlet feeds
-    #[arg(long, default_value = "keep", value_parser = unfed())]
-    unfed: Unfed,
     #[command(flatten)]
     boundary: BoundaryOptions,
 }
