@@ -310,7 +310,7 @@ fn few_perfused_samples_are_told_with_advice_that_helps() {
     let shut = found(enters_at(0, 1), &[], &[1]);
     let never = SamplingOptions { epsilon: 0.0, ..exact };
     let (warning, share) = warned(&network, &shut, &never);
-    assert!((share - 0.01).abs() < 1e-12 && warning.is_some_and(|warning| warning.ends_with("with --outlet.")));
+    assert!((share - 0.01).abs() < 1e-12 && warning.is_some_and(|warning| warning.ends_with("with `outlet`.")));
     assert_eq!(warned(&network, &enters_at(0, 1), &never), (None, 1.0));
 }
 
