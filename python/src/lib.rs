@@ -10,6 +10,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use willis::Unfed;
 use willis::cli;
 use willis::cli::words::arguments_in;
 use willis::internals::formats::convert::Target;
@@ -50,7 +51,7 @@ fn write(
 ) -> PyResult<Vec<String>> {
     let network = &scan.input.network;
     let written = py.detach(|| {
-        let unfed = unfed.map(|word| word.parse()).transpose()?;
+        let unfed = unfed.map(|word| word.parse::<Unfed>()).transpose()?;
         write_target(network, &Target::new(&path, to.as_deref())?.with_unfed(unfed), force)
     });
     let written = written.map_err(|e| raised(py, &e))?;
