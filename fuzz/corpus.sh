@@ -33,6 +33,17 @@ put tre "$work/small.tre"
 put npz "$work/small.npz"
 put markups "$work/small.json"
 put amira "$work/small.am"
+# An edge of two points as numbers, its thickness packed by runs.
+printf '# AmiraMesh BINARY-LITTLE-ENDIAN 3.0\ndefine VERTEX 2\ndefine EDGE 1\ndefine POINT 2\nParameters { ContentType "HxSpatialGraph" }\nVERTEX { float[3] VertexCoordinates } @1\nEDGE { int[2] EdgeConnectivity } @2\nEDGE { int NumEdgePoints } @3\nPOINT { float[3] EdgePointCoordinates } @4\nPOINT { float thickness } @5(HxByteRLE,9)\n# Data section follows\n' > "$work/numbers.am"
+none='\000\000\000\000'
+one='\000\000\200\077'
+section() { printf "@$1\n$2\n" >> "$work/numbers.am"; }
+section 1 "$none$none$none$one$none$none"
+section 2 "$none"'\001\000\000\000'
+section 3 '\002\000\000\000'
+section 4 "$none$none$none$one$none$none"
+section 5 '\210'"$one$one"
+put amira "$work/numbers.am"
 "$willis" convert "$work/graph.graphml" "$work/edges.csv" -q
 both csv "$work/nodes.csv" "$work/edges.csv"
 put prior-csv "$work/edges.csv"
@@ -57,7 +68,7 @@ printf 'subject,input,spacing,inlet\na,a.swc,"0.5,0.5,1",7\n' > "$work/manifest.
 put manifest "$work/manifest.csv"
 printf 'node,kind,value,unit\n1,pressure,100,mmHg\n8,resistance,5,mmHg s/mL\n' > "$work/conditions.csv"
 put conditions-csv "$work/conditions.csv"
-put weights ../src/candidates/model/weights.toml
+put weights ../crates/models/src/candidates/model/weights.toml
 printf '[[condition]]\nnode = "1"\nkind = "pressure"\nvalue = 100\nunit = "mmHg"\n' > "$work/conditions.toml"
 put conditions-toml "$work/conditions.toml"
 printf 'Name,Type,Length,AverageRadius,StartPointPositionX,StartPointPositionY,StartPointPositionZ,EndPointPositionX,EndPointPositionY,EndPointPositionZ\nICA,1,3,1,0,0,0,3,0,0\n' > "$work/icafe.csv"
@@ -125,14 +136,14 @@ printf 'edge,id_a,id_b,decision,who,when,input_sha256\n3,4,7,accept,me,2026-01-0
 put decisions "$work/decisions.csv"
 printf 'time_s,pressure_mmHg\n0,80\n0.1,120\n0.5,90\n0.8,80\n' > "$work/waveform.csv"
 put waveform "$work/waveform.csv"
-put frequencies ../src/circle_of_willis/frequencies.csv
+put frequencies ../crates/models/src/circle_of_willis/frequencies.csv
 printf 'L-ICA I\nR-ICA I\nBA\nR-P1\nL-P1\nR-Pcom\n\nL-A1\nAcom\n' > "$work/labels"
 put labels "$work/labels"
 printf 'x_mm,y_mm,z_mm\n0,0,0\n' > "$work/inlets.csv"
 put inlets "$work/inlets.csv"
-head -c 3000 ../src/naming/arteries.toml > "$work/names.toml"
+head -c 3000 ../crates/models/src/naming/arteries.toml > "$work/names.toml"
 put names "$work/names.toml"
-head -c 3000 ../src/contacts/contacts.toml > "$work/contacts.toml"
+head -c 3000 ../crates/models/src/contacts/contacts.toml > "$work/contacts.toml"
 put contacts "$work/contacts.toml"
-head -c 3000 ../src/candidates/joins/skeleton.toml > "$work/joins.toml"
+head -c 3000 ../crates/models/src/candidates/joins/skeleton.toml > "$work/joins.toml"
 put joins "$work/joins.toml"

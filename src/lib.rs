@@ -59,7 +59,7 @@ pub use pipeline::{
 };
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};
-pub use willis_core::flow::{FoundOutlets, Thickness, WallLaw};
+pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw};
 pub use willis_core::modulation::ModulationOptions;
 pub use willis_core::network::units::{LengthUnit, Scale};
 pub use willis_core::network::{Network, RadiusRule};

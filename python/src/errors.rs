@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use willis::Error;
+use willis::cli::words::arguments_in;
 use willis::error::Place;
 use willis::internals::support::printable::printable;
 
@@ -22,16 +23,16 @@ fn made(py: Python<'_>, error: &Error) -> PyResult<PyErr> {
                 Place::Item(item) => fields.set_item("item", item)?,
             }
             fields.set_item("value", found)?;
-            fields.set_item("expected", accepted)?;
+            fields.set_item("expected", arguments_in(accepted))?;
         }
         Error::Parameter { name, value, accepted } => {
             fields.set_item("item", name)?;
             fields.set_item("value", value)?;
-            fields.set_item("expected", accepted)?;
+            fields.set_item("expected", arguments_in(accepted))?;
         }
         Error::Read { path, .. } | Error::Write { path, .. } | Error::Exists { path } => fields.set_item("file", path)?,
         _ => {}
     }
     let class = py.import("willis._errors")?.getattr("WillisError")?;
-    Ok(PyErr::from_value(class.call((printable(&error.to_string()),), Some(&fields))?))
+    Ok(PyErr::from_value(class.call((printable(&arguments_in(&error.to_string())),), Some(&fields))?))
 }

@@ -10,7 +10,11 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use pyo3::prelude::*;
+use willis::Unfed;
 use willis::cli;
+use willis::cli::words::arguments_in;
+use willis::internals::formats::convert::Target;
+use willis::internals::pipeline::write_target;
 
 use errors::raised;
 use interrupt::{Watch, interruptible};
@@ -36,11 +40,23 @@ fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
 
 /// Writes a network as a file of any format; what a person should know.
 #[pyfunction]
-#[pyo3(signature = (scan, path, to, force))]
-fn write(py: Python<'_>, scan: &objects::Scan, path: PathBuf, to: Option<String>, force: bool) -> PyResult<Vec<String>> {
+#[pyo3(signature = (scan, path, to, unfed, force))]
+fn write(
+    py: Python<'_>,
+    scan: &objects::Scan,
+    path: PathBuf,
+    to: Option<String>,
+    unfed: Option<String>,
+    force: bool,
+) -> PyResult<Vec<String>> {
     let network = &scan.input.network;
-    let written = py.detach(|| willis::write(network, &path, to.as_deref(), force)).map_err(|e| raised(py, &e))?;
-    Ok(written.notes.into_iter().chain(written.lost.into_iter().map(|lost| format!("lost: {lost}"))).collect())
+    let written = py.detach(|| {
+        let unfed = unfed.map(|word| word.parse::<Unfed>()).transpose()?;
+        write_target(network, &Target::new(&path, to.as_deref())?.with_unfed(unfed), force)
+    });
+    let written = written.map_err(|e| raised(py, &e))?;
+    let notes = written.notes.iter().map(|note| arguments_in(note));
+    Ok(notes.chain(written.lost.into_iter().map(|lost| format!("lost: {lost}"))).collect())
 }
 
 #[pymodule(gil_used = true)]

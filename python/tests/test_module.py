@@ -150,7 +150,7 @@ def test_networkx_has_every_vessel():
     pytest.importorskip("networkx")
     run = willis.infer(BROKEN, samples=64)
     graph = run.topology.to_networkx()
-    assert graph.number_of_edges() == int(run.kept.sum())
+    assert graph.number_of_edges() == run.topology.n_edges < int(run.kept.sum())
     lengths = sum(length for *_, length in graph.edges(data="length_mm"))
     assert lengths == pytest.approx(run.edges["length_mm"][run.kept].sum(), rel=1e-9)
 
@@ -324,3 +324,29 @@ def test_measures_are_those_of_the_command():
     assert measured.subjects["length_mm"][0] == pytest.approx(run.topology.edges["length_mm"].sum())
     assert measured.intervals["low"].shape == (16,)
     assert willis.measure([circle, BROKEN]).subjects["status"].tolist() == ["ok", "ok"]
+
+
+def test_texts_name_arguments_as_python_has_them(tmp_path):
+    """The command has options in their place: tests/command_line/refusals.rs has the same cases."""
+    (tmp_path / "a.csv").write_text("fragment,x,y,z\n1,0,0,0\n1,1,0,0\n")
+    with pytest.raises(willis.WillisError, match="or give default_radius=$") as caught:
+        willis.read(tmp_path / "a.csv")
+    assert caught.value.expected.endswith("default_radius=")
+    (tmp_path / "far.swc").write_text("1 3 0 0 0 2 -1\n2 3 0 0 349 2 1\n")
+    with pytest.warns(willis.Note, match="if lengths are in voxels, give units=voxel spacing=S"):
+        far = willis.read(tmp_path / "far.swc")
+    with pytest.raises(willis.WillisError, match="give one at a time: inlets=1 inlets=2"):
+        willis.simulate(far, inlets=["1,2"])
+
+
+def test_vessels_that_no_inlet_feeds_stay_or_go(tmp_path):
+    lines = [[0, 0, 0], [10, 0, 0], [0, 50, 0], [10, 50, 0]]
+    both = willis.centerlines(lines, [[0, 1], [2, 3]], [1, 1, 1, 1])
+    kept = willis.simulate(both, inlets=["0"], outlets=["1"])
+    dropped = willis.simulate(both, inlets=["0"], outlets=["1"], unfed="drop")
+    assert kept.edges["diffused"].tolist() == [1, 0]
+    assert dropped.edges["flow_mL_per_min"].tolist() == kept.edges["flow_mL_per_min"][:1].tolist()
+    with pytest.raises(willis.WillisError, match="needs a node that states where blood enters"):
+        both.save(tmp_path / "a.graphml", unfed="drop")
+    with pytest.raises(willis.WillisError, match="expected drop or keep"):
+        both.save(tmp_path / "a.graphml", unfed="neither")

@@ -63,12 +63,14 @@ def simulate(
     friction: Literal["womersley", "parabolic"] = "womersley",
     density: str | None = None,
     times: int = 100,
+    unfed: Literal["drop", "keep"] = "keep",
 ) -> Simulation:
     """Solves the flow in a network, and beside it with all changes at once: what ``willis simulate`` does.
 
     ``stenosis`` is the share of the diameter by which vessels, by label or ``edge:ROW``, are narrowed (0.7), or a text of the command
     (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened. With ``transport``, the result has
-    ``territories`` and ``transit``: who feeds what, and when blood arrives.
+    ``territories`` and ``transit``: who feeds what, and when blood arrives. Vessels that no inlet feeds have no flow, or are left out with
+    ``unfed="drop"``.
 
     With ``pulse`` the flow pulsates, and the result has ``waveforms``: True for a typical shape at every inlet, the path of a table of
     one period (``time_s``, and ``pressure_mmHg`` or ``flow_mL_per_min``), or a path for each of several inlets by name. The options
@@ -101,6 +103,7 @@ def simulate(
         "friction": friction,
         "density": density,
         "times": times,
+        "unfed": unfed,
     }
     network = network_of(source)
     made = words(given, defaults_of(simulate))
@@ -135,12 +138,13 @@ def modulate(
     vessels: Sequence[str] | None = None,
     viscosity: str = "3.5cP",
     threshold: float | None = None,
+    unfed: Literal["drop", "keep"] = "keep",
     threads: int | None = None,
     progress: Progress = True,
 ) -> Modulation:
     """Modulates the resistances of a network at random: what ``willis modulate`` does.
 
-    ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2.
+    ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2; ``unfed="drop"`` leaves out vessels that no inlet feeds.
     """
     given = {
         "classes": ",".join(f"{low!r}:{high!r}" for low, high in classes),
@@ -150,6 +154,7 @@ def modulate(
         "vessels": vessels,
         "viscosity": viscosity,
         "threshold": threshold,
+        "unfed": unfed,
     }
     network = network_of(source)
     defaults = {**defaults_of(modulate), "classes": "0:0.2,0.2:0.3,0.3:0.5"}

@@ -75,7 +75,7 @@ class Network:
         """
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "network.npz")
-            _willis.write(self._scan, path, None, False)
+            _willis.write(self._scan, path, None, None, False)
             with np.load(path) as arrays:
                 return Table({name: arrays[name] for name in arrays.files})
 
@@ -157,9 +157,13 @@ class Network:
                 self.save(path)
             yield path
 
-    def save(self, path: PathLike, *, to: str | None = None, force: bool = False) -> None:
-        """Writes a file; its ending says the format, as for ``willis convert``, unless ``to`` does."""
-        for note in _willis.write(self._scan, Path(path), to, force):
+    def save(
+        self, path: PathLike, *, to: str | None = None, unfed: Literal["drop", "keep"] | None = None, force: bool = False
+    ) -> None:
+        """Writes a file; its ending says the format, as for ``willis convert``, unless ``to`` does. ``unfed`` says whether vessels that no
+        inlet feeds are left out; by default they are for svzerod and openbf.
+        """
+        for note in _willis.write(self._scan, Path(path), to, unfed, force):
             warnings.warn(note, Note, stacklevel=3)
 
     def __repr__(self) -> str:

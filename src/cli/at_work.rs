@@ -63,17 +63,53 @@ pub fn with_flags(error: &Error) -> String {
     flags_in(&Error::Parameter { name, value: value.clone(), accepted: accepted.clone() }.to_string())
 }
 
-/// A text of the library with the fields in backticks as options: "give `default_radius`" becomes "give --default-radius".
+/// A text of the library with what it has in backticks as its reader types it: "give `default_radius`" becomes "give --default-radius", and
+/// `units=voxel` becomes --units voxel. Inside of another program they are arguments: default_radius= and units=voxel.
 pub fn flags_in(text: &str) -> String {
+    replaced(text, as_typed)
+}
+
+/// A text with what it has in backticks as `say` has it; what that does not know stays.
+pub fn replaced(text: &str, say: impl Fn(&str) -> Option<String>) -> String {
     let mut parts = text.split('`');
     let mut out = parts.next().unwrap_or_default().to_owned();
     while let Some(quoted) = parts.next() {
-        match (flag(quoted), parts.next()) {
-            (Some(flag), Some(after)) => out.extend([&flag, after]),
+        match (say(quoted), parts.next()) {
+            (Some(said), Some(after)) => out.extend([&said, after]),
             (_, after) => out.extend(["`", quoted, after.map_or("", |_| "`"), after.unwrap_or_default()]),
         }
     }
     out
+}
+
+/// `FIELD` or `FIELD=VALUE` as its reader types it, where it is an option.
+fn as_typed(quoted: &str) -> Option<String> {
+    if of_line(|line| line.command.as_ref().map(drop)).is_none() {
+        return of_line(|line| argument(&line.parser, quoted));
+    }
+    let (field, value) = field_of(quoted);
+    flag(field).map(|flag| value.map_or_else(|| flag.clone(), |value| format!("{flag} {value}")))
+}
+
+/// A field and the value that a text gives it.
+fn field_of(quoted: &str) -> (&str, Option<&str>) {
+    quoted.split_once('=').map_or((quoted, None), |(field, value)| (field, Some(value)))
+}
+
+/// The options that are lists of several in a binding.
+const LISTS: [(&str, &str); 3] = [("inlet", "inlets"), ("outlet", "outlets"), ("flow", "flows")];
+
+/// `FIELD` or `FIELD=VALUE` as the argument of a binding, if any command has such an option.
+pub fn argument(parser: &clap::Command, quoted: &str) -> Option<String> {
+    let (field, value) = field_of(quoted);
+    let flag = field.replace('_', "-");
+    let is_long =
+        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
+    let mut arguments = parser.get_subcommands().flat_map(clap::Command::get_arguments).chain(parser.get_arguments());
+    // Where a result goes is not named.
+    let is_option = field != "output" && arguments.any(is_long);
+    let name = LISTS.iter().find(|(one, _)| *one == field).map_or(field, |(_, several)| *several);
+    is_option.then(|| format!("{name}={}", value.unwrap_or_default()))
 }
 
 /// A field as the option of the subcommand at work.

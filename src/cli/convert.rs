@@ -7,11 +7,12 @@ use crate::internals::formats::convert::Target;
 use crate::internals::formats::{Format, unread_columns};
 use crate::internals::output::StagedFiles;
 use crate::internals::pipeline::stage_target;
-use crate::{Network, read};
+use crate::{Network, Unfed, WrittenFiles, read};
 use clap::Args;
 use serde_json::json;
 
 use super::args::reading::InputArgs;
+use super::args::unfed;
 use super::command_line::command_line;
 use super::print::{TextTerminal, plural, say_read};
 use super::shell::print_json;
@@ -30,6 +31,9 @@ pub struct ConvertArgs {
     /// The format to write
     #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
     to: Option<String>,
+    /// Vessels that no inlet feeds [default: drop for svzerod and openbf, which cannot do with them, else keep]
+    #[arg(long, value_parser = unfed())]
+    unfed: Option<Unfed>,
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
@@ -60,7 +64,7 @@ pub struct SkeletonArgs {
 impl SkeletonArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let Self { input, output, to, json } = self;
-        ConvertArgs { input, output, to, json }.write("skeleton", terminal, force)
+        ConvertArgs { input, output, to, unfed: None, json }.write("skeleton", terminal, force)
     }
 }
 
@@ -71,7 +75,7 @@ impl ConvertArgs {
 
     fn write(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
         self.input.reading.refuse_candidates(command)?;
-        let target = Target::new(&self.output, self.to.as_deref())?;
+        let target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
         check(&target, force)?;
         let path = &self.input.input;
         let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
@@ -81,8 +85,7 @@ impl ConvertArgs {
                 .in_file(path));
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
-        let (nodes, vessels) = (input.network.node_count(), input.network.vessel_count());
-        let (names, mut lost) = put(&input.network, &target, terminal, force)?;
+        let (names, WrittenFiles { mut lost, counts: [nodes, vessels], .. }) = put(&input.network, &target, terminal, force)?;
         let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));
@@ -111,8 +114,8 @@ pub fn check(target: &Target, force: bool) -> Result<()> {
     StagedFiles::check(&target.path, &target.nodes, force)
 }
 
-/// Writes the files of a target, says what is lost, and returns their names and what is lost.
-pub fn put(network: &Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<(Vec<String>, Vec<String>)> {
+/// Writes the files of a target, says what is lost, and returns their names and what came of it.
+pub fn put(network: &Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<(Vec<String>, WrittenFiles)> {
     put_into(StagedFiles::new(&target.path, force)?, network, target, terminal)
 }
 
@@ -122,7 +125,7 @@ pub fn put_into(
     network: &Network,
     target: &Target,
     terminal: TextTerminal,
-) -> Result<(Vec<String>, Vec<String>)> {
+) -> Result<(Vec<String>, WrittenFiles)> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
     for note in &written.notes {
@@ -131,5 +134,5 @@ pub fn put_into(
     for what in &written.lost {
         terminal.say("lost", what);
     }
-    Ok((files.iter().map(|path| path.display().to_string()).collect(), written.lost))
+    Ok((files.iter().map(|path| path.display().to_string()).collect(), written))
 }

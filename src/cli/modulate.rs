@@ -9,13 +9,12 @@ use crate::internals::network::vessels_called;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::ModulationOutcome;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, modulate_with};
+use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, Unfed, modulate_with};
 use clap::Args;
 
-use super::args::boundary_for;
 use super::args::figures::{viscosity, whole};
 use super::args::reading::InputArgs;
-use super::args::words;
+use super::args::{boundary_for, unfed, words};
 use super::checkpoint::Follower;
 use super::command_line::command_line;
 use super::print::{TextTerminal, brief, plural};
@@ -73,6 +72,9 @@ pub struct ModulateArgs {
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer")]
     json: bool,
+    /// Vessels that no inlet feeds
+    #[arg(long, default_value = "keep", value_parser = unfed(), help_heading = "Modulation")]
+    unfed: Unfed,
     #[command(flatten)]
     boundary: BoundaryOptions,
 }
@@ -132,6 +134,7 @@ impl ModulateArgs {
             reading: self.reading,
             vessels: None,
             viscosity: self.viscosity,
+            unfed: self.unfed,
         };
         options.validate()?;
         Ok(options)

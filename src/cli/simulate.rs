@@ -7,13 +7,13 @@ use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, simulate_with};
+use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 use clap::Args;
 
-use super::args::boundary_for;
 use super::args::figures::{viscosity, whole};
 use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
+use super::args::{boundary_for, unfed};
 use super::checkpoint::Follower;
 use super::command_line::command_line;
 use super::print::TextTerminal;
@@ -44,6 +44,9 @@ pub struct SimulateArgs {
     /// Print run.json on standard output too
     #[arg(long, help_heading = "Answer", hide_short_help = true)]
     json: bool,
+    /// Vessels that no inlet feeds
+    #[arg(long, default_value = "keep", value_parser = unfed())]
+    unfed: Unfed,
     /// Follow the blood: territories.csv, who feeds what; transit.csv, when it arrives
     #[arg(long)]
     transport: bool,
@@ -101,7 +104,7 @@ impl SimulateArgs {
         let occlusions = occlude.iter().map(|name| (name.clone(), Change::Occlusion));
         let changes = stenosis.iter().cloned().chain(occlusions).chain(tortuosity.iter().cloned()).collect();
         let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
-        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse }, changes))
+        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse, unfed: self.unfed }, changes))
     }
 }
 

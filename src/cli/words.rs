@@ -17,6 +17,8 @@ use super::print::flow::say_simulated;
 use super::print::inference::say_outcome;
 use super::print::{say_read, say_step, taken};
 use super::simulate::SimulateArgs;
+use crate::cli::at_work::{argument, replaced};
+use crate::cli::parser;
 use crate::error::Result;
 use crate::{
     ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
@@ -106,6 +108,12 @@ pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
 /// What the command says of a simulation: facts under headings.
 pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
     taken(|terminal| say_simulated(terminal, &run.simulated()))
+}
+
+/// A text of the library, such as an error, with the arguments that it names as they are written: `max_gap` becomes max_gap=.
+pub fn arguments_in(text: &str) -> String {
+    let parser = parser();
+    replaced(text, |quoted| argument(&parser, quoted))
 }
 
 /// The arguments of a command, by words.

@@ -93,7 +93,7 @@ pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>,
 pub(crate) fn no_vessel() -> Fault {
     Fault::file(
         "no vessel with positions",
-        "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks` FILE",
+        "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks=FILE`",
     )
 }
 

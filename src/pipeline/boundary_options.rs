@@ -183,7 +183,7 @@ fn several(network: &Network, option: &str, name: &str) -> Option<String> {
     // Points inside vessels are no nodes, but were meant as such beside one that is.
     let are_numbers = names.iter().all(|name| name.parse::<u64>().is_ok()) && names.iter().any(is_node);
     let are_nodes = names.len() > 1 && (are_numbers || names.iter().all(is_node));
-    let each: Vec<String> = names.iter().map(|name| format!("--{option} {name}")).collect();
+    let each: Vec<String> = names.iter().map(|name| format!("`{option}={name}`")).collect();
     are_nodes.then(|| format!("looks like {} nodes; give one at a time: {}", names.len(), each.join(" ")))
 }
 

@@ -132,7 +132,7 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     let Some(found) = prepared.arteries.clone() else {
         let why = prepared.provenance.notes.iter().find_map(|note| note.strip_prefix(NO_PHENOTYPE)).unwrap_or_default();
         let (why, accepted) =
-            why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks` FILE"));
+            why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks=FILE`"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
     let given: Vec<usize> =
@@ -202,7 +202,7 @@ fn check_landmarks(input: &Input, found: &FoundArteries) -> Result<()> {
     match (&input.run, &found.landmarks) {
         (Some(run), Some(file)) if run.landmarks.as_ref() != Some(&file.sha256) => {
             let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
-            Err(Fault::file(why, "expected them unedited, or `landmarks` FILE").in_file(&file.path))
+            Err(Fault::file(why, "expected them unedited, or `landmarks=FILE`").in_file(&file.path))
         }
         _ => Ok(()),
     }

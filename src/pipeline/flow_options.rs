@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::boundary_options::BoundaryOptions;
 use willis_core::error::{Error, Result};
-use willis_core::flow::WallLaw;
+use willis_core::flow::{Unfed, WallLaw};
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::flow::state::BLOOD_DENSITY;
 use willis_core::network::Windkessel;
@@ -23,11 +23,14 @@ pub struct FlowOptions {
     pub transport: bool,
     /// How the flow pulsates; `None` leaves it steady.
     pub pulse: Option<PulseOptions>,
+    /// What becomes of vessels that no inlet feeds.
+    pub unfed: Unfed,
 }
 
 impl Default for FlowOptions {
     fn default() -> Self {
-        Self { boundary: BoundaryOptions::default(), viscosity: BLOOD_VISCOSITY, transport: false, pulse: None }
+        let boundary = BoundaryOptions::default();
+        Self { boundary, viscosity: BLOOD_VISCOSITY, transport: false, pulse: None, unfed: Unfed::Keep }
     }
 }
 

@@ -92,6 +92,7 @@ impl Prepared {
         boundary.roles.len() == nodes
             && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
             && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
+            && self.own_nodes <= nodes
             && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
     }
 
@@ -197,9 +198,10 @@ impl Inference {
         &self.decision
     }
 
-    /// The plausible topology: the vessels that are kept, with all nodes.
+    /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
+    /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        self.prepared.graph.subgraph(|row| self.decision.kept[row]).0
+        self.outcome().topology(&self.decision.kept).network
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
@@ -219,6 +221,7 @@ impl Inference {
             |kept: &[bool]| Topology::of(graph, &self.likelihood.uncertain, kept, &boundary.held(graph, |row| kept[row]));
         Outcome {
             network: graph,
+            own_nodes: self.prepared.own_nodes,
             boundary,
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,

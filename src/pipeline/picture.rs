@@ -75,7 +75,7 @@ impl ImageSource {
         }
         if !prior.looks_at_images() {
             return refused(
-                "goes with a model that knows images: `prior` weights:skeleton, which is the usual one of masks and skeletons",
+                "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons",
             );
         }
         let (image, sha256) = read_image(path, input)?;

@@ -11,7 +11,7 @@ use super::picture::{ImageSource, pictures};
 use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
-use super::{InferOptions, Input, Preset, RunOptions, unused};
+use super::{Contents, InferOptions, Input, Preset, RunOptions, unused};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets, Given};
 use willis_core::network::units::Scale;
@@ -25,7 +25,7 @@ use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
 const NOTHING_UNCERTAIN: &str =
-    "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain` all puts every vessel in question";
+    "no vessel is uncertain: for centerlines, `observed` looks for candidates; `uncertain=all` puts every vessel in question";
 
 /// The over-connected graph of an input with its boundary conditions: all that [`infer`](crate::infer) does before it samples.
 ///
@@ -39,6 +39,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
 
     let by_labels = loaded.arteries.as_ref().is_some_and(ArterySource::is_labels);
     let mut vessels = if by_labels && loaded.is_fragments { input.divided_by_labels() } else { input.network };
+    let own_nodes = if matches!(input.contents, Contents::Centerlines(_)) { 0 } else { vessels.node_count() };
     let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
@@ -64,6 +65,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         segmentation: input.lumen.as_ref().map(Segmentation::of),
         image_cuts: built.scene.map(|scene| pictures(&scene, &graph)).unwrap_or_default(),
         graph,
+        own_nodes,
         boundary,
         provenance: Provenance { notes: notes.kept, ..input.provenance },
         outlets: loaded.outlets,

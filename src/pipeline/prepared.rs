@@ -25,6 +25,9 @@ use willis_report::{ImageCut, Provenance, Segmentation};
 pub struct Prepared {
     /// The over-connected graph.
     pub graph: Network,
+    /// The rows of its first nodes that an input states as such; centerlines state points.
+    #[serde(default)]
+    pub(crate) own_nodes: usize,
     /// Its boundary conditions.
     pub boundary: Boundary,
     /// The file, and what a person should know.

@@ -52,7 +52,7 @@ impl Waves {
                 Some((name, file)) => {
                     let found = locate(network, name).map_err(refused)?;
                     if !inlets.contains(&found.node) {
-                        return Err(refused(format!("{name} is no inlet; expected one, or `inlet` {name} beside it")));
+                        return Err(refused(format!("{name} is no inlet; expected one, or `inlet={name}` beside it")));
                     }
                     (vec![found.node], file, true)
                 }

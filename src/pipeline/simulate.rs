@@ -1,5 +1,6 @@
 //! Forward simulation and resistance modulation of an input, and the folders that hold them.
 
+use std::borrow::Cow;
 use std::path::Path;
 use std::time::Instant;
 
@@ -8,25 +9,24 @@ use serde_json::{Value, json};
 use super::pulse::Waves;
 use super::{BoundaryOptions, FlowOptions, Follow, Input, SaveOptions, Silent, Step};
 use willis_core::error::{Error, Result};
-use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::flow::{Boundary, FoundOutlets, Unfed};
 use willis_core::modulation::{HypertensionByClass, Modulation, ModulationOptions};
-use willis_core::network::vessels_called;
+use willis_core::network::{Network, vessels_called};
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Change, Perturbation, Simulation};
+use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Column, NamedArray};
 use willis_io::output::atomic::StagedFolder;
 use willis_report::{
-    FlowRecord, ModulationOutcome, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
+    FlowRecord, ModulationOutcome, Provenance, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
     waveform_arrays, write_modulation, write_simulated,
 };
 
 /// The flow in a network as it is, and beside it with vessels changed.
 #[derive(Debug)]
 pub struct SimulationRun<'a> {
-    input: &'a Input,
-    boundary: Boundary,
-    outlets: FoundOutlets,
+    solved: Solved<'a>,
     perturbations: Vec<Perturbation>,
     simulation: Simulation,
     viscosity: f64,
@@ -55,14 +55,18 @@ pub fn simulate_with<'a>(
     progress: &mut dyn Follow,
 ) -> Result<SimulationRun<'a>> {
     options.validate()?;
-    let network = &input.network;
+    let solved = Solved::of(input, &options.boundary, options.unfed, progress)?;
+    let network = &*solved.network;
     let mut perturbations = Vec::new();
     for (name, change) in changes {
         let refused = |why: String| Error::parameter(change.field(), format!("\"{name}\""), why);
-        let vessels = vessels_called(network, name).map_err(refused)?;
-        perturbations.extend(vessels.into_iter().map(|vessel| Perturbation { vessel, change: *change }));
+        for row in vessels_called(&input.network, name).map_err(refused)? {
+            let vessel =
+                solved.row(row).ok_or_else(|| refused("no blood comes there, and `unfed=drop` left it out".to_owned()))?;
+            perturbations.push(Perturbation { vessel, change: *change });
+        }
     }
-    let (boundary, outlets) = conditions(input, &options.boundary, progress)?;
+    let boundary = solved.boundary.clone();
     let waves = options.pulse.as_ref().map(|pulse| Waves::load(network, &boundary, pulse, progress)).transpose()?;
     let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
@@ -73,7 +77,40 @@ pub fn simulate_with<'a>(
     let pulses = driven
         .map(|(waves, pulse)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation))
         .transpose()?;
-    Ok(SimulationRun { input, boundary, outlets, perturbations, simulation, viscosity, transports, pulses })
+    Ok(SimulationRun { solved: Solved { boundary, ..solved }, perturbations, simulation, viscosity, transports, pulses })
+}
+
+/// What flow is solved for: the vessels of an input, or those that inlets feed, with their conditions.
+#[derive(Debug)]
+struct Solved<'a> {
+    input: &'a Input,
+    network: Cow<'a, Network>,
+    boundary: Boundary,
+    outlets: FoundOutlets,
+    /// The rows that its vessels have in the input, where some are left out.
+    rows: Option<Vec<usize>>,
+    provenance: Cow<'a, Provenance>,
+}
+
+impl<'a> Solved<'a> {
+    fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
+        let (boundary, outlets) = conditions(input, options, progress)?;
+        let (network, provenance) = (Cow::Borrowed(&input.network), Cow::Borrowed(&input.provenance));
+        let whole = Self { input, network, boundary, outlets, rows: None, provenance };
+        let part = if unfed == Unfed::Drop { whole.boundary.fed_part(&input.network) } else { None };
+        let Some((part, boundary, rows)) = part else { return Ok(whole) };
+        let left_out = input.network.vessel_count() - rows.len();
+        let note = format!("{} that no inlet feeds, left out; rows are those that stay", plural(left_out, "vessel"));
+        progress.step(Step::Note(&note));
+        let mut provenance = input.provenance.clone();
+        provenance.notes.push(note);
+        Ok(Self { network: Cow::Owned(part), boundary, rows: Some(rows), provenance: Cow::Owned(provenance), ..whole })
+    }
+
+    /// The row of a vessel of the input, if it stays.
+    fn row(&self, row: usize) -> Option<usize> {
+        self.rows.as_ref().map_or(Some(row), |rows| rows.binary_search(&row).ok())
+    }
 }
 
 /// The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
@@ -96,9 +133,17 @@ impl SimulationRun<'_> {
 
     /// Everything that the files of the run are made of.
     pub fn simulated(&self) -> Simulated<'_> {
-        let Self { input, boundary, perturbations, simulation, viscosity, transports, pulses, .. } = self;
+        let Self { solved, perturbations, simulation, viscosity, transports, pulses } = self;
         let (viscosity, transports, pulses) = (*viscosity, transports.as_ref(), pulses.as_ref());
-        Simulated { network: &input.network, boundary, perturbations, result: simulation, viscosity, transports, pulses }
+        Simulated {
+            network: &solved.network,
+            boundary: &solved.boundary,
+            perturbations,
+            result: simulation,
+            viscosity,
+            transports,
+            pulses,
+        }
     }
 
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
@@ -121,7 +166,8 @@ impl SimulationRun<'_> {
 
     /// The record of the run.
     pub fn record(&self) -> FlowRecord {
-        FlowRecord::new(&self.simulated(), &self.input.provenance, self.input.options.radius_rule, self.outlets)
+        let Solved { input, provenance, outlets, .. } = &self.solved;
+        FlowRecord::new(&self.simulated(), provenance, input.options.radius_rule, *outlets)
     }
 
     /// Saves every file in a new folder, which appears whole or not at all; an earlier run's is replaced with `force`. Returns what a
@@ -142,9 +188,7 @@ impl SimulationRun<'_> {
 /// How a network responds to resistances that vary at random.
 #[derive(Debug)]
 pub struct ModulationRun<'a> {
-    input: &'a Input,
-    boundary: Boundary,
-    outlets: FoundOutlets,
+    solved: Solved<'a>,
     options: ModulationOptions,
     modulation: Modulation,
     hypertension: HypertensionByClass,
@@ -179,22 +223,26 @@ pub fn modulate_with<'a>(
     progress: &mut dyn Follow,
 ) -> Result<ModulationRun<'a>> {
     options.validate()?;
-    let (boundary, outlets) = conditions(input, boundary, progress)?;
+    let solved = Solved::of(input, boundary, options.unfed, progress)?;
+    let mut options = options.clone();
+    if let (Some(rows), Some(vessels)) = (&solved.rows, &mut options.vessels) {
+        *vessels = rows.iter().map(|row| vessels[*row]).collect();
+    }
     let begun = Instant::now();
-    let modulation = willis_core::modulation::modulate(&input.network, &boundary, options, progress)?;
+    let modulation = willis_core::modulation::modulate(&solved.network, &solved.boundary, &options, progress)?;
     let hypertension = HypertensionByClass::of(&modulation, threshold);
-    let (options, seconds) = (options.clone(), begun.elapsed().as_secs_f64());
-    Ok(ModulationRun { input, boundary, outlets, options, modulation, hypertension, seconds })
+    let seconds = begun.elapsed().as_secs_f64();
+    Ok(ModulationRun { solved, options, modulation, hypertension, seconds })
 }
 
 impl ModulationRun<'_> {
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> ModulationOutcome<'_> {
         ModulationOutcome {
-            network: &self.input.network,
-            boundary: &self.boundary,
-            outlets: self.outlets,
-            provenance: &self.input.provenance,
+            network: &self.solved.network,
+            boundary: &self.solved.boundary,
+            outlets: self.solved.outlets,
+            provenance: &self.solved.provenance,
             params: &self.options,
             result: &self.modulation,
             hypertension: &self.hypertension,

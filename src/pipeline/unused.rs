@@ -43,7 +43,7 @@ pub(super) fn refuse(input: &Input, options: &InferOptions, cuts: Option<&Cuts>)
         let why = if options.cut == Cut::Never {
             "`cut` never leaves all vessels together"
         } else {
-            "only automatic skeletons are cut apart by themselves (`cut` always does so here)"
+            "only automatic skeletons are cut apart by themselves (`cut=always` does so here)"
         };
         notes.push(format!("`mask` changes nothing: {why}"));
     }

@@ -19,6 +19,8 @@ pub struct WrittenFiles {
     pub notes: Vec<String>,
     /// What the format cannot hold.
     pub lost: Vec<String>,
+    /// How many nodes and vessels were written.
+    pub counts: [usize; 2],
 }
 
 /// Writes a network as `willis convert` does: its ending says the format, unless the word `to` does. Files that are there are replaced
@@ -28,17 +30,16 @@ pub struct WrittenFiles {
 ///
 /// An ending or a word that means no format, a network that the format cannot hold, a file that stands already or cannot be written.
 pub fn write(network: &Network, path: &Path, to: Option<&str>, force: bool) -> Result<WrittenFiles> {
-    let target = Target::new(path, to)?;
-    StagedFiles::check(&target.path, &target.nodes, force)?;
-    write_target(network, &target, force)
+    write_target(network, &Target::new(path, to)?, force)
 }
 
-/// As [`write()`], to a target that was checked.
+/// As [`write()`], to a target.
 ///
 /// # Errors
 ///
 /// As [`write()`].
 pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<WrittenFiles> {
+    StagedFiles::check(&target.path, &target.nodes, force)?;
     let mut staged = StagedFiles::new(&target.path, force)?;
     let written = stage_target(network, target, &mut staged)?;
     Ok(WrittenFiles { files: staged.commit()?, ..written })
@@ -50,6 +51,8 @@ pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<W
 ///
 /// As [`write()`].
 pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles) -> Result<WrittenFiles> {
+    let (network, mut notes) = target.network(network)?;
+    let network = &*network;
     let lost = losses(network, target.format);
     let nodes = target.nodes.as_ref().map(|path| staged.add(path)).transpose()?;
     let mut written = Written::default();
@@ -69,5 +72,6 @@ pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles
     if !written.loops.is_empty() {
         staged.write(&target.loops(), |out| write_loops(out, &written.loops))?;
     }
-    Ok(WrittenFiles { files: Vec::new(), notes: written.notes, lost })
+    notes.append(&mut written.notes);
+    Ok(WrittenFiles { files: Vec::new(), notes, lost, counts: [network.node_count(), network.vessel_count()] })
 }

@@ -207,16 +207,22 @@ fn sources(below: &Path) -> String {
     })
 }
 
-/// A message of the program as the library words it: options are fields in backticks there.
-fn of_library(message: &str) -> String {
-    let word = |word: &str| match word.strip_prefix("--") {
-        Some(rest) => {
-            let (flag, after) = rest.split_at(rest.find([',', ';', ':']).unwrap_or(rest.len()));
-            format!("`{}`{after}", flag.replace('-', "_"))
-        }
-        None => word.to_owned(),
-    };
-    message.split(' ').map(word).collect::<Vec<_>>().join(" ")
+/// A message of the program as the library words it: options are fields in backticks there, and with `valued` their values beside them.
+fn of_library(message: &str, valued: bool) -> String {
+    let mut out = Vec::new();
+    let mut words = message.split(' ');
+    while let Some(word) = words.next() {
+        out.push(match word.strip_prefix("--") {
+            Some(rest) => {
+                let (flag, after) = rest.split_at(rest.find([',', ';', ':']).unwrap_or(rest.len()));
+                let value = words.clone().next().filter(|_| valued && after.is_empty()).map(|_| words.next());
+                let value = value.flatten().map_or_else(String::new, |value| format!("={value}"));
+                format!("`{}{value}`{after}", flag.replace('-', "_"))
+            }
+            None => word.to_owned(),
+        });
+    }
+    out.join(" ")
 }
 
 /// Each message in the first column of the page on trouble is one of the program's: its parts between `…` stand in the sources.
@@ -230,7 +236,10 @@ fn the_messages_that_are_explained_are_the_programs_own() {
     let mut missing = Vec::new();
     for message in messages {
         for part in message.split('…').map(|part| part.trim_matches([' ', ':', ';', ','])).filter(|part| !part.is_empty()) {
-            missing.extend((!sources.contains(part) && !sources.contains(&of_library(part))).then_some(part));
+            missing.extend(
+                (!sources.contains(part) && [false, true].iter().all(|valued| !sources.contains(&of_library(part, *valued))))
+                    .then_some(part),
+            );
         }
     }
     assert!(missing.is_empty(), "no source says {missing:#?}");

@@ -536,3 +536,21 @@ fn what_is_allowed_is_not_caught() {
         assert_eq!(violations(file, &format!("//! Made up.\n{body}")), [""; 0], "{file}: {body}");
     }
 }
+
+/// A text of the library may reach the command line or Python: it has a field in backticks (`frame`, `units=voxel`), which each shows as it
+/// is typed there. A command in backticks is one on both sides.
+#[test]
+fn texts_of_the_library_name_fields_not_options() {
+    let option =
+        |line: &str| line.match_indices("--").any(|(at, _)| line[at + 2..].starts_with(|c: char| c.is_ascii_lowercase()));
+    let (root, mut files) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
+    ["crates", "src/pipeline", "src/cli/print"].iter().for_each(|folder| sources(&root.join(folder), &mut files));
+    let mut found = Vec::new();
+    for path in files {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let wrong = code.filter(|line| line.contains('"') && option(line) && !line.contains("`willis "));
+        found.extend(wrong.map(|line| format!("{}: {}", path.display(), line.trim())));
+    }
+    assert!(found.is_empty(), "{}", found.join("\n"));
+}

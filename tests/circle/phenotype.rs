@@ -482,7 +482,7 @@ fn codes_mean_arteries() {
     assert_eq!(LabelScheme::of(["1", "2", "16", "0", ""]), Ok(LabelScheme::ICafe));
     assert_eq!(LabelScheme::of(["L-ICA", "7", ""]), Ok(LabelScheme::Names));
     let ambiguous = LabelScheme::of(["1", "10", "2"]).unwrap_err();
-    assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("`labels` icafe|topcow"), "{ambiguous:?}");
+    assert!(ambiguous.found.contains("1 2 10") && ambiguous.accepted.contains("`labels=icafe|topcow`"), "{ambiguous:?}");
     assert!(LabelScheme::of(["1", "99"]).is_err());
 }
 

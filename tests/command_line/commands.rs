@@ -226,7 +226,7 @@ fn an_output_is_an_input_with_the_same_conditions() {
         assert!(willis(here.path(), &["infer", next, "-o", "again", "-q", "--force"]).status.success());
         let record = fs::read_to_string(here.path().join("again/run.json")).expect("a record");
         let record: serde_json::Value = serde_json::from_str(&record).expect("JSON");
-        let of = |c: &serde_json::Value| (c["node"].clone(), c["pressure_mmHg"].clone(), c["resistance_mmHg_s_per_mL"].clone());
+        let of = |c: &serde_json::Value| (c["id"].clone(), c["pressure_mmHg"].clone(), c["resistance_mmHg_s_per_mL"].clone());
         let all = record["boundary_conditions"].as_array().expect("a list").iter().map(of).collect::<Vec<_>>();
         assert!(all.len() > 10);
         conditions.push(all);

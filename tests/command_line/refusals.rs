@@ -276,3 +276,18 @@ fn errors_name_the_field() {
 fn a_build_without_training_says_how_to_get_it() {
     refused(&[], &["train", "cases", "-o", "w.toml"], &["train", "--features train"]);
 }
+
+/// What a text of the library has in backticks is an option here, with its value where it has one; in Python it is an argument
+/// (python/tests/test_module.py has the same cases).
+#[test]
+fn texts_name_options_as_they_are_typed() {
+    let far = b"1 3 0 0 0 2 -1\n2 3 0 0 349 2 1\n";
+    refused(&[("a.csv", b"fragment,x,y,z\n1,0,0,0\n1,1,0,0\n")], &["convert", "a.csv", "a.swc"], &["or give --default-radius"]);
+    let here = folder();
+    fs::write(here.path().join("far.swc"), far).expect("written");
+    let done = willis(here.path(), &["convert", "far.swc", "far.vtp"]);
+    assert!(stderr(&done).contains("if lengths are in voxels, give --units voxel --spacing S"), "{}", stderr(&done));
+    let done = willis(here.path(), &["simulate", "far.swc", "-o", "out", "--inlet", "1", "--outlet", "2", "--outlets", "ground"]);
+    let wanted = "--outlets changes nothing: every outlet is stated; --outlet NODE=ground or --bc replaces it";
+    assert!(stderr(&done).contains(wanted), "{}", stderr(&done));
+}

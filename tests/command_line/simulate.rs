@@ -292,3 +292,67 @@ fn a_stated_resistance_stands_in_the_place_of_poiseuilles_law() {
         &["g.csv:2", "resistance_mmHg_s_per_mL -30", "positive"],
     );
 }
+
+/// A part that no inlet feeds stays without flow, or goes: what flows in the rest is the same to the last digit.
+#[test]
+fn vessels_that_no_inlet_feeds_stay_or_go() {
+    let here = folder();
+    let run = |extra: &[&str]| {
+        fs::write(
+            here.path().join("a.csv"),
+            [b"node_a,node_b,label,length_mm,radius_mm\nx,y,far,9,1\n".as_slice(), &EDGES[40..]].concat(),
+        )
+        .expect("written");
+        let output = willis(here.path(), &[&["simulate", "a.csv", "-o", "out", "--force"], &ENDS[..], extra].concat());
+        (output.status.code(), stderr(&output))
+    };
+    let flows = || table(here.path(), "edges.csv").1("flow_mL_per_min");
+    assert_eq!(run(&["--occlude", "edge:1"]).0, Some(0));
+    let (kept, diffused) = (flows(), table(here.path(), "edges.csv").1("diffused"));
+    assert_eq!((kept.len(), diffused[0].as_str()), (5, "0"));
+    let (status, said) = run(&["--occlude", "edge:1", "--unfed", "drop"]);
+    assert!(status == Some(0) && said.contains("1 vessel that no inlet feeds, left out"), "{said}");
+    assert_eq!(flows(), kept[1..]);
+    assert_eq!(table(here.path(), "edges.csv").1("label")[0], "L-ICA I");
+    let record = record(here.path());
+    assert!(record["notes"].as_array().expect("notes").iter().any(|note| note.as_str().expect("a text").contains("left out")));
+    let (status, said) = run(&["--occlude", "far", "--unfed", "drop"]);
+    assert!(
+        status == Some(2) && said.contains("--occlude \"far\": no blood comes there, and --unfed drop left it out"),
+        "{said}"
+    );
+    fs::remove_dir_all(here.path().join("out")).expect("removed");
+    let modulate = |extra: &[&str]| {
+        let given = ["modulate", "a.csv", "-o", "out", "-n", "8", "--vessels", "edge:0,wide", "--save-samples", "--force", "-q"];
+        let output = willis(here.path(), &[&given, &ENDS[..], extra].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        table(here.path(), "edges.csv").1("edge").len()
+    };
+    let all = modulate(&[]);
+    assert_eq!(modulate(&["--unfed", "drop"]), all / 5 * 4);
+}
+
+/// The vessels of a topology that go on without a junction are one; of the table beside it each part is a row. Both flow alike.
+#[test]
+fn a_topology_flows_as_the_table_of_its_run_does() {
+    let here = folder();
+    let infer = willis(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "run", "-q"]);
+    assert!(infer.status.success(), "{}", stderr(&infer));
+    let mut found = Vec::new();
+    for input in ["run", "run/edges.csv"] {
+        let output = willis(here.path(), &["simulate", input, "-o", "out", "-q", "--force"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let (_, nodes) = table(here.path(), "nodes.csv");
+        let numbers = nodes("pressure_mmHg").into_iter().map(|pressure| pressure.parse::<f64>().unwrap_or(f64::NAN));
+        let by_id: std::collections::BTreeMap<String, f64> = nodes("id").into_iter().zip(numbers).collect();
+        found.push((by_id, record(here.path())["total_inflow_mL_per_min"].as_f64().expect("a flow")));
+    }
+    let [(merged, inflow), (parts, of_parts)] = &found[..] else { panic!("two runs") };
+    assert!((inflow / of_parts - 1.0).abs() < 1e-9, "{inflow} {of_parts}");
+    assert!(merged.len() < parts.len());
+    for (id, pressure) in merged {
+        let expected = parts[id];
+        let same = pressure.is_nan() && expected.is_nan() || (pressure - expected).abs() < 1e-9 * expected.abs();
+        assert!(same, "{id}: {pressure} {expected}");
+    }
+}

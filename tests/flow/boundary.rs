@@ -240,16 +240,16 @@ fn no_free_end_to_find_is_an_error_that_names_the_option() {
     let ring = network(2, [([0, 1], tube(10.0, 1.0)), ([1, 0], tube(20.0, 1.0))]);
     let neither = message(&ring, &[]);
     assert!(
-        neither.contains("`inlet` NODE") && neither.contains("`outlet` NODE") && neither.contains("0 free ends"),
+        neither.contains("`inlet=NODE`") && neither.contains("`outlet=NODE`") && neither.contains("0 free ends"),
         "{neither}"
     );
     let no_outlet = message(&ring, &[inlet(0)]);
     assert!(
-        no_outlet.contains("no outlet") && no_outlet.contains("`outlet` NODE") && !no_outlet.contains("--inlet"),
+        no_outlet.contains("no outlet") && no_outlet.contains("`outlet=NODE`") && !no_outlet.contains("--inlet"),
         "{no_outlet}"
     );
     let no_inlet = message(&ring, &[outlet(0)]);
-    assert!(no_inlet.contains("no inlet") && no_inlet.contains("`inlet` NODE") && !no_inlet.contains("--outlet"), "{no_inlet}");
+    assert!(no_inlet.contains("no inlet") && no_inlet.contains("`inlet=NODE`") && !no_inlet.contains("--outlet"), "{no_inlet}");
     let tail = network(2, [([0, 1], tube(10.0, 1.0)), ([1, 1], tube(20.0, 1.0))]);
     assert!(message(&tail, &[]).contains("1 free ends"));
     assert_eq!(resolve(&tail, &[outlet(1)]).found_inlets, [0]);

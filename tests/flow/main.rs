@@ -19,6 +19,7 @@ mod accuracy;
 mod boundary;
 mod circle_flow;
 mod circuits;
+mod merged_vessels;
 mod modulation;
 mod morphometry;
 mod peel;

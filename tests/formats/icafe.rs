@@ -98,7 +98,7 @@ fn either_file_of_the_pair_may_be_given() {
     let table = format!("{HEADER}\r\n{ROWS}");
     let info = "Voxel spacing: 0.47 0.47 1.5\r\nOrigin: 1,2,3";
     let pair = folder(&[("a.swc", TRACING), ("Feature_Vessel.csv", &table), ("Image_info.txt", info)]);
-    let note = "Image_info.txt beside it states a voxel spacing of 0.47 mm; give `units` voxel `spacing` 0.47";
+    let note = "Image_info.txt beside it states a voxel spacing of 0.47 mm; give `units=voxel` `spacing=0.47`";
     let found = "labels are those of Feature_Vessel.csv: 3 of its 3 vessels are in the tracing";
     let swc = open(&pair, "a.swc", Scale::default()).unwrap();
     assert_eq!((swc.format, swc.notes), (Format::ICafe, vec![found.to_owned(), note.to_owned()]));

@@ -255,7 +255,7 @@ fn a_numpy_mask_has_x_first_and_the_spacing_that_is_stated() {
     let last_fastest: Vec<u8> = (0..360).map(|n| bar()[n / 30 + 12 * (n / 6 % 5) + 60 * (n % 6)]).collect();
     let c = npy("|u1", false, "(12, 5, 6)", &last_fastest);
     assert_eq!(ends(read_first(&[("a.npy", &c)], &options).expect("read")), tips(frame));
-    assert!(read("a.npy", &c).expect_err("no spacing").contains("expected `spacing` SX,SY,SZ, in mm"));
+    assert!(read("a.npy", &c).expect_err("no spacing").contains("expected `spacing=SX,SY,SZ`, in mm"));
 }
 
 #[test]

@@ -550,7 +550,7 @@ fn vessels_in_millimetres_pass_and_other_units_are_named() {
     let voxel = notes(LengthUnit::Millimetre, |x| x, |i| 4.1 * mm(i));
     assert!(voxel.contains("perhaps they are um or voxels"), "{voxel}");
     let cm = notes(LengthUnit::Millimetre, |x| 0.2 * x, |i| 0.05 * mm(i));
-    assert!(cm.contains("give `units` cm"), "{cm}");
+    assert!(cm.contains("give `units=cm`"), "{cm}");
     assert!(notes(LengthUnit::Metre, |x| x, mm).contains("perhaps they are mm or voxels"));
     assert!(notes(LengthUnit::Millimetre, f64::round, mm).contains("whole or half numbers"));
     let distance_transform = notes(LengthUnit::Millimetre, |x| x, |i| ((1 + i % 3) as f64).sqrt());

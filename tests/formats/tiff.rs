@@ -104,7 +104,7 @@ fn what_is_no_usable_stack_is_refused_in_one_line() {
     circle[last..].copy_from_slice(&first);
     let whole = stack(OME);
     let cases: Vec<(&str, Vec<u8>, &str)> = vec![
-        ("plain.tif", stack(""), "no spacing of the pixels; expected that of ImageJ or OME-XML, or give `spacing`"),
+        ("plain.tif", stack(""), "no spacing of the pixels; expected that of ImageJ or OME-XML, or give `spacing=SX,SY,SZ`"),
         ("pixel.tif", stack(&IMAGEJ.replace("=mm", "=pixel")), "no spacing of the pixels"),
         ("slices.tif", stack(&IMAGEJ.replace("spacing=0.75\n", "")), "no spacing of the slices"),
         ("zero.tif", ome("PhysicalSizeX=\"500\"", "PhysicalSizeX=\"0\""), "no spacing of the pixels"),

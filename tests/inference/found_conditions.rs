@@ -292,7 +292,7 @@ fn few_perfused_samples_are_told_with_advice_that_helps() {
     assert_eq!(
         warning.as_deref(),
         Some(
-            "Blood flows in 6.4 % of the samples, so L rests on few. A smaller --epsilon leaves more ways from inlets to outlets open."
+            "Blood flows in 6.4 % of the samples, so L rests on few. A smaller `epsilon` leaves more ways from inlets to outlets open."
         )
     );
     let (warning, share) = warned(&network, &said, &SamplingOptions { epsilon: 0.2, ..options });
@@ -301,7 +301,7 @@ fn few_perfused_samples_are_told_with_advice_that_helps() {
     let lost = found(enters_at(1, 0), &[1], &[0]);
     let (warning, share) = warned(&network, &lost, &exact);
     assert!((share - 0.01).abs() < 1e-12, "{share}");
-    let advice = "The inlets found lie at ends that other vessels probably join: state where blood enters, with --inlet.";
+    let advice = "The inlets found lie at ends that other vessels probably join: state where blood enters, with `inlet`.";
     assert!(warning.is_some_and(|warning| warning.ends_with(advice)));
     let stated = found(enters_at(1, 0), &[], &[0]);
     let (warning, share) = warned(&network, &stated, &exact);
@@ -310,7 +310,7 @@ fn few_perfused_samples_are_told_with_advice_that_helps() {
     let shut = found(enters_at(0, 1), &[], &[1]);
     let never = SamplingOptions { epsilon: 0.0, ..exact };
     let (warning, share) = warned(&network, &shut, &never);
-    assert!((share - 0.01).abs() < 1e-12 && warning.is_some_and(|warning| warning.ends_with("with --outlet.")));
+    assert!((share - 0.01).abs() < 1e-12 && warning.is_some_and(|warning| warning.ends_with("with `outlet`.")));
     assert_eq!(warned(&network, &enters_at(0, 1), &never), (None, 1.0));
 }
 
@@ -464,10 +464,18 @@ fn a_file_says_which_conditions_were_found() {
     assert!(all.conditions.iter().all(|(node, _)| degree[*node] == 1));
     assert!(all.conditions.len() < again.conditions.len());
     let held = again.held(&graph, |row| run.kept()[row]);
-    let topology = held.stated_in(run.topology());
+    let topology = held.stated_in(run.graph().subgraph(|row| run.kept()[row]).0);
     let read = Boundary::resolve(&topology, &stated(&topology), FoundOutlets::Ground).expect("conditions");
     assert_eq!(read, held);
     assert_eq!(read.held(&topology, |_| true), held);
+    // The topology itself, whose nodes are fewer, has them too.
+    let by_id = |network: &Network, boundary: &Boundary| -> BTreeMap<String, Condition> {
+        boundary.conditions.iter().map(|(node, condition)| (network.node(*node).id.clone(), *condition)).collect()
+    };
+    let own = run.topology();
+    assert!(own.node_count() < topology.node_count());
+    let read = Boundary::resolve(&own, &stated(&own), FoundOutlets::Ground).expect("conditions");
+    assert_eq!(by_id(&own, &read), by_id(&topology, &held));
     // A condition that a person states is no longer a found one; the others stand beside it.
     let outlet = held.found_outlets[0];
     let mut said = stated(&topology);

@@ -33,21 +33,38 @@ for e in edges:
     assert e["kept"] == "1" or e["origin"] == "candidate", e
     assert (e["probability"] == "") == (e["origin"] == "observed") and 0 <= float(e["probability"] or 0) <= 1, e
 
-# The topologies hold the kept vessels.
+# The topologies hold the kept vessels, those that go on without a junction as one.
 for name, column in (("topology", "kept"), ("topology-median", "above_median")):
-    rows = [e for e in edges if e[column] == "1"]
+    rows = {e["edge"]: e for e in edges if e[column] == "1"}
     graph = nx.read_graphml(f"{out}/{name}.graphml", force_multigraph=True)
-    assert graph.number_of_nodes() == n and graph.number_of_edges() == len(rows)
-    lengths = sorted(d["length_mm"] for *_, d in graph.edges(data=True))
-    assert lengths == sorted(float(e["length_mm"]) for e in rows)
+    vessels = [d for *_, d in graph.edges(data=True)]
+    parts = [d["edges"].split("+") for d in vessels]
+    assert sorted(row for of in parts for row in of) == sorted(rows)
+    merged = sum(len(of) - 1 for of in parts)
+    assert graph.number_of_nodes() == n - merged and any(len(of) > 1 for of in parts)
+    for d, of in zip(vessels, parts):
+        assert d["edge"] == min(map(int, of))
+        assert np.isclose(d["length_mm"], sum(float(rows[row]["length_mm"]) for row in of), rtol=1e-12)
+        # Poiseuille's resistance is that of the parts in a row.
+        narrow = sum(float(rows[row]["length_mm"]) / float(rows[row]["radius_mm"]) ** 4 for row in of)
+        assert np.isclose(d["length_mm"] / d["radius_mm"] ** 4, narrow, rtol=1e-12)
+        if any(rows[row]["origin"] != "observed" for row in of):
+            assert len(of) == 1
+    degree = graph.degree()
+    apart = {id for id, d in graph.nodes(data=True) if degree[id] == 2 and d["role"] == "inner"}
+    for id in apart:
+        (a, b) = [d["origin"] for *_, d in graph.edges(id, data=True)]
+        assert (a, b) != ("observed", "observed") or len(set(graph.neighbors(id))) == 1, id
     reader = vtkXMLPolyDataReader()
     reader.SetFileName(f"{out}/{name}.vtp")
     reader.Update()
     poly = reader.GetOutput()
-    assert poly.GetNumberOfLines() == len(rows)
+    assert poly.GetNumberOfLines() == len(vessels)
     assert poly.GetPointData().HasArray("MaximumInscribedSphereRadius")
     array = poly.GetCellData().GetArray("likelihood")
-    assert [array.GetValue(i) for i in range(len(rows))] == [float(e["likelihood"]) for e in rows]
+    names = poly.GetCellData().GetAbstractArray("edges")
+    whole = [i for i in range(len(vessels)) if "+" not in names.GetValue(i)]
+    assert all(array.GetValue(i) == float(rows[names.GetValue(i)]["likelihood"]) for i in whole)
 parts = {r["component"] for r in nodes}
 assert len(parts) == nx.number_connected_components(nx.Graph(nx.read_graphml(f"{out}/topology.graphml", force_multigraph=True)))
 "#;

@@ -13,8 +13,8 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use serde::de::value::{Error, StrDeserializer};
 use serde::de::{DeserializeOwned, IntoDeserializer};
 
-use crate::BoundaryOptions;
 use crate::internals::support::endings::without_ending;
+use crate::{BoundaryOptions, Unfed};
 
 /// A parser for an enum of the library by the words that serde writes, each with its help.
 pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
@@ -28,6 +28,11 @@ pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
         let word: StrDeserializer<'_, Error> = word.as_str().into_deserializer();
         T::deserialize(word)
     })
+}
+
+/// The words for what becomes of vessels that no inlet feeds.
+pub fn unfed() -> impl TypedValueParser<Value = Unfed> {
+    words(&[("drop", "They are left out"), ("keep", "They stay, without flow")])
 }
 
 /// Conditions with the file of them that goes with an input.

@@ -136,7 +136,7 @@ impl ReadingArgs {
             (StatedSpacing::Beside(mm), None | Some(LengthUnit::Voxel)) => {
                 Ok(Scale { unit: LengthUnit::Voxel, spacing: Some([mm; 3]) })
             }
-            (StatedSpacing::Beside(_), Some(_)) => Err(Error::parameter("spacing", "auto", "goes with `units` voxel")),
+            (StatedSpacing::Beside(_), Some(_)) => Err(Error::parameter("spacing", "auto", "goes with `units=voxel`")),
             (StatedSpacing::Nowhere, _) => {
                 let accepted = "expected Image_info.txt of iCafe beside it or a mask in NIfTI, MetaImage, NRRD or TIFF, else give the spacing in mm";
                 Err(Fault::file("nothing states the spacing", accepted).in_file(input))

@@ -56,7 +56,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     );
     let [observed, pruned] = kept.observed;
     if observed > 0 {
-        let rule = if outcome.rule.asks_evidence() { "; this rule keeps them, --keep median does not" } else { "" };
+        let rule = if outcome.rule.asks_evidence() { "; this rule keeps them, `keep=median` does not" } else { "" };
         say("observed", format!("{} of {} pruned{rule}", count(pruned as u64), plural(observed, "observed vessel")));
     }
     if outcome.contacts() > 0 {
@@ -66,7 +66,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     if !answer.left_open.is_empty() {
         let open = plural(answer.left_open.len(), "connection");
         let more =
-            if matches!(outcome.rule, Keep::Probable(price) if price < 1.0) { "" } else { "; --keep probable=0.6 makes more" };
+            if matches!(outcome.rule, Keep::Probable(price) if price < 1.0) { "" } else { "; `keep=probable=0.6` makes more" };
         say("open", format!("{open} of the most probable forest not made, for what hangs on them may well be nothing{more}"));
     }
     if let Some(expected) = outcome.expected {

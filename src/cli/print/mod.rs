@@ -244,7 +244,7 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
             if *is_in_file { terminal.detail("condition", fact) } else { terminal.say("condition", fact) }
         }
         Step::OutletsAllStated => {
-            terminal.say("note", "--outlets changes nothing: every outlet is stated; --outlet NODE=ground or --bc replaces it");
+            terminal.say("note", "`outlets` changes nothing: every outlet is stated; `outlet=NODE=ground` or `bc` replaces it");
         }
         Step::Built { graph, options, by_evidence } => {
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
@@ -271,7 +271,7 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
         Step::CutsSuggested { suggested } => {
             let cuts = plural(*suggested, "cut");
             terminal
-                .say("suggested", format!("{cuts} where vessels may only touch (by the lines alone): --cut always, or --mask"));
+                .say("suggested", format!("{cuts} where vessels may only touch (by the lines alone): `cut=always`, or `mask`"));
         }
         Step::Boundary { graph, boundary } => say_boundary(terminal, graph, boundary),
         Step::Note(note) => terminal.say("note", note),

@@ -284,7 +284,7 @@ fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
     Error::parameter(
         what_is_missing,
         format!("is given or can be found among {ends} free ends"),
-        format!("give `{what}` NODE (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet` NODE" }),
+        format!("give `{what}=NODE` (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet=NODE`" }),
     )
 }
 

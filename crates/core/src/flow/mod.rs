@@ -14,6 +14,7 @@ pub mod pressures;
 pub mod residual;
 pub mod resilience;
 pub mod state;
+pub mod unfed;
 pub mod wall;
 
 pub use batch::solver::BatchSolver;
@@ -21,4 +22,5 @@ pub use batch::star_mesh::StarMesh;
 pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use poiseuille::{Factors, Tube};
+pub use unfed::Unfed;
 pub use wall::{Thickness, WallLaw};

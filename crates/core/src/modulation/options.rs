@@ -5,8 +5,8 @@ use std::fmt;
 use rand::{Rng, RngExt};
 
 use crate::error::{Error, Result};
-use crate::flow::Factors;
 use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use crate::flow::{Factors, Unfed};
 
 /// The largest number of classes.
 const MOST_CLASSES: usize = 12;
@@ -53,6 +53,8 @@ pub struct ModulationOptions {
     pub vessels: Option<Vec<bool>>,
     /// Blood viscosity µ, Pa s, positive.
     pub viscosity: f64,
+    /// What becomes of vessels that no inlet feeds, where an input is modulated.
+    pub unfed: Unfed,
 }
 
 impl Class {
@@ -103,6 +105,7 @@ impl Default for ModulationOptions {
             reading: Reading::default(),
             vessels: None,
             viscosity: BLOOD_VISCOSITY,
+            unfed: Unfed::Keep,
         }
     }
 }

@@ -4,6 +4,7 @@ pub mod centerlines;
 pub mod coincident_points;
 pub mod find_by_name;
 mod frame;
+mod merged_vessels;
 mod node;
 pub mod path_places;
 pub mod paths;
@@ -18,6 +19,7 @@ pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;
+pub use merged_vessels::{Merged, merge};
 pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
 pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
@@ -157,6 +159,24 @@ impl Network {
             part.add_vessel(self.ends(*row), self.vessel(*row).clone());
         }
         (part, rows)
+    }
+
+    /// The nodes that `stays` admits with the vessels between them, and the rows that both had.
+    pub fn part(&self, stays: impl Fn(usize) -> bool) -> (Self, Vec<usize>, Vec<usize>) {
+        let mut part = Self { frame: self.frame, ..Self::default() };
+        let nodes: Vec<usize> = (0..self.node_count()).filter(|node| stays(*node)).collect();
+        let mut row_of = vec![None; self.node_count()];
+        for node in &nodes {
+            row_of[*node] = Some(part.add_node(self.node(*node).clone()));
+        }
+        let mut vessels = Vec::new();
+        for (row, (ends, vessel)) in self.vessels().enumerate() {
+            if let [Some(a), Some(b)] = ends.map(|node| row_of[node]) {
+                part.add_vessel([a, b], vessel.clone());
+                vessels.push(row);
+            }
+        }
+        (part, nodes, vessels)
     }
 
     /// The same network in another frame; as it is where one of the two is not known.

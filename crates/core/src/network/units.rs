@@ -171,9 +171,11 @@ impl Scale {
         use crate::error::Error;
         let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
-            (LengthUnit::Voxel, None) => {
-                Err(Error::parameter("units", "voxel", "needs `spacing` S or `spacing` SX,SY,SZ, in mm"))
-            }
+            (LengthUnit::Voxel, None) => Err(Error::parameter(
+                "units",
+                "voxel",
+                "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit",
+            )),
             (LengthUnit::Voxel | LengthUnit::Millimetre, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")
             }
@@ -185,7 +187,7 @@ impl Scale {
 
     /// What is said of a spacing where coordinates are not in voxels.
     fn needs_voxels(&self) -> String {
-        format!("goes with `units` voxel, not {}", self.unit.symbol())
+        format!("goes with `units=voxel`, not {}", self.unit.symbol())
     }
 
     /// Refuses a spacing of coordinates that are not in voxels.

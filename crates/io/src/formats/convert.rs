@@ -1,5 +1,6 @@
 //! Writes a network in any format: which one, into which files, and what is lost on the way.
 
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,9 +8,10 @@ use std::path::{Path, PathBuf};
 use crate::formats::companions::nodes_table_path;
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{enters, solvable};
+use crate::formats::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
+use willis_core::flow::Unfed;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis_core::support::geometry::{distance, lerp};
 
@@ -25,6 +27,8 @@ pub struct Target {
     pub path: PathBuf,
     /// The table of nodes, for formats of two tables.
     pub nodes: Option<PathBuf>,
+    /// What becomes of vessels that no blood enters. Solvers in time cannot do with them.
+    pub unfed: Unfed,
 }
 
 impl Target {
@@ -46,7 +50,7 @@ impl Target {
             if let Some(word) = word {
                 return Error::parameter("to", word, format!("expected one of {}", words()));
             }
-            let accepted = format!("expected an ending {ENDINGS}, or `to` FORMAT");
+            let accepted = format!("expected an ending {ENDINGS}, or `to=FORMAT`");
             Error::parameter("output", path.display(), accepted)
         })?;
         let nodes = match format {
@@ -55,7 +59,45 @@ impl Target {
             })?),
             _ => None,
         };
-        Ok(Self { format, path: path.to_owned(), nodes })
+        let unfed = if is_for_a_solver(format) { Unfed::Drop } else { Unfed::Keep };
+        Ok(Self { format, path: path.to_owned(), nodes, unfed })
+    }
+
+    /// The same, with another rule for vessels that no blood enters, if there is one.
+    #[must_use]
+    pub fn with_unfed(self, unfed: Option<Unfed>) -> Self {
+        Self { unfed: unfed.unwrap_or(self.unfed), ..self }
+    }
+
+    /// The network as it is to be written, and what a person should know of it: without what no blood enters, if that is to go, and for a solver in
+    /// time with vessels between two nodes each, and with no more at a node than it takes.
+    ///
+    /// # Errors
+    ///
+    /// No inlet where a format that needs none is to have what inlets feed.
+    pub fn network<'a>(&self, network: &'a Network) -> Result<(Cow<'a, Network>, Vec<String>)> {
+        let (mut made, mut notes) = (Cow::Borrowed(network), Vec::new());
+        if self.unfed == Unfed::Drop {
+            if !is_for_a_solver(self.format) && !(0..network.node_count()).any(|node| enters(network, node)) {
+                return Err(Error::parameter("unfed", "drop", "needs a node that states where blood enters; none does"));
+            }
+            let (fed, note) = without_unfed(network);
+            made = fed;
+            notes.extend(note);
+        }
+        if is_for_a_solver(self.format)
+            && let Some((divided, note)) = without_loops(&made)
+        {
+            made = Cow::Owned(divided);
+            notes.push(note);
+        }
+        if self.format == Format::OpenBf
+            && let Some((divided, note)) = with_few_at_a_node(&made, MOST_JOINED)
+        {
+            made = Cow::Owned(divided);
+            notes.push(note);
+        }
+        Ok((made, notes))
     }
 
     /// The file of links that a tree cannot hold.
@@ -78,7 +120,12 @@ pub struct Written {
     pub notes: Vec<String>,
 }
 
-/// Writes a network as the file of a target, and as its table of nodes where it has one.
+/// Whether a format is the input of a solver in time.
+fn is_for_a_solver(format: Format) -> bool {
+    matches!(format, Format::SvZeroD | Format::OpenBf)
+}
+
+/// Writes a network, as [`Target::network`] has it, as the file of a target, and as its table of nodes where it has one.
 ///
 /// # Errors
 ///
@@ -97,9 +144,6 @@ pub fn write_into(
         if made > 0 {
             written.notes.push(format!("{made} straight vessels got points of their own, which keep their radius"));
         }
-        &drawn
-    } else if matches!(target.format, Format::SvZeroD | Format::OpenBf) {
-        (drawn, written.notes) = solvable(network);
         &drawn
     } else {
         network

@@ -267,14 +267,16 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
 fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, Foreground, Vec<String>), Fault> {
     let ([x, y, z], spacing) = (mask.as_in_file(mask.shape), mask.as_in_file(mask.spacing()));
     let size = spacing.map(|mm| ((mm * 1e4).round() / 1e4).to_string()).join(" x ");
-    let frame = match mask.frame {
-        Frame::Unknown => "in the frame of its axes, as nobody states which way they point",
-        Frame::Ras | Frame::Lps => "in the scanner's frame (RAS: right, anterior, superior)",
+    let frame = match (mask.frame, options.frame) {
+        (Frame::Unknown, Some(Frame::Ras)) => "in the frame of its axes, RAS as `frame` states",
+        (Frame::Unknown, Some(Frame::Lps)) => "in the frame of its axes, LPS as `frame` states",
+        (Frame::Unknown, _) => "in the frame of its axes, as nobody states which way they point",
+        (Frame::Ras | Frame::Lps, _) => "in the scanner's frame (RAS: right, anterior, superior)",
     };
     let walls = mask.walls.as_ref().filter(|_| options.radius_from == RadiusFrom::Area).map(|walls| walls.values);
     let mut mask = mask.in_scanner_order();
     let cleans = options.cavities == Cavities::Fill;
-    let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities` keep goes on with any");
+    let no_vessels = |why: String| Fault::file(why, "expected a mask of vessels; `cavities=keep` goes on with any");
     if let Some(why) = why_no_vessels(&mask).filter(|_| cleans) {
         return Err(no_vessels(why));
     }
@@ -287,7 +289,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     if traced.lines.links.is_empty() {
         let found = format!("no vessel in a mask of {x} x {y} x {z} voxels: {}", plural(traced.specks, "speck"));
-        return Err(Fault::file(found, "expected a part that is longer than wide; `cavities` keep takes all"));
+        return Err(Fault::file(found, "expected a part that is longer than wide; `cavities=keep` takes all"));
     }
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
@@ -308,7 +310,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     if filled.wide > 0 {
         let are = if filled.wide == 1 { "1 cavity is".to_owned() } else { format!("{} cavities are", filled.wide) };
-        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities` keep leaves all as they are"));
+        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
     }
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));

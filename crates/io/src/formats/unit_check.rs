@@ -92,11 +92,11 @@ fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String>
     let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
     let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
     is_small.then(|| {
-        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give `units` cm")
+        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give `units=cm`")
     })
 }
 
-const VOXELS: &str = "if lengths are in voxels, give `units` voxel `spacing` S";
+const VOXELS: &str = "if lengths are in voxels, give `units=voxel` `spacing=S`";
 
 /// Positions and radii, m: of the points, or of the nodes and vessels.
 fn measures(content: &Content) -> (Vec<Point>, Vec<f64>) {

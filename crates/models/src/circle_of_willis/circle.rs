@@ -68,7 +68,7 @@ impl Circle {
         if !meanings.iter().any(|meaning| matches!(meaning, LabelMeaning::Artery(artery) if artery.brings_blood())) {
             return Err(Fault::file(
                 "no vessel is labelled as an internal carotid, basilar or vertebral artery",
-                "expected labels such as L-ICA, R-ICA, BA, L-VA (`labels` icafe|topcow for numbers), or give `landmarks` FILE",
+                "expected labels such as L-ICA, R-ICA, BA, L-VA (`labels=icafe|topcow` for numbers), or give `landmarks=FILE`",
             ));
         }
         let mut notes = Vec::new();

@@ -114,7 +114,7 @@ impl LabelScheme {
                 let why = if both { "codes that iCafe and TopCoW both have" } else { "codes of neither iCafe nor TopCoW" };
                 Err(Fault::file(
                     format!("the labels are the numbers {}, {why}", codes.join(" ")),
-                    "expected names of arteries, or give `labels` icafe|topcow",
+                    "expected names of arteries, or give `labels=icafe|topcow`",
                 ))
             }
         }

@@ -245,7 +245,7 @@ impl Names {
         if !self.is_circle() {
             return Err(Fault::file(
                 "no arteries of a circle of Willis could be named",
-                "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks` FILE",
+                "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`",
             ));
         }
         let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };

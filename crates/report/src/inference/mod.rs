@@ -9,12 +9,13 @@ use std::path::Path;
 use super::page::{infer_page, write_page};
 use super::run_record::Summary;
 use pictures::{overview, pictures};
-use tables::{condition_columns, node_columns, pairing_columns, select, suggested_cut_columns};
+use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
-use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::{Network, fragments};
+use willis_core::flow::{Circuit, pressures};
+use willis_core::network::fragments;
 use willis_io::formats::{
-    Checksummed, Column, graph_columns, is_forest, write_csv, write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Checksummed, Column, graph_columns, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
+    write_npz, write_swc, write_vtp,
 };
 use willis_io::output::atomic::write_file;
 use willis_io::output::names::{
@@ -103,36 +104,22 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     Ok(sum)
 }
 
-/// The vessels that are kept, with all nodes and their roles, the rows of those vessels, and the conditions that hold there.
-fn kept_graph(outcome: &Outcome<'_>, kept: &[bool]) -> (Network, Vec<usize>, Boundary) {
-    let (mut graph, rows) = outcome.network.subgraph(|row| kept[row]);
-    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
-    for (node, role) in boundary.roles.iter().enumerate() {
-        graph.node_mut(node).role = Some(*role);
-    }
-    (graph, rows, boundary)
-}
-
-/// The columns of the nodes of a topology, with their pressures and conditions.
-fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
-    let circuit = Circuit::new(graph, boundary, viscosity)?;
-    let pressure = pressures::pressures(&circuit, |_| true)?;
-    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(graph, boundary));
-    Ok(nodes)
-}
-
-/// The columns of nodes.csv, for the vessels that are kept.
+/// The columns of nodes.csv, for the vessels that are kept, with pressures and conditions.
 ///
 /// # Errors
 ///
 /// Pressures that cannot be solved for.
 pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
-    let (graph, _, boundary) = kept_graph(outcome, kept);
-    columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)
+    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
+    let (graph, _) = outcome.network.subgraph(|row| kept[row]);
+    let circuit = Circuit::new(&graph, &boundary, outcome.sampling.viscosity)?;
+    let pressure = pressures::pressures(&circuit, |_| true)?;
+    let mut nodes = node_columns(&graph, &boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(&graph, &boundary));
+    Ok(nodes)
 }
 
-/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns.
+/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns, those of merged nodes too.
 fn topology(
     folder: &Path,
     name: &str,
@@ -141,19 +128,21 @@ fn topology(
     vessels: &[Column],
     notes: &mut Vec<String>,
 ) -> Result<Vec<Column>> {
-    let (graph, rows, boundary) = kept_graph(outcome, kept);
-    let nodes = columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)?;
-    let mut vessels = select(vessels, &rows);
-    for column in vessels.iter_mut().filter(|column| column.name == "kept") {
-        *column = Column::whole("kept", rows.iter().map(|_| 1));
-    }
+    let all_nodes = topology_columns(outcome, kept)?;
+    let merged = outcome.topology(kept);
+    let graph = &merged.network;
+    let vessels = merged_columns(outcome.network, &merged, vessels);
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
-    write_file(&file("graphml"), |out| write_graphml(out, &graph, &nodes, &vessels))?;
+    write_file(&file("graphml"), |out| {
+        let mut nodes = select(&all_nodes, &merged.nodes);
+        nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+        write_graphml(out, graph, &nodes, &[&vessels[..], &stated_columns(graph)].concat())
+    })?;
     if graph.has_positions() {
-        write_file(&file("vtp"), |out| write_vtp(out, &graph, &vessels))?;
+        write_file(&file("vtp"), |out| write_vtp(out, graph, &vessels))?;
         if name == TOPOLOGY {
-            if is_forest(&graph) {
-                write_file(&file("swc"), |out| write_swc(out, &graph).map(drop))?;
+            if is_forest(graph) {
+                write_file(&file("swc"), |out| write_swc(out, graph).map(drop))?;
             } else {
                 notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());
             }
@@ -161,5 +150,5 @@ fn topology(
     } else if name == TOPOLOGY {
         notes.push("topology.vtp and topology.swc are left out: the nodes have no coordinates".into());
     }
-    Ok(nodes)
+    Ok(all_nodes)
 }

@@ -3,7 +3,7 @@
 use crate::page::{ImageCut, Segmentation};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
-use willis_core::network::{Network, Origin};
+use willis_core::network::{Merged, Network, Origin, merge};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::SuggestedCut;
@@ -16,6 +16,8 @@ const FEW_PERFUSED: f64 = 0.5;
 pub struct Outcome<'a> {
     /// The over-connected graph.
     pub network: &'a Network,
+    /// The rows of its first nodes that are the input's own, which no file of a topology leaves out.
+    pub own_nodes: usize,
     /// Its boundary conditions.
     pub boundary: &'a Boundary,
     /// Cuts that are suggested, the surest first.
@@ -57,11 +59,11 @@ pub fn few_perfused(network: &Network, boundary: &Boundary, sampling: &SamplingO
         (format!("in {:.1} % of the samples", 100.0 * share), "L rests on few")
     };
     let advice = if sampling.chance_of_an_inlet(network, boundary) < FEW_PERFUSED {
-        "The inlets found lie at ends that other vessels probably join: state where blood enters, with --inlet."
+        "The inlets found lie at ends that other vessels probably join: state where blood enters, with `inlet`."
     } else if sampling.epsilon > 0.0 {
-        "A smaller --epsilon leaves more ways from inlets to outlets open."
+        "A smaller `epsilon` leaves more ways from inlets to outlets open."
     } else {
-        "State where blood leaves, with --outlet."
+        "State where blood leaves, with `outlet`."
     };
     Some(format!("Blood flows {what}, so {so}. {advice}"))
 }
@@ -80,6 +82,21 @@ impl Outcome<'_> {
     /// The boundary conditions that hold in the kept topology.
     pub fn held(&self) -> Boundary {
         self.boundary.held(self.network, |row| self.answer.kept[row])
+    }
+
+    /// A topology of the vessels that are kept, with the conditions that hold there. Where only a candidate or a contact ended that is not kept,
+    /// the vessel goes on: its parts are one again, but for those that were uncertain one by one.
+    pub fn topology(&self, kept: &[bool]) -> Merged {
+        let boundary = self.boundary.held(self.network, |row| kept[row]);
+        let (graph, rows) = self.network.subgraph(|row| kept[row]);
+        let mut may_go = vec![true; graph.node_count()];
+        may_go[..self.own_nodes].fill(false);
+        for row in rows.iter().filter(|row| self.result.uncertain[**row]) {
+            self.network.ends(*row).into_iter().for_each(|node| may_go[node] = false);
+        }
+        let mut merged = merge(&boundary.stated_in(graph), |node| may_go[node]);
+        merged.parts.iter_mut().flatten().for_each(|part| *part = rows[*part]);
+        merged
     }
 
     /// The contacts that are cut, by row.

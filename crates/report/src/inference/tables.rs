@@ -4,7 +4,7 @@ use super::outcome::Outcome;
 use willis_core::decision::Decision;
 use willis_core::flow::Boundary;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Condition, Network, Role};
+use willis_core::network::{Condition, Merged, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{Column, Values};
 use willis_models::contacts::suggested_cuts::SuggestedCut;
@@ -24,6 +24,45 @@ pub fn agreement(decisions: &[(f64, Decision)], uncertain: &[bool]) -> Vec<Colum
         Column::whole("decided_alike", pairs.iter().map(same)),
         Column::whole("uncertain", pairs.iter().map(|_| uncertain_count)),
     ]
+}
+
+/// The columns of the vessels of a topology from those of edges.csv. Of vessels that were merged, L and its error are means weighted by volume,
+/// as ρ is of what it adds up over, and the frequency is the least; their other figures are equal.
+pub fn merged_columns(network: &Network, merged: &Merged, vessels: &[Column]) -> Vec<Column> {
+    let parts = &merged.parts;
+    let own = willis_io::formats::vessel_columns(&merged.network);
+    let first: Vec<usize> = parts.iter().filter_map(|parts| parts.iter().min().copied()).collect();
+    let mut columns = select(vessels, &first);
+    let volume = |row: &usize| network.vessel(*row).volume();
+    let mean = |of: &[f64], parts: &[usize]| {
+        if let [row] = parts {
+            return of[*row];
+        }
+        let whole: f64 = parts.iter().map(volume).sum();
+        parts.iter().map(|row| of[*row] * (volume(row) / whole)).sum()
+    };
+    let least = |of: &[f64], parts: &[usize]| parts.iter().map(|row| of[*row]).fold(f64::INFINITY, f64::min);
+    for (column, all) in columns.iter_mut().zip(vessels) {
+        match (&*all.name, &all.values) {
+            ("likelihood" | "std_error", Values::Real(of)) => {
+                column.values = Values::Real(parts.iter().map(|parts| mean(of, parts)).collect());
+            }
+            ("frequency", Values::Real(of)) => {
+                column.values = Values::Real(parts.iter().map(|parts| least(of, parts)).collect());
+            }
+            ("kept", _) => *column = Column::whole("kept", parts.iter().map(|_| 1)),
+            ("node_a" | "node_b", _) => {
+                let side = usize::from(column.name == "node_b");
+                let ends = merged.network.vessels().map(|(ends, _)| merged.nodes[ends[side]]);
+                *column = Column::whole(column.name.clone(), ends);
+            }
+            ("edge", _) => {}
+            (name, _) => own.iter().filter(|own| own.name == name).for_each(|own| *column = own.clone()),
+        }
+    }
+    let words = parts.iter().map(|parts| parts.iter().map(usize::to_string).collect::<Vec<_>>().join("+"));
+    columns.push(Column::text("edges", words));
+    columns
 }
 
 /// The columns of nodes.csv. `pressure` in Pa.

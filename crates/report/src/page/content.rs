@@ -95,9 +95,12 @@ pub fn warnings(record: &Value) -> Vec<String> {
     match inlets {
         0 => {}
         1 => all.push(
-            "Nobody stated where blood enters: the widest free end is assumed to be the inlet. --inlet states it.".to_owned(),
+            "Nobody stated where blood enters: the widest free end is assumed to be the inlet. The option inlet states it."
+                .to_owned(),
         ),
-        n => all.push(format!("Nobody stated where blood enters: {n} free ends are assumed to be inlets. --inlet states them.")),
+        n => all.push(format!(
+            "Nobody stated where blood enters: {n} free ends are assumed to be inlets. The option inlet states them."
+        )),
     }
     if !conditions.is_empty() && of("outlet") == 0 {
         all.push("There is no outlet, so that no blood flows.".to_owned());

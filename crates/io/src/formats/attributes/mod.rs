@@ -269,7 +269,7 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
     }
     if let Some(c) = compliance.filter(|c| *c <= 0.0) {
         let accepted =
-            "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel` none)";
+            "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel=none`)";
         return Err(item.fault(format!("{COMPLIANCE} {c}"), accepted));
     }
     Ok(Windkessel { proximal: proximal.map(pascal_seconds_per_cubic_metre), compliance: compliance.map(cubic_metres_per_pascal) })

@@ -75,7 +75,7 @@ fn with_voxels<T>(
             (std::array::from_fn(row), Frame::Unknown)
         }
         (None, None) => {
-            return Err(array.fault("no spacing: NumPy states none", "expected `spacing` SX,SY,SZ, in mm"));
+            return Err(array.fault("no spacing: NumPy states none", "expected `spacing=SX,SY,SZ`, in mm"));
         }
     };
     let (kind, size, big) = array.numbers()?;

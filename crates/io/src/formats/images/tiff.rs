@@ -26,7 +26,7 @@ const MOST_GAIN: u64 = 1 << 12;
 const MOST_PAGE: u64 = 1 << 30;
 /// The bytes of a description that are looked at; OME-XML states the spacing near its beginning.
 const MOST_DESCRIPTION: usize = 1 << 18;
-const NO_SPACING: &str = "expected that of ImageJ or OME-XML, or give `spacing` SX,SY,SZ, in mm";
+const NO_SPACING: &str = "expected that of ImageJ or OME-XML, or give `spacing=SX,SY,SZ`, in mm";
 const NOT_ONE_VOLUME: &str = "expected three dimensions; take one channel and one time";
 
 type Pages<'a> = Decoder<Cursor<&'a [u8]>>;

@@ -3,18 +3,21 @@
 mod openbf;
 pub(in crate::formats) mod svzerod;
 
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 use std::f64::consts::PI;
 use std::io;
 
 use crate::formats::tables::reader::plural;
+pub(in crate::formats) use openbf::MOST_JOINED;
 pub use openbf::write_openbf;
 pub use svzerod::write_svzerod;
 
 use willis_core::flow::WallLaw;
 use willis_core::flow::state::BLOOD_DENSITY;
-use willis_core::network::{Condition, Network, Node, Role, Vessel, fragments};
+use willis_core::flow::unfed::fed;
+use willis_core::network::{Condition, Network, Node, Origin, Role, Vessel};
 
 /// Whether blood enters at a node.
 pub(in crate::formats) fn enters(network: &Network, node: usize) -> bool {
@@ -25,33 +28,74 @@ pub(in crate::formats) fn enters(network: &Network, node: usize) -> bool {
     }
 }
 
-/// The network as a solver in time can take it: a vessel from a node to itself is divided in two, and parts that no blood enters are left
-/// out; with a note for each. A network without any inlet stays as it is, to be refused.
-pub(in crate::formats) fn solvable(network: &Network) -> (Network, Vec<String>) {
-    let mut notes = Vec::new();
-    let parts = fragments(network, |_, _| true);
-    let mut is_fed = vec![false; parts.count];
-    (0..network.node_count()).filter(|node| enters(network, *node)).for_each(|node| is_fed[parts.of_node[node]] = true);
-    let any = is_fed.contains(&true);
-    let (fed, rows) = network.subgraph(|row| !any || is_fed[parts.of_node[network.ends(row)[0]]]);
-    let left_out = network.vessel_count() - rows.len();
-    if left_out > 0 {
-        notes.push(format!("{} in parts that no blood enters, left out", plural(left_out, "vessel")));
+/// The network without the parts that no blood enters, with a note that counts them; as it is where there is no inlet at all.
+pub(in crate::formats) fn without_unfed(network: &Network) -> (Cow<'_, Network>, Option<String>) {
+    let is_fed = fed(network, |node| enters(network, node));
+    let left_out = network.vessels().filter(|([a, _], _)| !is_fed[*a]).count();
+    if left_out == 0 || !is_fed.contains(&true) {
+        return (Cow::Borrowed(network), None);
     }
-    let (mut made, _) = fed.subgraph(|row| fed.ends(row)[0] != fed.ends(row)[1]);
-    let loops: Vec<usize> = (0..fed.vessel_count()).filter(|row| fed.ends(*row)[0] == fed.ends(*row)[1]).collect();
+    let note = format!("{} in parts that no blood enters, left out (`unfed=keep` writes them)", plural(left_out, "vessel"));
+    (Cow::Owned(network.part(|node| is_fed[node]).0), Some(note))
+}
+
+/// The network with every vessel from a node to itself divided in two, as solvers in time need it, with a note that counts them.
+pub(in crate::formats) fn without_loops(network: &Network) -> Option<(Network, String)> {
+    let is_loop = |row: usize| network.ends(row)[0] == network.ends(row)[1];
+    let loops: Vec<usize> = (0..network.vessel_count()).filter(|row| is_loop(*row)).collect();
+    if loops.is_empty() {
+        return None;
+    }
+    let (mut made, _) = network.subgraph(|row| !is_loop(row));
     for row in &loops {
-        let (node, vessel) = (fed.ends(*row)[0], fed.vessel(*row));
-        let middle = made.add_node(Node { id: format!("{}-loop-{row}", fed.node(node).id), ..Node::default() });
+        let (node, vessel) = (network.ends(*row)[0], network.vessel(*row));
+        let middle = made.add_node(Node { id: format!("{}-loop-{row}", network.node(node).id), ..Node::default() });
         let resistance = vessel.resistance.map(|whole| whole / 2.0);
         let half = Vessel { length: vessel.length / 2.0, resistance, path: Vec::new(), ..vessel.clone() };
         made.add_vessel([node, middle], half.clone());
         made.add_vessel([middle, node], half);
     }
-    if !loops.is_empty() {
-        notes.push(format!("{} from a node to itself, divided in two", plural(loops.len(), "vessel")));
+    Some((made, format!("{} from a node to itself, divided in two", plural(loops.len(), "vessel"))))
+}
+
+/// The network with no more than `most` vessels at a node, with a note that counts those that had more: such a node becomes several in a row, the
+/// widest vessels at the first two places, joined by vessels as wide as the widest there and as long as its radius.
+pub(in crate::formats) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Network, String)> {
+    let mut at = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate() {
+        (0..2).for_each(|side| at[ends[side]].push((row, side)));
     }
-    (made, notes)
+    let crowded: Vec<usize> = (0..network.node_count()).filter(|node| at[*node].len() > most).collect();
+    if crowded.is_empty() {
+        return None;
+    }
+    let mut ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+    let (mut made, _) = network.subgraph(|_| false);
+    let mut links = Vec::new();
+    for node in &crowded {
+        let here = &mut at[*node];
+        let radius = |row: usize| network.vessel(row).radius;
+        here.sort_by(|a, b| radius(b.0).total_cmp(&radius(a.0)));
+        let widest = radius(here[0].0);
+        let mut last = *node;
+        // One place for each vessel but the last, which shares that of the one before it.
+        for (number, (row, side)) in here[most - 1..].iter().enumerate() {
+            if number + most < here.len() {
+                let id = format!("{}-part-{}", network.node(*node).id, number + 1);
+                let next = made.add_node(Node { id, position: network.node(*node).position, ..Node::default() });
+                links.push(([last, next], Vessel::new(widest, widest, Origin::Observed)));
+                last = next;
+            }
+            ends[*row][*side] = last;
+        }
+    }
+    let count = links.len();
+    let all = network.vessels().zip(&ends).map(|((_, vessel), ends)| (*ends, vessel.clone())).chain(links);
+    for (ends, vessel) in all {
+        made.add_vessel(ends, vessel);
+    }
+    let nodes = plural(crowded.len(), "node");
+    Some((made, format!("{nodes} of more than {most} vessels divided, by {} one radius long", plural(count, "vessel"))))
 }
 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.

@@ -12,7 +12,7 @@ const THICKNESS: f64 = 0.1;
 /// The least share of an outlet's resistance that R1 and R2 get: openBF divides by them.
 const LEAST: f64 = 1e-3;
 /// openBF has equations for a conjunction, a bifurcation and an anastomosis.
-const MOST_JOINED: usize = 3;
+pub(in crate::formats) const MOST_JOINED: usize = 3;
 
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
@@ -43,7 +43,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         number[node] = place + 1;
     }
     writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
-    writeln!(out, "blood:\n  rho: {BLOOD_DENSITY:?}\n  mu: {BLOOD_VISCOSITY:?}")?;
+    writeln!(out, "blood:\n  rho: {}\n  mu: {}", number_of(BLOOD_DENSITY), number_of(BLOOD_VISCOSITY))?;
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
     writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
     writeln!(out, "network:")?;
@@ -57,10 +57,10 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         // A JSON string is a YAML string; two vessels may have one label.
         let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
         writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
-        writeln!(out, "    L: {:?}\n    R0: {:?}", vessel.length, vessel.radius)?;
+        writeln!(out, "    L: {}\n    R0: {}", number_of(vessel.length), number_of(vessel.radius))?;
         // A wall that keeps its volume has C' = (3/2) A r/(Eh).
         let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];
-        writeln!(out, "    E: {:?}\n    h0: {thickness:?}", stiffness / thickness)?;
+        writeln!(out, "    E: {}\n    h0: {}", number_of(stiffness / thickness), number_of(thickness))?;
         if let Some(condition) = ends.condition(*begins) {
             inlets += 1;
             let quantity = if matches!(condition, Condition::Pressure(_)) { "P" } else { "Q" };
@@ -73,9 +73,10 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
                 let least = LEAST * resistance;
                 let proximal = ends.proximal(*stops, resistance, row).clamp(least, resistance - least);
                 let distal = resistance - proximal;
-                writeln!(out, "    outlet: wk3\n    R1: {proximal:?}\n    R2: {distal:?}\n    Cc: {compliance:?}")?;
+                let [proximal, distal, compliance] = [proximal, distal, compliance].map(number_of);
+                writeln!(out, "    outlet: wk3\n    R1: {proximal}\n    R2: {distal}\n    Cc: {compliance}")?;
                 if venous != 0.0 {
-                    writeln!(out, "    Pout: {venous:?}")?;
+                    writeln!(out, "    Pout: {}", number_of(venous))?;
                 }
             }
             // Its ends without a Windkessel reflect by a coefficient: 1 where nothing passes, -1 where the pressure stays at rest.
@@ -90,4 +91,13 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         }
     }
     Ok(())
+}
+
+/// A number as YAML 1.1 knows one: with a point, and a sign in its exponent. Without, it is a text.
+fn number_of(x: f64) -> String {
+    let text = format!("{x:?}");
+    let Some((digits, exponent)) = text.split_once('e') else { return text };
+    let point = if digits.contains('.') { "" } else { ".0" };
+    let sign = if exponent.starts_with('-') { "" } else { "+" };
+    format!("{digits}{point}e{sign}{exponent}")
 }

@@ -293,6 +293,13 @@ pub fn windkessel_columns(windkessels: &[Windkessel]) -> Vec<Column> {
     columns.into_iter().filter(has_values).collect()
 }
 
+/// The columns with what vessels state of their flow, their resistances and walls; columns without any value are left out.
+pub fn stated_columns(network: &Network) -> Vec<Column> {
+    let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
+    let resistances = Column::real("resistance_mmHg_s_per_mL", stated);
+    Some(resistances).filter(has_values).into_iter().chain(wall_columns(network)).collect()
+}
+
 /// The columns with the walls of vessels; columns without any value are left out.
 pub fn wall_columns(network: &Network) -> Vec<Column> {
     let figure = |of: fn(Wall) -> Option<f64>| network.vessels().map(move |(_, v)| v.wall.and_then(of).unwrap_or(f64::NAN));
@@ -357,11 +364,7 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
     nodes.extend(found_column(&network.nodes().map(|n| n.found).collect::<Vec<_>>()));
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
-    if network.vessels().any(|(_, v)| v.resistance.is_some()) {
-        let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
-        vessels.push(Column::real("resistance_mmHg_s_per_mL", stated));
-    }
-    vessels.extend(wall_columns(network));
+    vessels.extend(stated_columns(network));
     nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel).collect::<Vec<_>>()));
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));

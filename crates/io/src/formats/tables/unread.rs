@@ -14,7 +14,7 @@ use willis_core::error::Fault;
 
 /// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
 fn is_structure(name: &str) -> bool {
-    let rows = matches!(name, "edge" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
+    let rows = matches!(name, "edge" | "edges" | "node" | "id" | "node_a" | "node_b" | "length_mm" | "radius_mm");
     rows || END_POSITION_COLUMNS.as_flattened().contains(&name) || matches!(name, "Points" | "connectivity" | "offsets")
 }
 

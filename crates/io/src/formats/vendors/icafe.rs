@@ -207,6 +207,6 @@ fn name_vessels(lines: &mut Centerlines, bytes: &[u8], table: &Path, scale: &Sca
 fn spacing_note(tracing: &Path, scale: &Scale) -> Result<Option<String>> {
     let spacing = image_spacing(tracing)?.filter(|_| scale.unit != LengthUnit::Voxel);
     Ok(spacing.map(|spacing| {
-        format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units` voxel `spacing` {spacing}")
+        format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units=voxel` `spacing={spacing}`")
     }))
 }

@@ -73,7 +73,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
     if lines.links.is_empty() {
         return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));
     }
-    let units = "VTrails saves voxels of its grid, the image's second axis first, unless it ran with Paraview: see `units` voxel";
+    let units = "VTrails saves voxels of its grid, the image's second axis first, unless it ran with Paraview: see `units=voxel`";
     let mut notes = vec![units.to_owned()];
     if void > 0 {
         notes.push(format!("{void} paths are empty: left out"));

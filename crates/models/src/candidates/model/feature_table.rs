@@ -115,7 +115,7 @@ fn check_tangle(extraction: &Extraction, candidates: &[EndCandidate]) -> Result<
     );
     let most = millimetres(gaps[gaps.len() / 2]);
     let accepted =
-        format!("evidence takes fewer: give `max_gap` below {most:.3} mm, which half of the candidates are, or `prior` none");
+        format!("evidence takes fewer: give `max_gap` below {most:.3} mm, which half of the candidates are, or `prior=none`");
     Err(Error::parameter("fragments", found, accepted))
 }
 

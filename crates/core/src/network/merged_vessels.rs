@@ -1,0 +1,144 @@
+//! Merges vessels that follow each other without a junction, as candidates leave them behind that were rejected.
+
+use super::units::as_stored;
+use super::{Network, Origin, PathPoint, Role, Vessel};
+
+/// A network in which vessels are merged, and what its rows were.
+#[derive(Debug, Clone)]
+pub struct Merged {
+    /// The network.
+    pub network: Network,
+    /// Per node the row that it had.
+    pub nodes: Vec<usize>,
+    /// Per vessel the rows of its parts, from its first node to its second.
+    pub parts: Vec<Vec<usize>>,
+}
+
+/// Merges the two vessels at every node that `may_go` admits, where nothing but these two is there and both are alike: observed, with
+/// one label, one wall and one prior. A condition, a role, a name or the border of an image keeps a node; no vessel comes to run from a
+/// node to itself.
+///
+/// A merged vessel has the points of its parts, the sum of their lengths, and the radius r = (l / Σ lᵢ/rᵢ⁴)^¼, with which it resists as they
+/// do in a row; resistances that they state add up.
+pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
+    let mut at = vec![Vec::new(); network.node_count()];
+    for (row, (ends, _)) in network.vessels().enumerate() {
+        ends.into_iter().for_each(|node| at[node].push(row));
+    }
+    // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
+    let mut runs = Runs::of(network);
+    let mut is_gone = vec![false; network.node_count()];
+    for node in 0..network.node_count() {
+        let [a, b] = at[node][..] else { continue };
+        let alike = || are_alike(network.vessel(a), network.vessel(b));
+        is_gone[node] = a != b && may_go(node) && is_plain(network, node) && alike() && runs.join(node, a, b);
+    }
+    let mut made = Network { frame: network.frame, ..Network::new() };
+    let nodes: Vec<usize> = (0..network.node_count()).filter(|node| !is_gone[*node]).collect();
+    let mut row_of = vec![usize::MAX; network.node_count()];
+    for node in &nodes {
+        row_of[*node] = made.add_node(network.node(*node).clone());
+    }
+    let mut is_used = vec![false; network.vessel_count()];
+    let mut parts = Vec::new();
+    for row in 0..network.vessel_count() {
+        if is_used[row] {
+            continue;
+        }
+        // Back to where the run begins, then along it.
+        let steps = |from: usize, first: usize| {
+            let (mut node, mut at_row, mut steps) = (from, first, vec![(first, from)]);
+            loop {
+                node = other(network, at_row, node);
+                if !is_gone[node] {
+                    return (steps, node);
+                }
+                at_row = at[node][usize::from(at[node][0] == at_row)];
+                steps.push((at_row, node));
+            }
+        };
+        let [a, b] = network.ends(row);
+        let (back, start) = steps(b, row);
+        let (run, end) = steps(start, back[back.len() - 1].0);
+        run.iter().for_each(|(row, _)| is_used[*row] = true);
+        let vessel = match run[..] {
+            [_] => network.vessel(row).clone(),
+            _ => in_a_row(network, &run),
+        };
+        let ends = if run.len() == 1 { [a, b] } else { [start, end] };
+        made.add_vessel(ends.map(|node| row_of[node]), vessel);
+        parts.push(run.into_iter().map(|(row, _)| row).collect());
+    }
+    Merged { network: made, nodes, parts }
+}
+
+/// The node at the other end of a vessel.
+fn other(network: &Network, row: usize, node: usize) -> usize {
+    let [a, b] = network.ends(row);
+    if a == node { b } else { a }
+}
+
+/// Whether nothing is known of a node but its place.
+fn is_plain(network: &Network, node: usize) -> bool {
+    let node = network.node(node);
+    let is_inner = node.role.is_none_or(|role| role == Role::Inner) && node.condition.is_none() && node.windkessel.is_empty();
+    is_inner && node.label.is_empty() && !node.at_border && !node.is_source
+}
+
+/// Whether two vessels differ in nothing but where they run.
+fn are_alike(a: &Vessel, b: &Vessel) -> bool {
+    let plain = |v: &Vessel| v.origin == Origin::Observed && v.evidence.is_none() && !v.path.is_empty();
+    let same = a.label == b.label && a.wall == b.wall && a.prior == b.prior && a.certain == b.certain && a.kept == b.kept;
+    plain(a) && plain(b) && same && a.resistance.is_some() == b.resistance.is_some()
+}
+
+/// The vessel that the parts of a run are, each given with the node where it begins.
+fn in_a_row(network: &Network, run: &[(usize, usize)]) -> Vessel {
+    let mut path: Vec<PathPoint> = Vec::new();
+    for (row, begins) in run {
+        let own = &network.vessel(*row).path;
+        let forward = network.ends(*row)[0] == *begins;
+        let points: Vec<PathPoint> = if forward { own.clone() } else { own.iter().rev().copied().collect() };
+        // The node that two parts share is a point of both.
+        path.extend_from_slice(&points[usize::from(!path.is_empty())..]);
+    }
+    let vessels = || run.iter().map(|(row, _)| network.vessel(*row));
+    let length: f64 = vessels().map(|vessel| vessel.length).sum();
+    let narrowness: f64 = vessels().map(|vessel| vessel.length / vessel.radius.powi(4)).sum();
+    let radius = as_stored((length / narrowness).powf(0.25));
+    let resistance = vessels().map(|vessel| vessel.resistance).sum::<Option<f64>>();
+    Vessel { length: as_stored(length), radius, resistance, path, ..network.vessel(run[0].0).clone() }
+}
+
+/// Runs of vessels, of which each knows its two ends.
+struct Runs {
+    run_of: Vec<usize>,
+    ends: Vec<[usize; 2]>,
+}
+
+impl Runs {
+    fn of(network: &Network) -> Self {
+        Self { run_of: (0..network.vessel_count()).collect(), ends: network.vessels().map(|(ends, _)| ends).collect() }
+    }
+
+    fn find(&mut self, row: usize) -> usize {
+        let mut run = row;
+        while self.run_of[run] != run {
+            self.run_of[run] = self.run_of[self.run_of[run]];
+            run = self.run_of[run];
+        }
+        run
+    }
+
+    /// Joins the runs of two vessels at the node that they share, unless the whole would begin and end at one node.
+    fn join(&mut self, node: usize, a: usize, b: usize) -> bool {
+        let [a, b] = [a, b].map(|row| self.find(row));
+        let far = [a, b].map(|run| if self.ends[run][0] == node { self.ends[run][1] } else { self.ends[run][0] });
+        if a == b || far[0] == far[1] {
+            return false;
+        }
+        self.run_of[b] = a;
+        self.ends[a] = far;
+        true
+    }
+}
