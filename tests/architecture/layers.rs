@@ -61,7 +61,6 @@ const CONFINED: &[(&str, &[&str])] = &[
             "willis/cli/print/mod.rs",
         ],
     ),
-    ("kiddo", &["models/candidates/search/point_index.rs"]),
     ("tiny_skia", &["report/figures/"]),
     ("plotters", &["report/figures/axis.rs"]),
     ("faer", &["core/sampling/reference.rs", "models/contacts/sections.rs", "models/naming/pose.rs"]),
@@ -342,7 +341,7 @@ fn every_kind_of_violation_is_caught() {
     one("core/network/mod.rs", "use crate::novelty::X;", "has no layer");
     one("core/sampling/sampler.rs", "use rayon::prelude::*;", "names rayon");
     one("willis/cli/candidates.rs", "fn f() { rayon::join(a, b); }", "names rayon");
-    one("models/candidates/mod.rs", "use kiddo::ImmutableKdTree;", "names kiddo");
+    one("models/candidates/mod.rs", "use faer::Mat;", "names faer");
     one("report/html.rs", "use tiny_skia::Path;", "names tiny_skia");
     one("core/support/random.rs", &"\n".repeat(MOST_LINES), "lines");
     assert_eq!(violations("core/support/random.rs", "// no purpose\n").len(), 1);
@@ -359,7 +358,7 @@ fn what_is_allowed_is_not_caught() {
         ("core/flow/pressures.rs", "/* crate::sampling::Page */ const S: &str = \"crate::sampling::Page \\\" clap\";"),
         ("willis/cli/cohort.rs", "use clap::Args; fn f() { rayon::current_num_threads(); crate::cli::run() }"),
         ("willis/cli/cohort.rs", "use crate::{InferOptions, read}; use crate::internals::report::Page;"),
-        ("models/candidates/search/point_index.rs", "use kiddo::ImmutableKdTree; fn kiddo_like() {}"),
+        ("models/naming/pose.rs", "use faer::Mat; fn faer_like() {}"),
         ("report/figures/figure.rs", "use tiny_skia::Path; use willis_core::decision::Decision; use crate::page::Page;"),
     ];
     for (file, body) in fine {
