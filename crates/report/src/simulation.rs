@@ -10,7 +10,7 @@ use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::condition_columns;
 use super::page::{Picture, simulation_page, write_page};
 use super::pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
-use super::run_record::{Provenance, conditions, outlets_found};
+use super::run_record::{ConditionRecord, Provenance, conditions, outlets_found};
 use super::transport::{transport_columns, write_transports};
 use willis_core::error::Result;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
@@ -39,7 +39,7 @@ pub struct FlowRecord {
     command: String,
     input: Value,
     parameters: Value,
-    boundary_conditions: Vec<Value>,
+    boundary_conditions: Vec<ConditionRecord>,
     counts: Value,
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,

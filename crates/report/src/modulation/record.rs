@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::ModulationOutcome;
-use crate::run_record::{conditions, outlets_found};
+use crate::run_record::{ConditionRecord, conditions, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
 use willis_core::network::Role;
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
@@ -31,7 +31,7 @@ pub struct Record<'a> {
     input: Value,
     seed: u64,
     parameters: Value,
-    boundary_conditions: Vec<Value>,
+    boundary_conditions: Vec<ConditionRecord>,
     counts: Value,
     unperturbed: Value,
     classes: Vec<Value>,
