@@ -13,7 +13,7 @@ use pyo3::prelude::*;
 use willis::cli;
 
 use errors::raised;
-use interrupt::{Watch, interruptible};
+use interrupt::{Watch, detached, interruptible};
 
 /// The command line: its words, the first being the name of the program; the exit status.
 #[pyfunction]
@@ -39,12 +39,13 @@ fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
 #[pyo3(signature = (scan, path, to, force))]
 fn write(py: Python<'_>, scan: &objects::Scan, path: PathBuf, to: Option<String>, force: bool) -> PyResult<Vec<String>> {
     let network = &scan.input.network;
-    let written = py.detach(|| willis::write(network, &path, to.as_deref(), force)).map_err(|e| raised(py, &e))?;
+    let written = detached(py, || willis::write(network, &path, to.as_deref(), force)).map_err(|e| raised(py, &e))?;
     Ok(written.notes.into_iter().chain(written.lost.into_iter().map(|lost| format!("lost: {lost}"))).collect())
 }
 
 #[pymodule(gil_used = true)]
 fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    interrupt::remember_process();
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<objects::Scan>()?;
     m.add_class::<objects::Prepared>()?;
