@@ -2,6 +2,9 @@
 """Runs willis on layouts that are hard for searches, eliminations and tables, and prints CPU seconds and MB of each as a table.
 
     layouts.py WILLIS [LAYOUT...]
+    layouts.py WILLIS --growth [LAYOUT...]
+
+With `--growth` layouts of doubling sizes are inferred, and the table has the exponents by which time and memory grow.
 """
 
 import math
@@ -97,13 +100,47 @@ def near_without_evidence():
     return near()
 
 
+def fragment(draw, start, radius=0.5):
+    """Four points in a random direction."""
+    way = [draw.gauss(0, 1) for _ in range(3)]
+    size = math.hypot(*way)
+    return (-1, line(start, [0.5 * x / size for x in way], 4, radius))
+
+
+def along_a_line(count=8000):
+    """Fragments of four points along one line, with gaps of 2 mm."""
+    return [(-1, line((5 * i, 0, 0), (1, 0, 0), 4)) for i in range(count)]
+
+
+def wide(count=4000):
+    """The same with radii of 5 mm."""
+    return [(-1, line((5 * i, 0, 0), (1, 0, 0), 4, 5.0)) for i in range(count)]
+
+
+def box(count=5000):
+    """Fragments of four points anywhere in a box, as many in each cubic millimetre at any size."""
+    draw, side = random.Random(1), 8 * count ** (1 / 3)
+    return [fragment(draw, [side * draw.random() for _ in range(3)]) for _ in range(count)]
+
+
+def crowd(count=10_000):
+    """10,000 fragments of four points in a box of 5 mm."""
+    draw = random.Random(1)
+    return [fragment(draw, [5 * draw.random() for _ in range(3)]) for _ in range(count)]
+
+
+def small_crowd():
+    """3,000 fragments of four points in a box of 5 mm."""
+    return crowd(3000)
+
+
 # What else the command says of a layout.
 OPTIONS = {near_with_max_gap: ["--max-gap", "4.999"], near_without_evidence: ["--prior", "none"]}
 
 
-def star(path):
-    """A graph of one node with 100,000 leaves."""
-    rows = "".join(f"0,{i},10,{0.5 + 0.0001 * (i % 100):.4f}\n" for i in range(1, 100_001))
+def star(path, leaves=100_000):
+    """A graph of one node with 100,000 leaves, below which there is a page."""
+    rows = "".join(f"0,{i},10,{0.5 + 0.0001 * (i % 100):.4f}\n" for i in range(1, leaves + 1))
     path.write_text("node_a,node_b,length_mm,radius_mm\n" + rows)
     return ["-n", "64", "--inlet", "1=100mmHg"]
 
@@ -115,29 +152,74 @@ def wheel(path):
     return ["-n", "64", "--inlet", "1=100mmHg", "--outlet", "10000=0mmHg"]
 
 
+def large_star(path, leaves=1_000_000):
+    """A graph of one node with a million leaves."""
+    return star(path, leaves)
+
+
+def arterial(path, edges=1_000_000):
+    """An arterial tree of a million vessels with gaps, as `willis phantom` draws it."""
+    subprocess.run([WILLIS, "phantom", "arterial", "--edges", str(edges), "--break", "-o", str(path), "--force", "-q"], check=True)
+    return ["-n", "64"]
+
+
+GRAPHS = {star: "csv", wheel: "csv", large_star: "csv", arterial: "graphml"}
+FRAGMENTS = (long_vessel, dust, hub, ball, comb, grid, parallel, near, fewer_near, near_with_max_gap, near_without_evidence, crowd, small_crowd)
+# Layouts that grow, with the smallest size and how often it is doubled.
+GROWTH = {along_a_line: (4000, 3), wide: (2000, 3), box: (2500, 2), large_star: (125_000, 3), arterial: (125_000, 3)}
+
+
+def run(layout, folder, size=None):
+    """CPU seconds, MB, and what the command said if it failed."""
+    sizes = [] if size is None else [size]
+    if layout in GRAPHS:
+        source = folder / f"a.{GRAPHS[layout]}"
+        words = ["infer", str(source), *layout(source, *sizes), "-o", str(folder / "out"), "--force", "-q"]
+    else:
+        source = folder / "a.swc"
+        swc(source, layout(*sizes))
+        words = ["candidates", str(source), *OPTIONS.get(layout, []), "-o", str(folder / "a.graphml"), "--force", "-q"]
+        if size is not None:
+            words = ["infer", str(source), "-n", "64", "-o", str(folder / "out"), "--force", "-q"]
+    child = subprocess.Popen([WILLIS, *words], stderr=subprocess.PIPE, text=True)
+    said = child.stderr.read().strip().splitlines()
+    _, status, used = os.wait4(child.pid, 0)
+    end = "done" if status == 0 else said[-1] if said else f"status {status}"
+    return used.ru_utime + used.ru_stime, used.ru_maxrss / 1024, end
+
+
+def growth(named, folder):
+    print("| layout | what | sizes | CPU s | exponent | MB | kB for each one more |\n|---|---|---|---|---|---|---|", flush=True)
+    for layout, (least, doublings) in GROWTH.items():
+        if named and layout.__name__ not in named:
+            continue
+        sizes = [least * 2**i for i in range(doublings + 1)]
+        seconds, peaks, ends = zip(*(run(layout, folder, size) for size in sizes))
+        assert set(ends) == {"done"}, ends
+        # Of the last doubling, where what every run takes counts least.
+        exponent = math.log2(seconds[-1] / seconds[-2])
+        each = 1024 * (peaks[-1] - peaks[-2]) / (sizes[-1] - sizes[-2])
+        listed = lambda values, form: " / ".join(format(value, form) for value in values)
+        what = layout.__doc__.strip().rstrip(".")
+        figures = f"{listed(sizes, ',')} | {listed(seconds, '.1f')} | {exponent:.2f} | {listed(peaks, '.0f')} | {each:.2f}"
+        print(f"| {layout.__name__.replace('_', ' ')} | {what} | {figures} |", flush=True)
+
+
 def main():
-    willis = str(Path(sys.argv[1]).resolve())
-    print("| layout | what | CPU s | MB | end |\n|---|---|---|---|---|", flush=True)
+    global WILLIS
+    WILLIS = str(Path(sys.argv[1]).resolve())
+    named = [word for word in sys.argv[2:] if word != "--growth"]
     with tempfile.TemporaryDirectory() as made:
-        named = sys.argv[2:]
-        for layout in (long_vessel, dust, hub, ball, comb, grid, parallel, near, fewer_near, near_with_max_gap, near_without_evidence, star, wheel):
+        folder = Path(made)
+        if "--growth" in sys.argv:
+            return growth(named, folder)
+        print("| layout | what | CPU s | MB | end |\n|---|---|---|---|---|", flush=True)
+        for layout in (*FRAGMENTS, *GRAPHS):
             if named and layout.__name__ not in named:
                 continue
-            here = Path(made)
-            if layout in (star, wheel):
-                source, words = here / "a.csv", None
-                words = ["infer", str(source), *layout(source), "-o", str(here / "out"), "--force", "-q"]
-            else:
-                source = here / "a.swc"
-                swc(source, layout())
-                words = ["candidates", str(source), *OPTIONS.get(layout, []), "-o", str(here / "a.graphml"), "--force", "-q"]
-            child = subprocess.Popen([willis, *words], stderr=subprocess.PIPE, text=True)
-            said = child.stderr.read().strip().splitlines()
-            _, status, used = os.wait4(child.pid, 0)
-            end = "done" if status == 0 else said[-1] if said else f"status {status}"
-            seconds = used.ru_utime + used.ru_stime
+            seconds, peak, end = run(layout, folder)
             what = layout.__doc__.strip().rstrip(".")
-            print(f"| {layout.__name__.replace('_', ' ')} | {what} | {seconds:.1f} | {used.ru_maxrss / 1024:.0f} | {end} |", flush=True)
+            print(f"| {layout.__name__.replace('_', ' ')} | {what} | {seconds:.1f} | {peak:.0f} | {end} |", flush=True)
 
 
 if __name__ == "__main__":

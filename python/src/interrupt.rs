@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 
 use pyo3::exceptions::PyRuntimeError;
@@ -114,7 +114,31 @@ impl Follow for Follower<'_> {
 
 /// Threads where a call does not say how many; zero for those of rayon.
 static THREADS: AtomicUsize = AtomicUsize::new(0);
-static POOLS: Mutex<BTreeMap<usize, Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+/// By process and number of threads.
+static POOLS: Mutex<BTreeMap<(u32, usize), Arc<ThreadPool>>> = Mutex::new(BTreeMap::new());
+/// The process that the module was loaded in. A fork of it has none of its threads: whoever waits for them waits for ever.
+static HOME: OnceLock<u32> = OnceLock::new();
+
+/// Remembers the process.
+pub fn remember_process() {
+    HOME.get_or_init(std::process::id);
+}
+
+/// Threads of this process for some work; `None` where those of rayon are there and do.
+fn own_pool(py: Python<'_>, threads: Option<usize>) -> PyResult<Option<Arc<ThreadPool>>> {
+    let is_fork = HOME.get().is_some_and(|home| *home != std::process::id());
+    let wanted = threads.or(Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0));
+    let threads = wanted.or_else(|| is_fork.then(rayon::current_num_threads));
+    threads.map(|threads| pool(py, threads)).transpose()
+}
+
+/// Does some work without the interpreter's lock, that is too short to be stopped.
+pub fn detached<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> T {
+    match own_pool(py, None) {
+        Ok(Some(pool)) => py.detach(|| pool.install(work)),
+        _ => py.detach(work),
+    }
+}
 
 /// So many threads from now on, where a call does not say otherwise.
 pub fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
@@ -128,12 +152,13 @@ fn pool(py: Python<'_>, threads: usize) -> PyResult<Arc<ThreadPool>> {
         return Err(raised(py, &Error::parameter("threads", threads, "expected a number from 1 to 4096")));
     }
     let mut pools = POOLS.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some(pool) = pools.get(&threads) {
+    let key = (std::process::id(), threads);
+    if let Some(pool) = pools.get(&key) {
         return Ok(pool.clone());
     }
     let made = ThreadPoolBuilder::new().num_threads(threads).build();
     let made = Arc::new(made.map_err(|e| PyRuntimeError::new_err(format!("threads {threads}: {e}")))?);
-    pools.insert(threads, made.clone());
+    pools.insert(key, made.clone());
     Ok(made)
 }
 
@@ -147,8 +172,7 @@ pub fn interruptible<T: Send>(
     say: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&mut Follower<'_>) -> willis::Result<T> + Send,
 ) -> PyResult<PyResult<T>> {
-    let threads = threads.or(Some(THREADS.load(Ordering::Relaxed)).filter(|threads| *threads > 0));
-    let pool = threads.map(|threads| pool(py, threads)).transpose()?;
+    let pool = own_pool(py, threads)?;
     let (finished, waiting) = (Mutex::new(false), Condvar::new());
     let (result, stopped_by) = std::thread::scope(|scope| {
         let worker = scope.spawn(|| {

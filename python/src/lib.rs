@@ -17,7 +17,7 @@ use willis::internals::formats::convert::Target;
 use willis::internals::pipeline::write_target;
 
 use errors::raised;
-use interrupt::{Watch, interruptible};
+use interrupt::{Watch, detached, interruptible};
 
 /// The command line: its words, the first being the name of the program; the exit status.
 #[pyfunction]
@@ -50,7 +50,7 @@ fn write(
     force: bool,
 ) -> PyResult<Vec<String>> {
     let network = &scan.input.network;
-    let written = py.detach(|| {
+    let written = detached(py, || {
         let unfed = unfed.map(|word| word.parse::<Unfed>()).transpose()?;
         write_target(network, &Target::new(&path, to.as_deref())?.with_unfed(unfed), force)
     });
@@ -61,6 +61,7 @@ fn write(
 
 #[pymodule(gil_used = true)]
 fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
+    interrupt::remember_process();
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     m.add_class::<objects::Scan>()?;
     m.add_class::<objects::Prepared>()?;

@@ -15,7 +15,7 @@ use willis::{
 };
 
 use crate::errors::raised;
-use crate::interrupt::{Follower, Watch, interruptible};
+use crate::interrupt::{Follower, Watch, detached, interruptible};
 use crate::tables;
 
 type Said = Vec<(String, String)>;
@@ -138,7 +138,7 @@ pub fn prepare(
 impl Prepared {
     /// The graph, with its conditions.
     fn graph(&self, py: Python<'_>) -> Scan {
-        py.detach(|| Scan::of(self.prepared.boundary.stated_in(self.prepared.graph.clone())))
+        detached(py, || Scan::of(self.prepared.boundary.stated_in(self.prepared.graph.clone())))
     }
 
     /// Samples it, and decides.
@@ -157,7 +157,7 @@ impl Prepared {
 
     /// What the samples say that are finished by now; `None` where there are none.
     fn so_far(&self, py: Python<'_>, watch: &Watch) -> PyResult<Option<Run>> {
-        let so_far = py.detach(|| {
+        let so_far = detached(py, || {
             let (part, seconds) = watch.part(PATIENCE).filter(|(part, _)| part.done() > 0)?;
             Some(self.prepared.so_far(&self.sampling, &part, seconds))
         });
@@ -184,24 +184,24 @@ impl Run {
 impl Run {
     /// The graph that was sampled, with its conditions.
     fn graph(&self, py: Python<'_>) -> Scan {
-        py.detach(|| Scan::of(self.run.boundary().stated_in(self.run.graph().clone())))
+        detached(py, || Scan::of(self.run.boundary().stated_in(self.run.graph().clone())))
     }
 
     /// The plausible topology.
     fn topology(&self, py: Python<'_>) -> Scan {
-        py.detach(|| Scan::of(self.run.topology()))
+        detached(py, || Scan::of(self.run.topology()))
     }
 
     /// The columns of nodes.csv and of edges.csv.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
-        let [nodes, vessels] = py.detach(|| self.run.tables()).map_err(|e| raised(py, &e))?;
+        let [nodes, vessels] = detached(py, || self.run.tables()).map_err(|e| raised(py, &e))?;
         Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
     }
 
     /// The upper triangle of the likelihood matrix: rows, columns, values.
     #[allow(clippy::type_complexity, reason = "it is what Python gets")]
     fn matrix<'py>(&self, py: Python<'py>) -> (Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<u32>>, Bound<'py, PyArray1<f64>>) {
-        let cells = py.detach(|| self.run.likelihood().matrix(self.run.graph()));
+        let cells = detached(py, || self.run.likelihood().matrix(self.run.graph()));
         let rows: Vec<u32> = cells.iter().map(|cell| cell.0).collect();
         let columns: Vec<u32> = cells.iter().map(|cell| cell.1).collect();
         let values: Vec<f64> = cells.iter().map(|cell| cell.2).collect();
@@ -230,7 +230,7 @@ impl Run {
 
     /// The same samples decided on by another rule.
     fn decided_by(&self, py: Python<'_>, rule: &str) -> PyResult<Self> {
-        let decided = py.detach(|| self.run.decided_by(rule.parse()?));
+        let decided = detached(py, || self.run.decided_by(rule.parse()?));
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }
 
@@ -239,18 +239,18 @@ impl Run {
         let each = accept.into_iter().map(|edge| (edge, true)).chain(reject.into_iter().map(|edge| (edge, false)));
         let made: Vec<ConnectionDecision> =
             each.map(|(edge, accepted)| ConnectionDecision { edge, accepted, who: who.into(), when: when.into() }).collect();
-        let decided = py.detach(|| self.run.with_decisions(&made, &mut Silent));
+        let decided = detached(py, || self.run.with_decisions(&made, &mut Silent));
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }
 
     /// Writes the folder of the command; what a person should know.
     fn save(&self, py: Python<'_>, folder: PathBuf, dpi: u32) -> PyResult<Vec<String>> {
-        py.detach(|| self.run.save(&folder, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
+        detached(py, || self.run.save(&folder, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
     }
 
     /// All that it takes to make it again.
     fn to_bytes<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = py.detach(|| self.run.to_bytes()).map_err(|e| raised(py, &e))?;
+        let bytes = detached(py, || self.run.to_bytes()).map_err(|e| raised(py, &e))?;
         Ok(PyBytes::new(py, &bytes))
     }
 }
@@ -273,7 +273,7 @@ impl Simulation {
 /// Solves the flow in a network by the words of the command.
 #[pyfunction]
 pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Simulation> {
-    let made = py.detach(|| {
+    let made = detached(py, || {
         let (options, changes) = words::simulate(scan.path(), &words)?;
         let made = Simulation { input: Arc::new(scan.input.as_ref().clone().with_command(line)), options, changes };
         made.solve().map(drop)?;
@@ -286,31 +286,31 @@ pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -
 impl Simulation {
     /// The columns of nodes.csv and of edges.csv.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
-        let [nodes, vessels] = py.detach(|| self.solve().map(|run| run.tables())).map_err(|e| raised(py, &e))?;
+        let [nodes, vessels] = detached(py, || self.solve().map(|run| run.tables())).map_err(|e| raised(py, &e))?;
         Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
     }
 
     /// The columns of territories.csv and of transit.csv, if the blood was followed.
     fn transport<'py>(&self, py: Python<'py>) -> PyResult<Option<[Bound<'py, PyDict>; 2]>> {
-        let found = py.detach(|| self.solve().map(|run| run.transport_tables())).map_err(|e| raised(py, &e))?;
+        let found = detached(py, || self.solve().map(|run| run.transport_tables())).map_err(|e| raised(py, &e))?;
         let Some([territories, transit]) = found else { return Ok(None) };
         Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
     }
 
     /// The arrays of waveforms.npz, if the flow pulsates.
     fn waveforms<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let found = py.detach(|| self.solve().map(|run| run.waveforms())).map_err(|e| raised(py, &e))?;
+        let found = detached(py, || self.solve().map(|run| run.waveforms())).map_err(|e| raised(py, &e))?;
         found.map(|arrays| tables::arrays(py, arrays)).transpose()
     }
 
     /// What the command says of it: facts under headings.
     fn said(&self, py: Python<'_>) -> PyResult<Said> {
-        py.detach(|| self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))
+        detached(py, || self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))
     }
 
     /// Writes the folder of the command; what a person should know.
     fn save(&self, py: Python<'_>, folder: PathBuf, force: bool, dpi: u32) -> PyResult<Vec<String>> {
-        let saved = py.detach(|| self.solve()?.save(&folder, force, &SaveOptions { dpi }));
+        let saved = detached(py, || self.solve()?.save(&folder, force, &SaveOptions { dpi }));
         saved.map_err(|e| raised(py, &e))
     }
 }
@@ -392,6 +392,6 @@ impl Phenotype {
 
     /// Writes the files of the command into a folder that is there.
     fn write(&self, py: Python<'_>, folder: PathBuf, subject: &str) -> PyResult<()> {
-        py.detach(|| self.phenotype.write(&folder, subject)).map_err(|e| raised(py, &e))
+        detached(py, || self.phenotype.write(&folder, subject)).map_err(|e| raised(py, &e))
     }
 }

@@ -1,5 +1,6 @@
 //! Tables and polylines as NumPy arrays.
 
+use crate::interrupt::detached;
 use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
@@ -37,7 +38,7 @@ pub fn arrays(py: Python<'_>, arrays: Vec<NamedArray>) -> PyResult<Bound<'_, PyD
 
 /// The columns of the nodes and of the vessels of a network.
 pub fn of_network<'py>(py: Python<'py>, network: &Network) -> PyResult<[Bound<'py, PyDict>; 2]> {
-    let (nodes, vessels) = py.detach(|| graph_columns(network));
+    let (nodes, vessels) = detached(py, || graph_columns(network));
     Ok([dict(py, nodes)?, dict(py, vessels)?])
 }
 

@@ -1,5 +1,7 @@
 """Whatever is handed over: a right answer or one clear error, never a panic."""
 
+import subprocess
+import sys
 import warnings
 
 import hypothesis.strategies as st
@@ -117,3 +119,31 @@ def test_any_mask(mask, spacing):
 def test_any_options(options):
     network = willis.centerlines(LINE, PAIRS, RADII)
     answered(lambda: willis.infer(network, progress=False, **options))
+
+
+@pytest.mark.parametrize("spoil", [lambda a: a.astype("M8[s]"), lambda a: a + 1j, lambda a: a.astype("U5"), lambda a: np.ma.masked_equal(a, 2)])
+def test_what_is_no_plain_number_is_refused(spoil):
+    points, edges = np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0]], float), np.array([[0, 1], [1, 2]])
+    with pytest.raises(willis.WillisError, match="points: "):
+        willis.centerlines(spoil(points), edges, np.ones(3))
+
+
+def test_a_mask_larger_than_a_file_is_refused_before_it_is_packed():
+    with pytest.raises(willis.WillisError, match="8000000000 bytes"):
+        willis.from_mask(np.broadcast_to(np.zeros((1, 1, 1), bool), (2000, 2000, 2000)), spacing=1.0)
+
+
+def test_a_fork_after_use_works():
+    """A child that waits for threads of its parent waits for ever; the alarm ends it."""
+    code = """
+import os, signal, sys, willis
+network = willis.phantom("circle-of-willis")
+willis.infer(network, samples=64, progress=False)
+child = os.fork()
+if child == 0:
+    signal.alarm(120)
+    willis.infer(network, samples=64, progress=False)
+    os._exit(0)
+sys.exit(os.waitpid(child, 0)[1] != 0)
+"""
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import inspect
 import io
+import re
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal, Union
@@ -240,6 +241,32 @@ def _tell_of(network: Network) -> None:
         say(heading, fact)
 
 
+def _numbers(name: str, values: npt.ArrayLike, kinds: str = "biufO") -> npt.NDArray[Any]:
+    """An array of numbers of these kinds: none that NumPy would make of a date, of text or of half a complex number, and none that is masked."""
+    array = np.asarray(values)
+    if array.dtype.kind not in kinds:
+        expected = "numbers or text" if "U" in kinds else "numbers" if "f" in kinds else "whole numbers"
+        found = "Python objects" if array.dtype == object else f"values of type {array.dtype}"
+        raise WillisError(f"{name}: {found}; expected {expected}", item=name, expected=expected)
+    if isinstance(values, np.ma.MaskedArray) and np.ma.getmaskarray(values).any():
+        expected = "an array without, as filled() gives it"
+        raise WillisError(f"{name}: masked values; expected {expected}", item=name, expected=expected)
+    return array
+
+
+_SIZES = {"": 1, "B": 1, "kB": 10**3, "KB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
+
+
+def _check_size(name: str, arrays: Iterable[npt.NDArray[Any]], max_input: int | str = "2GiB") -> None:
+    """Refuses arrays that are larger than a file may be before they are packed as one. A size that is none is refused later."""
+    given = re.fullmatch(r"\s*(\d+)\s*(\w*)\s*", str(max_input))
+    most = int(given[1]) * _SIZES.get(given[2], 2**63) if given else 2**63
+    size = sum(array.nbytes for array in arrays)
+    if size > most:
+        expected = f"at most {most} bytes"
+        raise WillisError(f"{name}: {size} bytes; expected {expected}; `max_input` allows more", item=name, expected=expected)
+
+
 def centerlines(
     points: npt.ArrayLike,
     edges: npt.ArrayLike,
@@ -253,18 +280,14 @@ def centerlines(
     ``radii`` (M) with ``lengths`` (M) are those of the edges, each of which is one vessel then. ``labels`` (M) name the edges, ``labels``
     (N) the points. The same as reading the NPZ of these arrays.
     """
-    arrays: dict[str, Any] = {
-        "coords": np.asarray(points, dtype=np.float64),
-        "edges": np.asarray(edges),
-        "radii": np.asarray(radii, dtype=np.float64),
-    }
+    arrays: dict[str, Any] = {"coords": _numbers("points", points), "edges": _numbers("edges", edges, "biu"), "radii": _numbers("radii", radii)}
     if labels is not None:
-        arrays["labels"] = np.asarray(labels)
+        arrays["labels"] = _numbers("labels", labels, "biufSU")
     if lengths is not None:
-        arrays["lengths"] = np.asarray(lengths, dtype=np.float64)
-    for name, array in arrays.items():
-        if array.dtype == object:
-            raise WillisError(f"{name}: Python objects; expected numbers or text", item=name, expected="numbers or text")
+        arrays["lengths"] = _numbers("lengths", lengths)
+    _check_size("arrays", arrays.values())
+    for name in {"coords", "radii", "lengths"} & set(arrays):
+        arrays[name] = np.asarray(arrays[name], dtype=np.float64)
     packed = io.BytesIO()
     np.savez(packed, **arrays)
     return read_packed("arrays.npz", packed.getvalue(), [])
@@ -370,11 +393,10 @@ def from_mask(
     if (affine is None) == (spacing is None):
         accepted = "spacing, or affine"
         raise WillisError(f"mask: {'no frame' if affine is None else 'two'}; expected {accepted}", item="mask", expected=accepted)
-    array = np.asarray(mask)
+    array = _numbers("mask", mask, "biuf")
+    _check_size("mask", [array], max_input)
     if array.dtype == bool:
         array = array.view(np.uint8) if array.flags.c_contiguous else array.astype(np.uint8)
-    if array.dtype == object:
-        raise WillisError("mask: Python objects; expected numbers", item="mask", expected="numbers")
     packed = io.BytesIO()
     name = "mask.npy"
     if affine is None:

@@ -1,8 +1,8 @@
 //! Follows a run: shows its progress, and keeps what is finished beside its output, so that the same command resumes it (`--checkpoint`).
 
-use std::fs;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
+use std::{fs, io};
 
 use crate::error::Error;
 use crate::internals::formats::{is_there, regular_bytes_of};
@@ -240,17 +240,13 @@ impl Keeper<'_> {
     /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
     fn rescue(&mut self, part: &PartialRun, error: Error) -> Error {
         let Error::Stopped { done, total } = error else {
-            if matches!(error, Error::Write { .. }) {
-                // What was written is of no use, and may be what fills the disk.
-                let _ = fs::remove_dir_all(self.folder.path());
-                self.keep(part);
-                if self.kept > 0 {
-                    let (place, samples) = (self.folder.checkpoint_folder().display(), count(self.kept));
-                    let fact = format!("{samples} samples in {place}; the same command goes on from there");
-                    self.terminal.say("kept", fact);
-                }
-            }
-            return error;
+            let Error::Write { path, source } = error else { return error };
+            // What was written is of no use, and may be what fills the disk.
+            let _ = fs::remove_dir_all(self.folder.path());
+            self.keep(part);
+            let (place, samples) = (self.folder.checkpoint_folder().display(), count(self.kept));
+            let kept = format!("{source}; {samples} samples are kept in {place}, and the same command goes on from there");
+            return Error::Write { path, source: if self.kept > 0 { io::Error::other(kept) } else { source } };
         };
         self.keep(part);
         if self.kept == 0 {

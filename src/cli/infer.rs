@@ -256,7 +256,9 @@ impl Inferences {
                     Ok((inference.decision().clone(), record))
                 }
             });
-            let (decision, record) = written.map_err(|error| follower.rescue(error))?;
+            let (done, total) = follower.samples();
+            let stopped = |error| terminal.stopped(error, done, total);
+            let (decision, record) = written.map_err(stopped).map_err(|error| follower.rescue(error))?;
             decisions.push((options.epsilon, decision));
             records.push(record);
         }

@@ -105,8 +105,10 @@ impl MeasureArgs {
         let path = &subject.input;
         let input = self.reading.read(path, subject.line.clone(), terminal)?;
         // Beside its plausible topology all that a run finds plausible.
-        let run =
-            path.is_dir().then(|| self.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false))).transpose()?;
+        let run = path
+            .is_dir()
+            .then(|| self.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false)))
+            .transpose()?;
         let found = measure(&subject.name, &input, run.as_ref(), &self.options(path), &mut Follower::new(terminal))?;
         for note in &found.notes {
             terminal.say("note", note);

@@ -107,7 +107,7 @@ impl ModulateArgs {
         follower.finish();
         let run = run?;
         say_outcome(terminal, &run.outcome());
-        run.write(&folder.path(), self.save_samples, &save)?;
+        run.write(&folder.path(), self.save_samples, &save).map_err(|error| terminal.stopped(error, total, total))?;
         if is_stopped() {
             return Err(Error::Stopped { done: total, total });
         }

@@ -4,9 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use super::boundary_options::BoundaryOptions;
 use willis_core::error::{Error, Result};
-use willis_core::flow::{Unfed, WallLaw};
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::flow::state::BLOOD_DENSITY;
+use willis_core::flow::{Unfed, WallLaw};
 use willis_core::network::Windkessel;
 use willis_core::simulation::pulse::Friction;
 

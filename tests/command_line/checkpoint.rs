@@ -283,6 +283,8 @@ fn a_full_disk_leaves_what_stood_and_what_was_finished() {
     assert_eq!(output.status.code(), Some(1), "{said}");
     let last = said.lines().last().expect("an error");
     assert!(last.starts_with("willis: out/") && last.contains("cannot be written: No space left on device"), "{said}");
+    // With `-q` too, for it is part of the error.
+    assert!(last.contains("samples are kept in .willis-out, and the same command goes on from there"), "{said}");
     assert!(after == before && kept > 0 && copied.expect("cp").success());
     let output = willis(here.path(), &words(&arguments));
     assert!(output.status.success() && resumed(&output), "{}", stderr(&output));

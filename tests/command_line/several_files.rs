@@ -99,6 +99,42 @@ fn a_file_that_somebody_put_there_since_is_not_taken_for_its_own() {
     assert_eq!(fs::read(&nodes).expect("there"), b"mine");
 }
 
+/// A disk that falters once at the removal of a lock leaves no lock: each removal of `merge` is tried once more. The truth is what stands when
+/// no call fails.
+#[test]
+fn a_lock_that_cannot_be_removed_at_first_is_removed() {
+    if !can_trace() {
+        return;
+    }
+    let here = folder();
+    let swc = fs::read(data("broken-circle-of-willis.swc")).expect("there");
+    for name in ["a", "b"] {
+        fs::write(here.path().join(format!("{name}.swc")), [swc.as_slice(), b"# ", name.as_bytes(), b"\n"].concat())
+            .expect("written");
+        let input = format!("{name}.swc");
+        assert!(willis(here.path(), &["infer", &input, "-o", name, "-n", "64", "--dpi", "36", "-q"]).status.success());
+    }
+    let mut calls = 0;
+    loop {
+        let inject = format!("inject=unlink:error=EIO:when={}", calls + 1);
+        let mut strace = Command::new("strace");
+        strace.args(["-f", "-qq", "-o", "log", "-e", "trace=unlink", "-e", &inject, env!("CARGO_BIN_EXE_willis")]);
+        let output = strace.args(["merge", "a", "b", "-o", "c", "-q"]).current_dir(here.path()).output().expect("strace runs");
+        if !fs::read_to_string(here.path().join("log")).expect("a log").contains("INJECTED") {
+            break;
+        }
+        calls += 1;
+        let names = |path: &Path| fs::read_dir(path).into_iter().flatten().flatten().map(|e| e.file_name()).collect::<Vec<_>>();
+        let hidden = [here.path().to_owned(), here.path().join("c")]
+            .iter()
+            .flat_map(|path| names(path))
+            .find(|name| name.as_encoded_bytes()[0] == b'.');
+        assert_eq!(hidden, None, "unlink {calls}: {}", stderr(&output));
+        let _ = fs::remove_dir_all(here.path().join("c"));
+    }
+    assert!(calls > 5, "{calls}");
+}
+
 #[test]
 fn a_name_that_is_too_long_is_refused_before_the_work() {
     let swc = data("broken-circle-of-willis.swc");

@@ -465,22 +465,70 @@ fn boxes_that_a_plane_separates_are_apart() {
     assert_eq!(groups(&grid).len(), grid.len());
 }
 
+/// Points of which many have coordinates in common, or all, and a cloud.
+fn point_sets() -> Vec<Vec<Point>> {
+    let lattice = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
+    let line = (0..300).map(|i| [f64::from(i % 100), 1.0, 2.0]).collect();
+    let plane = (0..400).map(|i| [3.0, f64::from(i % 20), f64::from(i / 20) * 0.1]).collect();
+    let mut draw = Draw::new(3);
+    let cloud = (0..400).map(|_| [0, 1, 2].map(|_| draw.within(0.0, 6.0))).collect();
+    vec![lattice, line, plane, cloud, vec![[1.0; 3]; 50], vec![[0.5, 1.0, 2.0]], Vec::new()]
+}
+
 #[test]
 fn the_tree_finds_what_brute_force_finds_ties_included() {
-    let lattice: Vec<Point> = (0..343).map(|i| [i % 7, i / 7 % 7, i / 49].map(f64::from)).collect();
-    let index = PointIndex::new(lattice.clone());
-    for p in &lattice {
-        for reach in [0.0, 1.0, 1.5, 2.0] {
-            let mut expected: Vec<(f64, usize)> = lattice
-                .iter()
-                .enumerate()
-                .map(|(i, q)| (norm_squared(sub(*q, *p)).sqrt(), i))
-                .filter(|(d, _)| *d <= reach)
-                .collect();
-            expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
-            assert_eq!(index.within(*p, reach), expected);
-            assert_eq!(index.first(*p, expected.len()), expected);
-            assert_eq!(index.first(*p, expected.len() - 1), expected[..expected.len() - 1]);
+    for points in point_sets() {
+        let index = PointIndex::new(points.clone());
+        for p in points.iter().step_by(3).chain(&[[-3.0, 1.0, 0.5]]) {
+            let squared: Vec<f64> = points.iter().map(|q| norm_squared(sub(*q, *p))).collect();
+            let away: Vec<f64> = squared.iter().map(|d2| d2.sqrt()).collect();
+            let least = away.iter().copied().fold(f64::INFINITY, f64::min);
+            for reach in [0.0, 1.0, 1.5, 2.0] {
+                let mut expected: Vec<(f64, usize)> =
+                    squared.iter().copied().zip(0..).filter(|(d2, _)| *d2 <= reach * reach).collect();
+                expected.sort_by(|a, b| a.partial_cmp(b).unwrap());
+                let expected: Vec<(f64, usize)> = expected.into_iter().map(|(d2, i)| (d2.sqrt(), i)).collect();
+                assert_eq!(index.within(*p, reach), expected);
+                assert_eq!(index.count(*p, reach), expected.len());
+                let mut around = index.around(*p, reach);
+                around.sort_by_key(|(_, i)| *i);
+                let mut by_number = expected.clone();
+                by_number.sort_by_key(|(_, i)| *i);
+                assert_eq!(around, by_number);
+                assert_eq!(index.first(*p, expected.len()), expected);
+                let fewer = expected.len().saturating_sub(1);
+                assert_eq!(index.first(*p, fewer), expected[..fewer]);
+                let nearest = index.nearest(*p, reach);
+                let all: Vec<usize> =
+                    (0..points.len()).filter(|i| least <= reach * (1.0 + 1e-9) && away[*i] <= least * (1.0 + 1e-9)).collect();
+                assert_eq!(nearest.points, all);
+                assert_eq!(nearest.distance, if all.is_empty() { f64::INFINITY } else { least });
+            }
         }
     }
+}
+
+/// A coordinate with a wrong exponent makes a vessel of 2e11 mm: it gets 200,000 points and not as many as memory holds.
+#[test]
+fn a_far_coordinate_makes_no_endless_vessel() {
+    let line = |far: f64| {
+        assemble(&[vec![[0.0, 0.0, 0.0, 1e-3], [5e-3, 0.0, 0.0, 1e-3], [1e-2, 0.0, 0.0, 1e-3], [far, 0.0, 0.0, 1e-3]]])
+    };
+    let points = |far: f64| Resampled::new(&line(far), CenterlineKind::Tracing).network.vessel(0).path.len();
+    assert_eq!(points(2e8), 200_001);
+    // One that no limit touches. By hand: the cube root of π · 1 mm² · 1 m over 30 is .4882 mm, which is 2,048 steps.
+    assert_eq!(points(1.0), 2049);
+}
+
+/// Ten thousand fragments in a box of 5 mm: 20,000 ends, each with 40,000 points in its reach. By hand, 8e8 points, of which none is looked at.
+#[test]
+fn a_crowd_is_refused_by_the_count_of_its_points() {
+    let mut draw = Draw::new(9);
+    let mut lines = Vec::new();
+    for _ in 0..10_000 {
+        let [x, y, z] = [0, 1, 2].map(|_| draw.within(0.0, 5e-3));
+        lines.push((0..4).map(|i| [x + 5e-4 * f64::from(i), y, z, 5e-4]).collect());
+    }
+    let error = build(&assemble(&lines), &CandidateOptions::default()).expect_err("refused");
+    assert!(error.to_string().starts_with("free ends 20000, with more than 300000000 points within their reach"), "{error}");
 }

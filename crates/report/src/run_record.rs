@@ -1,6 +1,5 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
-use std::collections::HashSet;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -44,7 +43,7 @@ pub struct Summary {
     /// The options as they were given; every later command reads these back.
     options: Value,
     parameters: Value,
-    boundary_conditions: Vec<Value>,
+    boundary_conditions: Vec<ConditionRecord>,
     counts: Value,
     threshold: Value,
     convergence: Value,
@@ -113,33 +112,56 @@ pub(crate) fn counts(network: &Network, boundary: &Boundary) -> Value {
     json!({ "nodes": network.node_count(), "vessels": network.vessel_count(), "inlets": inlets, "outlets": outlets })
 }
 
+/// A boundary condition of a run, with its keys in alphabetical order, as in all records.
+#[derive(Debug, Clone, Default, Serialize)]
+pub(crate) struct ConditionRecord {
+    #[serde(rename = "flow_mL_per_min", skip_serializing_if = "Option::is_none")]
+    flow: Option<f64>,
+    found: bool,
+    /// Whether it holds in the kept topology.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    holds: Option<bool>,
+    id: String,
+    node: usize,
+    #[serde(rename = "pressure_mmHg", skip_serializing_if = "Option::is_none")]
+    pressure: Option<f64>,
+    #[serde(rename = "resistance_mmHg_s_per_mL", skip_serializing_if = "Option::is_none")]
+    resistance: Option<f64>,
+    role: &'static str,
+    /// Whether the input states by its direction that blood enters here.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    source: bool,
+    #[serde(rename = "venous_pressure_mmHg", skip_serializing_if = "Option::is_none")]
+    venous_pressure: Option<f64>,
+}
+
 /// The boundary conditions that were used, by node.
-pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<Value> {
-    let found: HashSet<usize> = boundary.found_inlets.iter().chain(&boundary.found_outlets).copied().collect();
+pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<ConditionRecord> {
     let each = boundary.conditions.iter().map(|(node, condition)| {
-        let mut value =
-            json!({ "node": node, "id": network.node(*node).id, "role": boundary.roles[*node].name(), "found": found.contains(node) });
-        if boundary.found_inlets.binary_search(node).is_ok() && network.node(*node).is_source {
-            value["source"] = json!(true);
-        }
+        let record = ConditionRecord {
+            found: boundary.is_found(*node),
+            id: network.node(*node).id.clone(),
+            node: *node,
+            role: boundary.roles[*node].name(),
+            source: boundary.found_inlets.binary_search(node).is_ok() && network.node(*node).is_source,
+            ..ConditionRecord::default()
+        };
         match condition {
-            Condition::Pressure(p) => value["pressure_mmHg"] = json!(mmhg(*p)),
+            Condition::Pressure(p) => ConditionRecord { pressure: Some(mmhg(*p)), ..record },
             Condition::Resistance { resistance, venous } => {
-                value["resistance_mmHg_s_per_mL"] = json!(mmhg_s_per_ml(*resistance));
-                value["venous_pressure_mmHg"] = json!(mmhg(*venous));
+                ConditionRecord { resistance: Some(mmhg_s_per_ml(*resistance)), venous_pressure: Some(mmhg(*venous)), ..record }
             }
-            Condition::Flow(flow) => value["flow_mL_per_min"] = json!(ml_per_min(*flow)),
+            Condition::Flow(flow) => ConditionRecord { flow: Some(ml_per_min(*flow)), ..record },
         }
-        value
     });
     each.collect()
 }
 
 /// The boundary conditions of a run, and which of them hold in the kept topology.
-fn conditions_that_hold(network: &Network, boundary: &Boundary, held: &Boundary) -> Vec<Value> {
+fn conditions_that_hold(network: &Network, boundary: &Boundary, held: &Boundary) -> Vec<ConditionRecord> {
     let mut all = conditions(network, boundary);
-    for (value, (node, _)) in all.iter_mut().zip(&boundary.conditions) {
-        value["holds"] = json!(held.condition(*node).is_some());
+    for (record, (node, _)) in all.iter_mut().zip(&boundary.conditions) {
+        record.holds = Some(held.condition(*node).is_some());
     }
     all
 }

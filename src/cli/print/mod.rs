@@ -9,6 +9,7 @@ use std::cell::RefCell;
 use std::io::{IsTerminal, Write};
 use std::time::{Duration, Instant};
 
+use crate::error::Error;
 use crate::internals::flow::Boundary;
 use crate::internals::flow::boundary_conditions::unfed_fragments;
 use crate::internals::formats::Format;
@@ -61,6 +62,11 @@ impl TextTerminal {
     /// Whether Ctrl-C or SIGTERM has come as often as the work stops for.
     pub fn is_stopped(self) -> bool {
         stops() >= self.stops()
+    }
+
+    /// What could not be written after a stop is what was stopped.
+    pub fn stopped(self, error: Error, done: u64, total: u64) -> Error {
+        if self.is_stopped() && matches!(error, Error::Write { .. }) { Error::Stopped { done, total } } else { error }
     }
 
     /// After how many signals the work stops.

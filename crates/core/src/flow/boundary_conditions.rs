@@ -233,11 +233,17 @@ impl Boundary {
     /// The network with these roles and conditions as those that its nodes state, so that a file of it keeps them.
     #[must_use]
     pub fn stated_in(&self, mut network: Network) -> Network {
-        for (node, role) in self.roles.iter().enumerate() {
-            let stated = network.node_mut(node);
-            (stated.role, stated.condition, stated.found) = (Some(*role), self.condition(node), self.is_found(node));
+        for (row, stated) in self.stated().into_iter().enumerate() {
+            let node = network.node_mut(row);
+            (node.role, node.condition, node.found) = stated;
         }
         network
+    }
+
+    /// Per node its role, its condition, and whether that was found, as a file states them.
+    pub fn stated(&self) -> Vec<(Option<Role>, Option<Condition>, bool)> {
+        let of_node = |(node, role): (usize, &Role)| (Some(*role), self.condition(node), self.is_found(node));
+        self.roles.iter().enumerate().map(of_node).collect()
     }
 
     /// Whether the condition of a node was found, not stated.

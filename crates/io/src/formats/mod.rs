@@ -44,8 +44,8 @@ pub use solvers::{write_openbf, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, read_decisions};
 pub use tables::graph::{
-    END_POSITION_COLUMNS, axis, condition_columns, found_column, graph_columns, node_columns, stated_columns, vessel_columns,
-    wall_columns, windkessel_columns,
+    END_POSITION_COLUMNS, axis, condition_columns, found_column, graph_columns, graph_columns_with, node_columns, stated_columns,
+    vessel_columns, wall_columns, windkessel_columns,
 };
 pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};

@@ -288,7 +288,8 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
     let unfinished = path.with_extension(UNFINISHED);
     // What a killed run left of it, or a link that somebody put there.
     let _ = fs::remove_file(&unfinished);
-    let written = write_file(&unfinished, fill).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
+    let written = write_with(&unfinished, fill, DiskFile::to_the_end)
+        .and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
     if written.is_err() {
         // It may be the file that filled the disk.
         let _ = fs::remove_file(&unfinished);
@@ -303,8 +304,16 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
 ///
 /// The error of the system or of `fill`, with the path.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    write_with(path, fill, |file| file)
+}
+
+fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>,
+    how: impl FnOnce(DiskFile) -> DiskFile,
+) -> Result<()> {
     let write = || -> std::io::Result<()> {
-        let mut out = BufWriter::new(DiskFile::create_new(path)?);
+        let mut out = BufWriter::new(how(DiskFile::create_new(path)?));
         fill(&mut out)?;
         out.into_inner()?.finish()
     };

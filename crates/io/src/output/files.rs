@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
+use std::sync::OnceLock;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
@@ -12,12 +13,22 @@ use crate::output::atomic::write_file;
 use crate::output::names::RECORD;
 use willis_core::error::{Fault, Result};
 
+/// Whether the process has been asked to stop, where somebody listens.
+static STOPPED: OnceLock<fn() -> bool> = OnceLock::new();
+
+/// From now on what is being written when `is_stopped` becomes true is given up; progress that is kept is written all the same.
+pub fn give_up_when(is_stopped: fn() -> bool) {
+    let _ = STOPPED.set(is_stopped);
+}
+
 /// A file that remembers its first write error. After that it accepts everything and writes nothing: archive writers, which
 /// finish what they began in any case, then report no second error.
 #[derive(Debug)]
 pub struct DiskFile {
     file: File,
     fault: Option<io::Error>,
+    /// Whether it is given up when the process is asked to stop.
+    stops: bool,
     /// Where the next byte would go, and how long the file would be.
     at: u64,
     length: u64,
@@ -30,7 +41,13 @@ impl DiskFile {
             Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
             _ => {}
         }
-        Ok(Self { file: File::create_new(path)?, fault: None, at: 0, length: 0 })
+        Ok(Self { file: File::create_new(path)?, fault: None, stops: true, at: 0, length: 0 })
+    }
+
+    /// The same, written to its end whoever asks to stop.
+    #[must_use]
+    pub fn to_the_end(self) -> Self {
+        Self { stops: false, ..self }
     }
 
     /// Flushes the file to the disk, or returns the first error.
@@ -45,6 +62,9 @@ impl DiskFile {
 impl Write for DiskFile {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let mut written = bytes.len();
+        if self.fault.is_none() && self.stops && STOPPED.get().is_some_and(|is_stopped| is_stopped()) {
+            self.fault = Some(io::Error::other("a signal asked to stop"));
+        }
         if self.fault.is_none() {
             match self.file.write(bytes) {
                 Err(e) if e.kind() == io::ErrorKind::Interrupted => return Err(e),

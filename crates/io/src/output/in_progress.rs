@@ -157,22 +157,28 @@ fn clear(folder: &Path, target: Option<&Path>) {
     if let Ok(about) = fs::symlink_metadata(&old)
         && let Some(target) = target
     {
-        let _ = if about.is_symlink() {
-            fs::remove_file(&old)
-        } else if target.exists() {
-            fs::remove_dir_all(&old)
+        if about.is_symlink() || target.exists() {
+            remove(&old);
         } else {
-            fs::rename(&old, target)
-        };
+            let _ = fs::rename(&old, target);
+        }
     }
     if target.is_none_or(|target| fs::symlink_metadata(target).is_ok()) {
         // The set is complete.
-        let _ = fs::remove_file(folder.join(SET));
+        remove(&folder.join(SET));
     }
     let made = entries(folder).unwrap_or_default();
     for path in made.iter().filter(|path| path.ends_with(NEW) || path.extension().is_some_and(|e| e == UNFINISHED)) {
-        let is_folder = fs::symlink_metadata(path).is_ok_and(|about| about.is_dir());
-        let _ = if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+        remove(path);
+    }
+}
+
+/// Removes a file, a link, or a folder with all that is in it; once more where the disk faltered, so that no lock is left for nothing.
+fn remove(path: &Path) {
+    let is_folder = fs::symlink_metadata(path).is_ok_and(|about| about.is_dir());
+    let once = || if is_folder { fs::remove_dir_all(path) } else { fs::remove_file(path) };
+    if once().is_err_and(|error| error.kind() != io::ErrorKind::NotFound) {
+        let _ = once();
     }
 }
 
@@ -180,8 +186,10 @@ fn clear(folder: &Path, target: Option<&Path>) {
 fn discard(folder: &Path) {
     let rest = entries(folder).unwrap_or_default();
     if rest.iter().all(|path| path.ends_with(LOCK)) {
-        let _ = fs::remove_file(folder.join(LOCK));
-        let _ = fs::remove_dir(folder);
+        remove(&folder.join(LOCK));
+        if fs::remove_dir(folder).is_err() {
+            let _ = fs::remove_dir(folder);
+        }
     }
 }
 

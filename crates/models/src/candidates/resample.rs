@@ -17,8 +17,10 @@ const STEPS_PER_SIDE: f64 = 30.0;
 const TRACING_RADII: [f64; 2] = [0.25, 2.0];
 /// How often the range of radii is halved to find that radius.
 const HALVINGS: usize = 50;
-/// More points than this are not made: a step is no shorter than this share of the whole length.
-const MOST_POINTS: f64 = 4e6;
+/// More points than so many for each one given are not made, nor more than four million; 200,000 always are: a step is no shorter than this share of
+/// the whole length. A single coordinate with a wrong exponent would else fill the memory.
+const MOST_TIMES: f64 = 200.0;
+const MOST_POINTS: [f64; 2] = [2e5, 4e6];
 
 /// The observed vessels of a network with points at one step.
 pub struct Resampled {
@@ -90,7 +92,8 @@ pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
             (volume(&stretches).cbrt() / STEPS_PER_SIDE).clamp(low, high)
         }
     };
-    steady(step).max(whole / MOST_POINTS)
+    let most = (MOST_TIMES * stretches.len() as f64).clamp(MOST_POINTS[0], MOST_POINTS[1]);
+    steady(step).max(whole / most)
 }
 
 /// The radius (m) that the narrowest quarter of the length has at most; zero without vessels.

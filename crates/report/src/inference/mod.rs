@@ -14,7 +14,7 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::{Circuit, pressures};
 use willis_core::network::fragments;
 use willis_io::formats::{
-    Checksummed, Column, graph_columns, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
+    Checksummed, Column, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
     write_npz, write_swc, write_vtp,
 };
 use willis_io::output::atomic::write_file;
@@ -54,26 +54,35 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     if !outcome.pairings.is_empty() {
         write_file(&folder.join(PAIRINGS), |out| write_csv(out, &pairing_columns(outcome)))?;
     }
-    let matrix = outcome.result.matrix(network);
-    write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, network.node_count(), &matrix))?;
-    if network.node_count() <= DENSE_LIMIT {
-        write_file(&folder.join(DENSE_LIKELIHOOD), |out| write_npy(out, network.node_count(), &matrix))?;
-    } else {
-        notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
-    }
+    // Columns of a large network are not kept for a page that is not made.
+    let for_page = (network.vessel_count() <= PAGE_LIMIT).then_some((vessels, kept_nodes));
+    matrices(folder, outcome, &mut notes)?;
     summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
     if let Some(picture) = overview(outcome, summary) {
         picture.write(folder, dpi)?;
     }
     let figures = pictures(folder, outcome, dpi)?;
     write_record(folder, summary)?;
-    if network.vessel_count() <= PAGE_LIMIT {
-        let page = infer_page(outcome, &*summary, &vessels, kept_nodes, figures);
+    if let Some((vessels, nodes)) = for_page {
+        let page = infer_page(outcome, &*summary, &vessels, nodes, figures);
         write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     } else {
         notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));
     }
     Ok(notes)
+}
+
+/// Writes the matrix L.
+fn matrices(folder: &Path, outcome: &Outcome<'_>, notes: &mut Vec<String>) -> Result<()> {
+    let nodes = outcome.network.node_count();
+    let matrix = outcome.result.matrix(outcome.network);
+    write_file(&folder.join(LIKELIHOOD), |out| write_npz(out, nodes, &matrix))?;
+    if nodes <= DENSE_LIMIT {
+        write_file(&folder.join(DENSE_LIKELIHOOD), |out| write_npy(out, nodes, &matrix))?;
+    } else {
+        notes.push(format!("{DENSE_LIKELIHOOD} is left out above {DENSE_LIMIT} nodes; {LIKELIHOOD} holds the matrix"));
+    }
+    Ok(())
 }
 
 /// Gives the topology above the median the files of the kept one, which it is.
@@ -89,15 +98,15 @@ fn copy(folder: &Path, endings: [&str; 2]) -> Result<()> {
 
 /// Writes the graph that was sampled, so that a later command can take it up again, and returns its SHA-256.
 fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
-    let mut graph = outcome.boundary.stated_in(outcome.network.clone());
-    if outcome.sampling.uniform_prior {
-        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
+    let graph = outcome.network;
+    let (nodes, mut vessels) = graph_columns_with(graph, &outcome.boundary.stated());
+    for column in vessels.iter_mut().filter(|column| outcome.sampling.uniform_prior && column.name == "prior") {
+        *column = Column::real("prior", graph.vessels().map(|_| 1.0));
     }
-    let (nodes, vessels) = graph_columns(&graph);
     let mut sum = String::new();
     write_file(path, |out| {
         let mut summed = Checksummed::new(out);
-        write_graphml(&mut summed, &graph, &nodes, &vessels)?;
+        write_graphml(&mut summed, graph, &nodes, &vessels)?;
         sum = summed.finish();
         Ok(())
     })?;

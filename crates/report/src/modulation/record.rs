@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::outcome::ModulationOutcome;
-use crate::run_record::{conditions, counts, outlets_found};
+use crate::run_record::{ConditionRecord, conditions, counts, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use willis_core::support::Distribution;
@@ -30,7 +30,7 @@ struct ModulationRecord<'a> {
     input: Value,
     seed: u64,
     parameters: Value,
-    boundary_conditions: Vec<Value>,
+    boundary_conditions: Vec<ConditionRecord>,
     counts: Value,
     unperturbed: Value,
     classes: Vec<Value>,

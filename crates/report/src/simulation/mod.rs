@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::tables::condition_columns;
 use super::page::{PagePicture, simulation_page, write_page};
-use super::run_record::{Provenance, conditions, counts, outlets_found};
+use super::run_record::{ConditionRecord, Provenance, conditions, counts, outlets_found};
 use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use simulated::picture_names;
 use transport::{transport_columns, write_transports};
@@ -42,7 +42,7 @@ pub struct FlowRecord {
     command: String,
     input: Value,
     parameters: Value,
-    boundary_conditions: Vec<Value>,
+    boundary_conditions: Vec<ConditionRecord>,
     counts: Value,
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,

@@ -352,16 +352,21 @@ pub fn vessel_columns(network: &Network) -> Vec<Column> {
 
 /// The columns of nodes and of vessels with every attribute that the graph readers read, except the vessels' points.
 pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
+    graph_columns_with(network, &network.nodes().map(|n| (n.role, n.condition, n.found)).collect::<Vec<_>>())
+}
+
+/// As [`graph_columns`], with other roles and conditions than those that the nodes state, and whether these were found.
+pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Condition>, bool)]) -> (Vec<Column>, Vec<Column>) {
     let pressure = |condition: &Option<Condition>| match condition {
         Some(Condition::Pressure(p)) => Some(*p),
         _ => None,
     };
-    let roles: Vec<Option<Role>> = network.nodes().map(|n| n.role).collect();
-    let conditions: Vec<Option<Condition>> = network.nodes().map(|n| n.condition).collect();
+    let roles: Vec<Option<Role>> = stated.iter().map(|(role, ..)| *role).collect();
+    let conditions: Vec<Option<Condition>> = stated.iter().map(|(_, condition, _)| *condition).collect();
     let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
     let mut nodes = node_columns(network, &roles, &pressures, &fragments(network, |_, _| true).of_node);
     nodes.extend(condition_columns(&conditions));
-    nodes.extend(found_column(&network.nodes().map(|n| n.found).collect::<Vec<_>>()));
+    nodes.extend(found_column(&stated.iter().map(|(.., found)| *found).collect::<Vec<_>>()));
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
     vessels.extend(stated_columns(network));

@@ -2,14 +2,16 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use super::free_ends::FreeEnd;
+use crate::candidates::features::extraction::Extraction;
 use willis_core::error::{Error, Result};
 use willis_core::network::{Network, Origin};
+use willis_core::support::in_order;
 
 /// Vessels that may meet at one node.
 const MOST_VESSELS: usize = 1000;
-/// Points that may be looked at around all free ends together, and for each one more.
-const MOST_POINTS: usize = 100_000_000;
-const MOST_POINTS_EACH: usize = 50_000;
+/// Points that may be looked at around all free ends together, some ten seconds of work.
+const MOST_POINTS: usize = 300_000_000;
 
 /// Refuses nodes where more than a thousand observed vessels meet: work grows with the square of their number.
 ///
@@ -31,39 +33,54 @@ pub fn check_junctions(network: &Network) -> Result<()> {
 /// How many points may still be looked at around free ends, by all threads together.
 pub struct SearchBudget {
     ends: usize,
-    most: usize,
     spent: AtomicUsize,
 }
 
 impl SearchBudget {
-    /// The budget of so many free ends.
-    pub fn new(ends: usize) -> Self {
-        Self { ends, most: MOST_POINTS + MOST_POINTS_EACH.saturating_mul(ends), spent: AtomicUsize::new(0) }
+    /// The budget of a search that will look at all points within the `reach` (m) of each free end.
+    ///
+    /// # Errors
+    ///
+    /// They are too many; they are counted before any is looked at.
+    pub fn new(extraction: &Extraction, reach: impl Fn(&FreeEnd) -> f64 + Sync) -> Result<Self> {
+        let ends: Vec<&FreeEnd> = extraction.ends.iter().filter(|end| !extraction.at_border[end.point]).collect();
+        let budget = Self { ends: ends.len(), spent: AtomicUsize::new(0) };
+        if ends.len().saturating_mul(extraction.position.len()) > MOST_POINTS {
+            in_order(&ends, |_, end| {
+                if !budget.is_spent() {
+                    budget.spend(extraction.index.count(extraction.position[end.point], reach(end)));
+                }
+            });
+        }
+        budget.check().map(|()| budget)
     }
 
-    /// Counts points that were looked at.
+    /// Counts points that are looked at.
     pub fn spend(&self, points: usize) {
         self.spent.fetch_add(points, Ordering::Relaxed);
     }
 
-    /// Whether too many points were looked at, so that the rest can be left.
+    /// Whether too many points are looked at, so that the rest can be left.
     pub fn is_spent(&self) -> bool {
-        self.spent.load(Ordering::Relaxed) > self.most
+        self.spent.load(Ordering::Relaxed) > MOST_POINTS
     }
 
-    /// Whether the points looked at were few enough.
+    /// Whether the points looked at are few enough.
     ///
     /// # Errors
     ///
-    /// They were too many.
+    /// They are too many.
     pub fn check(&self) -> Result<()> {
         if !self.is_spent() {
             return Ok(());
         }
-        let each = self.most / self.ends.max(1);
         Err(Error::parameter(
             "free ends",
-            format!("{}, with more than {each} points within the reach of each", self.ends),
+            format!(
+                "{}, with more than {MOST_POINTS} points within their reach, or {} each",
+                self.ends,
+                MOST_POINTS / self.ends.max(1)
+            ),
             "candidates need vessels further apart than the points along them",
         ))
     }

@@ -92,11 +92,11 @@ impl EndCandidate {
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
 pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<EndCandidate>> {
-    from_each_end(extraction, |end, paths| {
-        let around = Neighbourhood::new(extraction, end, reach(extraction.spacing, end.radius));
+    let reach = |end: &FreeEnd| reach(extraction.spacing, end.radius);
+    from_each_end(extraction, reach, |around, paths| {
         let mut points = around.other_fragments(options);
         points.extend(around.own_branches(options, paths));
-        (points, around.count() + paths.count())
+        points
     })
 }
 
@@ -108,11 +108,8 @@ pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<En
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
 pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<EndCandidate>> {
-    from_each_end(extraction, |end, _| {
-        let reach = reach(extraction.spacing, end.mean_radius);
-        let around = Neighbourhood::new(extraction, end, options.max_gap.map_or(reach, |most| reach.min(most)));
-        (around.nearest(options), around.count())
-    })
+    let reach = |end: &FreeEnd| reach(extraction.spacing, end.mean_radius).min(options.max_gap.unwrap_or(f64::INFINITY));
+    from_each_end(extraction, reach, |around, _| around.nearest(options))
 }
 
 /// How long (m) the path along the vessels is at least, for a candidate within a fragment that bridges this gap (m).
@@ -120,12 +117,13 @@ pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
     (DETOUR * gap).max(DETOUR_WIDTHS * (2.0 * end.radius + extraction.spacing))
 }
 
-/// The candidates to the points that `choose` gives for a free end, with the number of points that it looked at.
+/// The candidates to the points that `choose` gives for what lies within the reach (m) of a free end.
 fn from_each_end(
     extraction: &Extraction,
-    choose: impl Fn(&FreeEnd, &mut ShortestPaths) -> (Vec<usize>, usize) + Sync,
+    reach: impl Fn(&FreeEnd) -> f64 + Sync,
+    choose: impl Fn(&Neighbourhood<'_>, &mut ShortestPaths) -> Vec<usize> + Sync,
 ) -> Result<Vec<EndCandidate>> {
-    let budget = SearchBudget::new(extraction.ends.len());
+    let budget = SearchBudget::new(extraction, &reach)?;
     let parts: Vec<&[FreeEnd]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
         let mut paths = ShortestPaths::new(extraction.graph.nodes());
@@ -137,11 +135,11 @@ fn from_each_end(
             if extraction.at_border[end.point] {
                 continue;
             }
-            let (mut points, looked_at) = choose(end, &mut paths);
+            let mut points = choose(&Neighbourhood::new(extraction, end, reach(end)), &mut paths);
             points.retain(|point| !extraction.at_border[*point]);
             let within = |point: usize| extraction.fragment[point] == end.fragment;
             candidates.extend(points.into_iter().map(|point| EndCandidate { end: row, point, within: within(point) }));
-            budget.spend(looked_at);
+            budget.spend(paths.count());
         }
         candidates
     });

@@ -53,11 +53,6 @@ impl<'a> Neighbourhood<'a> {
         Self { extraction, end, reach, own, others }
     }
 
-    /// How many points there are.
-    pub fn count(&self) -> usize {
-        self.own.len() + self.others.len()
-    }
-
     /// The points of the end's own fragment that are wanted, in order.
     pub fn own(&self, wanted: impl Fn(&Hit) -> bool) -> Vec<Hit> {
         in_order(self.own.iter().map(|near| self.hit(*near)).filter(wanted))

@@ -7,7 +7,7 @@ use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use willis_core::network::units::as_stored;
 use willis_core::network::{Network, Origin, Vessel};
-use willis_core::support::geometry::{Point, distance, norm_squared, sub};
+use willis_core::support::geometry::{Point, distance, dot, norm, norm_squared, sub};
 use willis_core::support::in_order;
 
 /// The nearest points, all at one distance.
@@ -19,16 +19,35 @@ pub struct NearestPoints {
 }
 
 /// Points that can be searched.
+///
+/// The tree halves x, y and z in turn, in vain where many points have a coordinate in common, as along a straight line: then its leaves are
+/// n^(2/3) points each. So it holds the points turned by angles that no line of a file has. What it finds is measured again as it stands.
 pub struct PointIndex {
     points: Vec<Point>,
     tree: Option<ImmutableKdTree<f64, 3>>,
+    /// How far turning may move a point by rounding, m.
+    rounding: f64,
+}
+
+/// The axes of the tree: a turn by 1 rad about z, then 1 rad about x, then 1 rad about z.
+const AXES: [Point; 3] = [
+    [-0.09064711889071747, -0.7002964616297819, 0.7080734182735712],
+    [0.7002964616297819, -0.5503448130225777, -0.4546487134128409],
+    [0.7080734182735712, 0.4546487134128409, 0.5403023058681398],
+];
+/// The share of the largest coordinate by which rounding moves a turned point at most, with room to spare.
+const ROUNDING: f64 = 1e-14;
+
+fn turned(p: Point) -> Point {
+    AXES.map(|axis| dot(axis, p))
 }
 
 impl PointIndex {
     /// Indexes finite points.
     pub fn new(points: Vec<Point>) -> Self {
-        let tree = ImmutableKdTree::new_from_slice(&points).ok();
-        Self { points, tree }
+        let tree = ImmutableKdTree::new_from_slice(&points.iter().map(|p| turned(*p)).collect::<Vec<_>>()).ok();
+        let rounding = ROUNDING * points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
+        Self { points, tree, rounding }
     }
 
     /// The points no further than `reach` from `p`, as (distance, number), nearest first, ties to the lower number.
@@ -43,13 +62,18 @@ impl PointIndex {
         self.squared(p, reach).map(|(d2, i)| (d2.sqrt(), i)).collect()
     }
 
+    /// How many points are no further than `reach` from `p`.
+    pub fn count(&self, p: Point, reach: f64) -> usize {
+        self.squared(p, reach).count()
+    }
+
     fn squared(&self, p: Point, reach: f64) -> impl Iterator<Item = (f64, usize)> {
         let limit = reach * reach;
-        // The tree may round its distances another way: ask for a little more, then measure again.
-        let wide = limit * (1.0 + 1e-9);
+        // The tree rounds another way: ask for a little more, then measure again.
+        let wide = (reach * (1.0 + 1e-9) + self.rounding + ROUNDING * norm(p)).powi(2);
         let numbers: Vec<usize> = match &self.tree {
             Some(tree) => tree
-                .query(&p)
+                .query(&turned(p))
                 .within::<SquaredEuclidean<f64>>(wide)
                 .unsorted()
                 .execute()
@@ -65,7 +89,7 @@ impl PointIndex {
     /// The `count` points nearest to `p`, as (distance, number), nearest first, ties to the lower number.
     pub fn first(&self, p: Point, count: usize) -> Vec<(f64, usize)> {
         let Some(count) = NonZero::new(count) else { return Vec::new() };
-        let numbers = self.tree.as_ref().map(|tree| tree.query(&p).nearest_n::<SquaredEuclidean<f64>>(count).execute());
+        let numbers = self.tree.as_ref().map(|tree| tree.query(&turned(p)).nearest_n::<SquaredEuclidean<f64>>(count).execute());
         let farthest = numbers.into_iter().flatten().map(|hit| norm_squared(sub(self.points[hit.item as usize], p)));
         // As many may lie at that distance, of which the tree took any.
         let reach = farthest.fold(0.0, f64::max).sqrt() * (1.0 + 1e-9);
@@ -76,13 +100,19 @@ impl PointIndex {
 
     /// The points nearest to `p` of those no further than `reach`; those that only rounding parts are all nearest.
     pub fn nearest(&self, p: Point, reach: f64) -> NearestPoints {
-        let first = self.tree.as_ref().map(|tree| tree.query(&p).nearest_one::<SquaredEuclidean<f64>>().execute());
-        let distance = first.map_or(f64::INFINITY, |hit| norm_squared(sub(self.points[hit.item as usize], p)).sqrt());
-        let mut points = Vec::new();
-        if distance <= reach * (1.0 + 1e-9) {
-            points.extend(self.within(p, distance * (1.0 + 1e-9)).into_iter().map(|(_, point)| point));
-            points.sort_unstable();
-        }
+        let first = self.tree.as_ref().map(|tree| tree.query(&turned(p)).nearest_one::<SquaredEuclidean<f64>>().execute());
+        let found = first.map_or(f64::INFINITY, |hit| norm_squared(sub(self.points[hit.item as usize], p)).sqrt());
+        // Another may be nearer by what turning rounds.
+        let near = if found <= reach * (1.0 + 1e-9) + 2.0 * (self.rounding + ROUNDING * norm(p)) {
+            self.within(p, found * (1.0 + 1e-9))
+        } else {
+            Vec::new()
+        };
+        let distance = near.first().map_or(f64::INFINITY, |(distance, _)| *distance);
+        let is_nearest = |hit: &&(f64, usize)| distance <= reach * (1.0 + 1e-9) && hit.0 <= distance * (1.0 + 1e-9);
+        let mut points: Vec<usize> = near.iter().filter(is_nearest).map(|(_, point)| *point).collect();
+        points.sort_unstable();
+        let distance = if points.is_empty() { f64::INFINITY } else { distance };
         NearestPoints { distance, points }
     }
 }
