@@ -6,7 +6,8 @@ use std::{fs, io};
 
 use crate::error::Error;
 use crate::internals::formats::{is_there, regular_bytes_of};
-use crate::internals::output::atomic::{StagedFolder, replace_file};
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::replace_file;
 use crate::internals::output::{read_part, write_part};
 use crate::internals::sampling::PartialRun;
 use crate::{Follow, Progress, Step};

@@ -6,9 +6,10 @@ use std::time::Instant;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::write_csv;
-use crate::internals::output::atomic::{StagedFolder, write_file};
+use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::AGREEMENT;
 use crate::internals::output::write_error;
+use crate::internals::output::write_file;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;

@@ -16,8 +16,8 @@ use willis_core::network::units::Scale;
 use willis_core::network::{Condition, Network, Role};
 use willis_core::sampling::SamplingOptions;
 use willis_io::formats::{LandmarkFormat, read_landmarks};
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::LANDMARKS;
+use willis_io::output::write_file;
 use willis_models::circle_of_willis::{
     Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Variant, artery_of_label, collaterals,
     hypoplastic, identify_landmarks, in_axes_of, segment_diameters,

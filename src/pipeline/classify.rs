@@ -17,8 +17,8 @@ use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::Network;
 use willis_core::sampling::{SamplingOptions, infer};
 use willis_io::formats::{Column, write_csv};
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::SUPPLY;
+use willis_io::output::write_file;
 use willis_models::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,

@@ -5,7 +5,7 @@ use willis::internals::candidates::joins::image::ahead::Ahead;
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::scene::Bits;
-use willis::internals::masks::{Appearance, Centerlines, Field, Foreground, Image, Mask, Picture, Scene, View};
+use willis::internals::masks::{Appearance, Field, Foreground, Image, Mask, Picture, ScanCenterlines, Scene, View};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::geometry::{Point, distance, norm};
 
@@ -125,7 +125,7 @@ fn lumens_are_the_voxels_near_points() {
     let picture = Picture::of(image, [[-1.0; 3], [1.0; 3]], 1e-6).expect("the box is in the image");
     let position = [[0.1e-3, -8e-3, 4e-3], [-3e-3, -20e-3, 8e-3], [2.03e-3, 2.01e-3, 1.04e-3], [40e-3, 0.0, 0.0]];
     let radius = [1.1e-3, 2.6e-3, 0.9e-3, 1e-3];
-    let e = Centerlines { position: &position, radius: &radius, lines: &[], spacing: 1e-3 };
+    let e = ScanCenterlines { position: &position, radius: &radius, lines: &[], spacing: 1e-3 };
     let bits = Bits::around(&picture, &e, 0.2e-3);
     let mut inside = 0;
     for z in 0..shape[2] {

@@ -10,8 +10,8 @@ use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::network::units::ml_per_min;
 use willis_io::formats::{Column, write_csv};
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
+use willis_io::output::write_file;
 use willis_io::output::{write_json, write_record};
 use willis_models::circle_of_willis::{
     Artery, BodySide, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, TERRITORIES, Variant,

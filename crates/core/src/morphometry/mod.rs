@@ -70,7 +70,7 @@ pub struct Morphometry {
 impl Morphometry {
     /// Measures a network; `role` says of each node whether blood enters or leaves there.
     pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing) -> Self {
-        let Ways { lines, degree, orders } = Ways::of(network, role);
+        let FromInlets { lines, degree, orders } = FromInlets::of(network, role);
         let figures = figures_of(&lines, &degree, &orders);
         let bifurcations = bifurcations(network, &lines, &degree, &orders);
         let mut ends: Vec<MeasuredEnd> = Vec::new();
@@ -95,14 +95,14 @@ impl Morphometry {
 }
 
 /// The vessels of a network from the inlets on.
-struct Ways {
+struct FromInlets {
     lines: Vec<VesselLine>,
     /// By node.
     degree: Vec<usize>,
     orders: Orders,
 }
 
-impl Ways {
+impl FromInlets {
     fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| role(*node) == Role::Inlet).collect();
         let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
@@ -117,6 +117,6 @@ impl Ways {
 
 /// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
 pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role) -> NetworkFigures {
-    let Ways { lines, degree, orders } = Ways::of(network, role);
+    let FromInlets { lines, degree, orders } = FromInlets::of(network, role);
     figures_of(&lines, &degree, &orders)
 }

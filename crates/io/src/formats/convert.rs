@@ -5,10 +5,10 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::formats::companions::nodes_table_path;
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
 use crate::formats::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
+use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
 use willis_core::flow::Unfed;

@@ -3,7 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use super::companions::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
+use super::content::Content;
 use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
 use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
@@ -13,12 +13,13 @@ use super::images::tiff::{is_tiff, read_tiff, read_tiff_image};
 use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
-use super::read::{Content, Document, ReadOptions};
+use super::options::ReadOptions;
 use super::refused::refused;
 use super::solvers::svzerod::is_svzerod;
 use super::solvers::{write_openbf, write_svzerod};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
+use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::tables::points::{read_points, write_points};
 use super::tables::reader::{delimiter, plural};
 use super::vendors::amira::{is_amira, read_amira, write_amira};
@@ -37,8 +38,20 @@ use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Frame, Network};
 
-/// How many first bytes of a file are looked at to find its format.
-pub(crate) const HEAD: u64 = 1 << 16;
+/// A file that has been read.
+#[derive(Debug, Clone)]
+pub struct Document {
+    /// Its format.
+    pub format: Format,
+    /// Its content.
+    pub content: Content,
+    /// Notes for the user about how it was read, one line each.
+    pub notes: Vec<String>,
+    /// The SHA-256 of its bytes, in hexadecimal.
+    pub sha256: String,
+    /// The voxels inside vessels, in the order of the scanner's axes; `None` for a file that is no mask.
+    pub lumen: Option<Foreground>,
+}
 
 /// The formats that are known.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -150,8 +163,8 @@ impl Format {
         let (mut format, mut lumen) = (self, None);
         let (content, notes) = match self {
             Self::Swc => {
-                let (found, lines, notes) = read_tracing(path, bytes, options)?;
-                format = found;
+                let (has_table, lines, notes) = read_tracing(path, bytes, options)?;
+                format = if has_table { Self::ICafe } else { Self::Swc };
                 (lines, notes)
             }
             Self::ICafe => read_table_of_vessels(path, bytes, options)?,

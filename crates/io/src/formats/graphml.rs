@@ -6,10 +6,10 @@ use std::io::{self, BufRead, Write};
 use crate::formats::attributes::edge::vessels;
 use crate::formats::attributes::records::Records;
 use crate::formats::attributes::{has_lengths_without_unit, is_wanted, nodes, unit_note};
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use crate::formats::tables::graph::points;
 use crate::formats::tables::write::{Column, Values, check_rows};
-use crate::formats::xml::{Events, Step, Tag, escape};
+use crate::formats::xml::{Events, Tag, XmlStep, escape};
 use willis_core::error::Fault;
 use willis_core::network::{Frame, Network};
 
@@ -48,7 +48,7 @@ pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Netwo
     let mut graph = Graph::default();
     let mut graphs = 0;
     while let Some(step) = events.next()? {
-        if step != Step::Start || events.depth() == 1 {
+        if step != XmlStep::Start || events.depth() == 1 {
             continue;
         }
         match events.tag().name() {

@@ -11,6 +11,9 @@ use sha2::{Digest, Sha256};
 use super::regular::open_regular;
 use willis_core::error::{Error, Fault, Result};
 
+/// How many first bytes of a file are looked at to find its format.
+pub(crate) const HEAD: u64 = 1 << 16;
+
 /// The largest input file without another limit: 2 GiB.
 pub const MAX_INPUT: u64 = 2 << 30;
 /// A file may unpack to at most this many times its size, and always to [`SMALL`]. Coordinates and radii do not compress to a
@@ -336,4 +339,9 @@ impl<R: Read> Read for Checksummed<R> {
         self.sum.update(&bytes[..read]);
         Ok(read)
     }
+}
+
+/// The bytes after a byte order mark.
+pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }

@@ -3,6 +3,7 @@
 mod attributes;
 mod binary;
 mod companions;
+mod content;
 pub mod convert;
 mod format;
 mod graphml;
@@ -11,6 +12,7 @@ pub(crate) mod input;
 mod itk;
 mod landmarks;
 mod numpy;
+pub(crate) mod options;
 mod polylines;
 pub(crate) mod read;
 mod refused;
@@ -24,7 +26,8 @@ mod vtk;
 mod xml;
 
 pub use companions::{StatedSpacing, companion_files, stated_spacing};
-pub use format::{Format, read_image, read_mask};
+pub use content::{BuiltNetwork, Content};
+pub use format::{Document, Format, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::metaimage::read_metaimage;
 pub use images::nifti::{read_nifti, write_nifti, write_nifti_image};
@@ -38,7 +41,8 @@ pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, r
 pub use numpy::array::read_arrays;
 pub use numpy::matrix::{NamedArray, NamedComplexArray, write_arrays, write_complex_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
-pub use read::{BuiltNetwork, Content, Document, ReadOptions, bytes_of, read, read_bytes};
+pub use options::ReadOptions;
+pub use read::{bytes_of, read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{write_openbf, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};

@@ -6,7 +6,7 @@ use std::io;
 use petgraph::unionfind::UnionFind;
 
 use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Network, Node, PathPoint, Vessel};
+use willis_core::network::{Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::geometry::{Point, distance};
 
 /// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.
@@ -77,7 +77,7 @@ pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool)
 }
 
 /// The centerlines of a network as one graph of points: first its nodes, then the points between them.
-pub(crate) struct Skeleton {
+pub(crate) struct PointLinks {
     pub(crate) points: Vec<PathPoint>,
     pub(crate) links: Vec<[usize; 2]>,
     /// The vessel of each link.
@@ -95,9 +95,9 @@ pub(crate) fn is_straight(network: &Network) -> bool {
 ///
 /// A node without a position; a vessel without points between two nodes that another such vessel joins, or from a node to
 /// itself, which a reader could not distinguish (`InvalidInput`).
-pub(crate) fn skeleton(network: &Network) -> io::Result<Skeleton> {
+pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
     let (points, lines) = cells(network)?;
-    let mut out = Skeleton { points, links: Vec::new(), vessel: Vec::new() };
+    let mut out = PointLinks { points, links: Vec::new(), vessel: Vec::new() };
     let mut joined = HashSet::new();
     for (row, line) in lines.iter().enumerate() {
         let [a, b] = network.ends(row);
@@ -141,4 +141,22 @@ pub(crate) fn radii_of_points(points: &[Point], links: &[[u32; 2]], radii: &[f64
         }
     }
     sums.into_iter().map(|(sum, of)| if of > 0.0 { sum / of } else { f64::NAN }).collect()
+}
+
+/// Adds an observed vessel between two nodes, without points in between.
+///
+/// Where `length` is NaN, the length is the distance between the nodes.
+pub(crate) fn add_straight(network: &mut Network, ends: [usize; 2], length: f64, radius: f64, label: &str) -> Option<()> {
+    let length = if length.is_nan() {
+        let [a, b] = ends.map(|end| network.node(end).position);
+        distance(a?, b?)
+    } else {
+        length
+    };
+    if !(length > 0.0 && length.is_finite() || length == 0.0 && ends[0] == ends[1]) {
+        return None;
+    }
+    let vessel = Vessel { label: label.to_owned(), ..Vessel::new(length, radius, Origin::Observed) };
+    network.add_vessel(ends, vessel);
+    Some(())
 }

@@ -1,6 +1,6 @@
 //! Checks whether the lengths of a file look like brain vessels in the unit that was given.
 
-use super::read::Content;
+use super::content::Content;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::units::{LengthUnit, Scale, millimetres};

@@ -19,7 +19,7 @@ const NO_ENTITIES: &str = "expected no entities but those of XML itself";
 
 /// What comes next in a file. An empty element has a start and an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::formats) enum Step {
+pub(in crate::formats) enum XmlStep {
     /// An element begins: see [`Events::tag`].
     Start,
     /// The innermost element ends.
@@ -41,7 +41,7 @@ pub(in crate::formats) struct Tag {
 
 /// Reads an XML file as a stream, element by element.
 pub(in crate::formats) struct Events<R> {
-    reader: Reader<Lines<R>>,
+    reader: Reader<CountedLines<R>>,
     buffer: Vec<u8>,
     tag: Tag,
     part: String,
@@ -53,7 +53,7 @@ pub(in crate::formats) struct Events<R> {
 impl<R: BufRead> Events<R> {
     /// At the start of a file in UTF-8.
     pub(in crate::formats) fn new(input: R) -> Self {
-        let mut reader = Reader::from_reader(Lines::new(input));
+        let mut reader = Reader::from_reader(CountedLines::new(input));
         reader.config_mut().expand_empty_elements = true;
         Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
     }
@@ -79,7 +79,7 @@ impl<R: BufRead> Events<R> {
     ///
     /// XML that is not well-formed, a document type with declarations, a reference to an entity other than the five
     /// of XML, elements nested too deeply or with too many attributes.
-    pub(in crate::formats) fn next(&mut self) -> Result<Option<Step>, Fault> {
+    pub(in crate::formats) fn next(&mut self) -> Result<Option<XmlStep>, Fault> {
         loop {
             self.buffer.clear();
             let line = self.reader.get_ref().passed + 1;
@@ -95,11 +95,11 @@ impl<R: BufRead> Events<R> {
                     self.tag.name_length = tag.name().into_inner().len();
                     self.tag.content.clear();
                     self.tag.content.push_str(&tag);
-                    return self.start().map(|()| Some(Step::Start));
+                    return self.start().map(|()| Some(XmlStep::Start));
                 }
                 Ok(Event::End(_)) => {
                     self.depth -= 1;
-                    return Ok(Some(Step::End));
+                    return Ok(Some(XmlStep::End));
                 }
                 Ok(Event::Text(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
                 Ok(Event::CData(text)) if inside => text.xml10_content().as_ref().clone_into(&mut self.part),
@@ -130,7 +130,7 @@ impl<R: BufRead> Events<R> {
                 Ok(Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::Empty(_) | Event::DocType(_)) => continue,
             }
             return match self.part.bytes().find(|b| is_forbidden(*b)) {
-                None => Ok(Some(Step::Text)),
+                None => Ok(Some(XmlStep::Text)),
                 Some(byte) => Err(broken(&format!("character {byte} in a text"))),
             };
         }
@@ -159,7 +159,7 @@ impl<R: BufRead> Events<R> {
     pub(in crate::formats) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
         while self.depth >= depth {
             match self.next()? {
-                Some(Step::Start) => return Ok(true),
+                Some(XmlStep::Start) => return Ok(true),
                 Some(_) => {}
                 None => break,
             }
@@ -183,8 +183,8 @@ impl<R: BufRead> Events<R> {
         let depth = self.depth;
         while self.depth >= depth {
             match self.next()? {
-                Some(Step::Text) if self.depth == depth => out.push_str(&self.part),
-                Some(Step::Start) => seen(&self.tag)?,
+                Some(XmlStep::Text) if self.depth == depth => out.push_str(&self.part),
+                Some(XmlStep::Start) => seen(&self.tag)?,
                 Some(_) => {}
                 None => break,
             }
@@ -242,7 +242,7 @@ fn is_forbidden(byte: u8) -> bool {
 }
 
 /// A text that counts its line ends while it is read.
-pub(crate) struct Lines<R> {
+pub(crate) struct CountedLines<R> {
     inner: R,
     /// Line ends read so far.
     pub(crate) passed: usize,
@@ -250,20 +250,20 @@ pub(crate) struct Lines<R> {
     pub(crate) trailing: usize,
 }
 
-impl<R> Lines<R> {
+impl<R> CountedLines<R> {
     /// At the start of a text.
     pub(crate) fn new(inner: R) -> Self {
         Self { inner, passed: 0, trailing: 0 }
     }
 }
 
-impl<R: BufRead> Read for Lines<R> {
+impl<R: BufRead> Read for CountedLines<R> {
     fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
         self.inner.read(out)
     }
 }
 
-impl<R: BufRead> BufRead for Lines<R> {
+impl<R: BufRead> BufRead for CountedLines<R> {
     fn fill_buf(&mut self) -> io::Result<&[u8]> {
         self.inner.fill_buf()
     }
@@ -310,7 +310,7 @@ impl Element {
         let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
         while let Some(step) = events.next()? {
             match step {
-                Step::Start => {
+                XmlStep::Start => {
                     let tag = events.tag();
                     count += 1;
                     if count > MOST_ELEMENTS {
@@ -320,11 +320,11 @@ impl Element {
                     let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
                     open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });
                 }
-                Step::End => match (open.pop(), open.last_mut()) {
+                XmlStep::End => match (open.pop(), open.last_mut()) {
                     (Some(closed), Some(parent)) => parent.children.push(closed),
                     (closed, _) => root = closed,
                 },
-                Step::Text => {
+                XmlStep::Text => {
                     if let Some(element) = open.last_mut() {
                         element.text.push_str(events.part());
                     }

@@ -42,6 +42,6 @@ pub use mask::{Affine, Mask};
 pub use no_vessels::{why_no_centerlines, why_no_vessels};
 pub use partial::{WallFinder, Walls};
 pub use run_lengths::RunLengths;
-pub use scene::{Appearance, Centerlines, Level, Scene, Unseen, View};
+pub use scene::{Appearance, Level, ScanCenterlines, Scene, Unseen, View};
 pub use thinning::thin;
 pub use trace::{RadiusFrom, Traced, trace};

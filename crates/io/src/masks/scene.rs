@@ -53,7 +53,7 @@ pub struct View {
 
 /// Centerlines as the image is measured by them.
 #[derive(Debug, Clone, Copy)]
-pub struct Centerlines<'a> {
+pub struct ScanCenterlines<'a> {
     /// Position of each point, m.
     pub position: &'a [Point],
     /// Radius of each point, m.
@@ -122,7 +122,7 @@ impl Scene {
     /// # Errors
     ///
     /// [`Unseen`], where the image does not show the vessels.
-    pub fn new(e: &Centerlines, View { image, appearance }: View) -> Result<Self, Unseen> {
+    pub fn new(e: &ScanCenterlines, View { image, appearance }: View) -> Result<Self, Unseen> {
         let h = e.spacing;
         let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1, 2].map(|k| e.position.iter().map(|p| p[k]).fold(start, pick));
         let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
@@ -221,7 +221,7 @@ pub struct Bits(Vec<u64>);
 
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
-    pub fn around(picture: &Picture, e: &Centerlines, more: f64) -> Self {
+    pub fn around(picture: &Picture, e: &ScanCenterlines, more: f64) -> Self {
         let shape = picture.shape();
         let mut words = vec![0_u64; picture.values().len().div_ceil(64)];
         let steps = [0, 1, 2].map(|axis| picture.step(axis));

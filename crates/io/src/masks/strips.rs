@@ -56,7 +56,7 @@ impl Strip {
             (255.0 * share.clamp(0.0, 1.0)).round() as u8
         };
         let off = |n: usize| half * (2.0 * n as f64 / (ACROSS - 1) as f64 - 1.0);
-        let at = |frame: &Frame, u: f64, v: f64| -> Point {
+        let at = |frame: &StripFrame, u: f64, v: f64| -> Point {
             [0, 1, 2].map(|k| frame.place[k] + u * frame.across[0][k] + v * frame.across[1][k])
         };
         let mut pixels = Vec::with_capacity(ACROSS * (ALONG + 2 * ACROSS));
@@ -76,14 +76,14 @@ impl Strip {
 }
 
 /// A place on a line, and two unit vectors across it.
-struct Frame {
+struct StripFrame {
     place: Point,
     across: [Point; 2],
 }
 
 /// Places at even steps along a line; the vectors across turn no more than the line does.
-fn frames(line: &[Point], arc: &[f64], length: f64) -> Vec<Frame> {
-    let mut out: Vec<Frame> = Vec::with_capacity(ALONG);
+fn frames(line: &[Point], arc: &[f64], length: f64) -> Vec<StripFrame> {
+    let mut out: Vec<StripFrame> = Vec::with_capacity(ALONG);
     let mut segment = 0;
     for n in 0..ALONG {
         let s = length * n as f64 / (ALONG - 1) as f64;
@@ -97,7 +97,7 @@ fn frames(line: &[Point], arc: &[f64], length: f64) -> Vec<Frame> {
         let flat = |v: Point| [0, 1, 2].map(|k| v[k] - dot(v, along) * along[k]);
         // A line that turns by a right angle at once leaves nothing of the last vector.
         let u = if dot(flat(last), flat(last)) > 1e-6 { unit(flat(last)) } else { unit(flat(other)) };
-        out.push(Frame { place, across: [u, cross(along, u)] });
+        out.push(StripFrame { place, across: [u, cross(along, u)] });
     }
     out
 }

@@ -97,7 +97,7 @@ struct Tracer<'a> {
 }
 
 /// A branch in space: one point for each voxel, the nodes first and last. Lengths in mm.
-struct Line {
+struct TracedLine {
     points: Vec<Point>,
     /// The length of the stretch that each point stands for.
     lengths: Vec<f64>,
@@ -109,7 +109,7 @@ struct Line {
 
 /// Where a voxel of the graph is.
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum LumenPlace {
     Node(usize),
     /// A branch and one of its points.
     Point(usize, usize),
@@ -188,7 +188,7 @@ impl Tracer<'_> {
     }
 
     fn lines(&self, graph: &Skeleton, radius_from: RadiusFrom) -> Centerlines {
-        let mut lines: Vec<Line> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
+        let mut lines: Vec<TracedLine> = graph.branches.iter().map(|branch| self.line(graph, branch)).collect();
         let step = self.step();
         for line in &mut lines {
             let smoothed = smooth(&line.points);
@@ -245,27 +245,27 @@ impl Tracer<'_> {
         if voxels > FARTHEST { lerp(from, to, FARTHEST / voxels) } else { to }
     }
 
-    fn line(&self, graph: &Skeleton, branch: &Branch) -> Line {
+    fn line(&self, graph: &Skeleton, branch: &Branch) -> TracedLine {
         let [first, last] = branch.ends.map(|end| &graph.nodes[end]);
         let inner = branch.voxels.iter();
         let points = std::iter::once(self.middle(first)).chain(inner.clone().map(|v| self.at(*v))).chain([self.middle(last)]);
         let depths = std::iter::once(self.widest(first)).chain(inner.map(|v| self.depth(*v))).chain([self.widest(last)]);
         let count = branch.voxels.len() + 2;
-        Line { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
+        TracedLine { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
     }
 
     /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen. Draws ends
     /// at the border of the image out to it.
     /// Returns whether each node is a free end whose lumen reaches the border of the image.
-    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [Line]) -> Vec<bool> {
+    fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [TracedLine]) -> Vec<bool> {
         let mut at_border = vec![false; graph.nodes.len()];
         // Every voxel of the graph with where it is: a node, or a point of a branch.
-        let mut seeds: Vec<(u32, Place)> = Vec::new();
+        let mut seeds: Vec<(u32, LumenPlace)> = Vec::new();
         for (node, voxels) in graph.nodes.iter().enumerate().filter(|(node, _)| degrees[*node] > 0) {
-            seeds.extend(voxels.iter().map(|voxel| (*voxel, Place::Node(node))));
+            seeds.extend(voxels.iter().map(|voxel| (*voxel, LumenPlace::Node(node))));
         }
         for (row, branch) in graph.branches.iter().enumerate() {
-            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, Place::Point(row, n + 1))));
+            seeds.extend(branch.voxels.iter().enumerate().map(|(n, voxel)| (*voxel, LumenPlace::Point(row, n + 1))));
         }
         seeds.sort_unstable_by_key(|(voxel, _)| *voxel);
         seeds.dedup_by_key(|(voxel, _)| *voxel);
@@ -288,8 +288,8 @@ impl Tracer<'_> {
         }
         for (place, seed, volume) in volumes(self.mask, self.vessels, &voxels, &nearest) {
             match seeds[seed as usize].1 {
-                Place::Point(row, point) => lines[row].volumes[point] += volume,
-                Place::Node(node) => {
+                LumenPlace::Point(row, point) => lines[row].volumes[point] += volume,
+                LumenPlace::Node(node) => {
                     // A voxel that the end divides lies in part beyond it.
                     let voxel = self.vessels.voxel_at(place);
                     let at = self.mask.position(voxel.map(|index| index as f64));
@@ -352,7 +352,7 @@ impl Tracer<'_> {
     }
 }
 
-impl Line {
+impl TracedLine {
     /// The length that each point stands for: half of the way to its neighbours.
     fn measure(&mut self) {
         self.lengths.fill(0.0);

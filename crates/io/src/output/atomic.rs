@@ -5,12 +5,12 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::in_progress::{InProgress, UNFINISHED, clear_dead_runs, has_checkpoint, is_in_progress, sync_folder, write_error};
+use super::files::{DiskFile, write_file};
+use super::in_progress::{InProgress, clear_dead_runs, entries, has_checkpoint, is_in_progress, sync_folder, write_error};
 use super::lock::is_own_folder;
-use super::own_files::{entries, foreign_file};
+use super::own_files::foreign_file;
 use super::partial_set::PartialSet;
 use super::target::{check_file_size, check_vacant};
-use crate::output::files::DiskFile;
 use willis_core::error::{Error, Result};
 
 /// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
@@ -277,45 +277,4 @@ impl StagedFiles {
         self.files.into_iter().try_for_each(|(_, file)| file.commit())?;
         Ok(paths)
     }
-}
-
-/// Writes a file that replaces an earlier one completely or not at all.
-///
-/// # Errors
-///
-/// As [`write_file`]; the earlier one then stays.
-pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-    let unfinished = path.with_extension(UNFINISHED);
-    // What a killed run left of it, or a link that somebody put there.
-    let _ = fs::remove_file(&unfinished);
-    let written = write_with(&unfinished, fill, DiskFile::to_the_end)
-        .and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
-    if written.is_err() {
-        // It may be the file that filled the disk.
-        let _ = fs::remove_file(&unfinished);
-    }
-    written?;
-    sync_folder(path.parent().unwrap_or(Path::new(".")))
-}
-
-/// Writes a new file through a buffer and flushes it to the disk; an error names the file.
-///
-/// # Errors
-///
-/// The error of the system or of `fill`, with the path.
-pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-    write_with(path, fill, |file| file)
-}
-
-fn write_with(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>,
-    how: impl FnOnce(DiskFile) -> DiskFile,
-) -> Result<()> {
-    let write = || -> std::io::Result<()> {
-        let mut out = BufWriter::new(how(DiskFile::create_new(path)?));
-        fill(&mut out)?;
-        out.into_inner()?.finish()
-    };
-    write().map_err(write_error(path))
 }

@@ -1,15 +1,15 @@
 //! Writes files so that every write error is reported; JSON in and out.
 
-use std::fs::File;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::Path;
 use std::sync::OnceLock;
 
 use serde::Serialize;
 use serde::de::DeserializeOwned;
 
+use super::in_progress::{UNFINISHED, sync_folder, write_error};
 use crate::formats::regular_bytes_of;
-use crate::output::atomic::write_file;
 use crate::output::names::RECORD;
 use willis_core::error::{Fault, Result};
 
@@ -129,4 +129,45 @@ pub fn write_record(folder: &Path, record: &impl Serialize) -> Result<()> {
 /// The file cannot be read, or holds no such value; the error names it.
 pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> {
     serde_json::from_slice(&regular_bytes_of(path)?).map_err(|e| Fault::file(e.to_string(), expected).in_file(path))
+}
+
+/// Writes a file that replaces an earlier one completely or not at all.
+///
+/// # Errors
+///
+/// As [`write_file`]; the earlier one then stays.
+pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    let unfinished = path.with_extension(UNFINISHED);
+    // What a killed run left of it, or a link that somebody put there.
+    let _ = fs::remove_file(&unfinished);
+    let written = write_with(&unfinished, fill, DiskFile::to_the_end)
+        .and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
+    if written.is_err() {
+        // It may be the file that filled the disk.
+        let _ = fs::remove_file(&unfinished);
+    }
+    written?;
+    sync_folder(path.parent().unwrap_or(Path::new(".")))
+}
+
+/// Writes a new file through a buffer and flushes it to the disk; an error names the file.
+///
+/// # Errors
+///
+/// The error of the system or of `fill`, with the path.
+pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    write_with(path, fill, |file| file)
+}
+
+fn write_with(
+    path: &Path,
+    fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>,
+    how: impl FnOnce(DiskFile) -> DiskFile,
+) -> Result<()> {
+    let write = || -> std::io::Result<()> {
+        let mut out = BufWriter::new(how(DiskFile::create_new(path)?));
+        fill(&mut out)?;
+        out.into_inner()?.finish()
+    };
+    write().map_err(write_error(path))
 }

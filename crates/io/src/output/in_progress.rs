@@ -6,10 +6,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::lock::{LOCK, LockError, TRIES, is_own_folder, lock};
-use super::partial_set::SET;
+use super::names::SET;
 use super::target::followed;
 use crate::formats::checksum;
-use crate::output::own_files::entries;
 use willis_core::error::{Error, Result};
 
 /// The beginning of the name of every unfinished output.
@@ -246,4 +245,9 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
         _ => {}
     }
     Ok(())
+}
+
+/// The paths in a folder; `None` when it cannot be read.
+pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
+    fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
 }

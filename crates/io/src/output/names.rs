@@ -90,3 +90,5 @@ pub const COHORT: &str = "cohort.json";
 pub const COHORT_TABLE: &str = "cohort.csv";
 /// The page of a cohort.
 pub const COHORT_PAGE: &str = "cohort.html";
+/// The files that a set has put in their places, in the hidden folder of the main file.
+pub const SET: &str = "set.json";

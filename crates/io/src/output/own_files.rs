@@ -1,12 +1,11 @@
 //! Which folders willis wrote, and may replace.
 
 use std::ffi::OsStr;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
-use super::in_progress::is_in_progress;
+use super::in_progress::{entries, is_in_progress};
 use super::names::{
     AGREEMENT, BIFURCATIONS, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, CONVERGENCE_PICTURE, DENSE_LIKELIHOOD,
     EDGES, ENDS, FAILURE, FLOW_PICTURE, GRAPH, HARMONICS, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES, INTERVALS, LANDMARKS,
@@ -60,11 +59,6 @@ const PICTURES: [&str; 8] = [
 const SHARD_FILES: &[&str] = &[SHARD, SHARD_SUMS];
 /// The files in the folder of a cohort besides the folders of its subjects.
 const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE];
-
-/// The paths in a folder; `None` when it cannot be read.
-pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
-    fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
-}
 
 /// Whether a path has the name of a file of a cohort.
 pub fn is_cohort_file(path: &Path) -> bool {

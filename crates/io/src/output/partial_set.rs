@@ -5,15 +5,12 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::atomic::replace_file;
-use super::files::read_json;
+use super::files::{read_json, replace_file};
 use super::in_progress::folder_of;
 use super::lock::is_own_folder;
+use super::names::SET;
 use super::target::followed;
 use willis_core::error::Result;
-
-/// The file with it, in the hidden folder of the main file.
-pub const SET: &str = "set.json";
 
 /// The files beside a main file that is not there yet.
 #[derive(Debug)]

@@ -9,8 +9,9 @@ use std::path::Path;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::write_csv;
-use willis_io::output::atomic::{StagedFile, write_file};
+use willis_io::output::atomic::StagedFile;
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
+use willis_io::output::write_file;
 
 pub use descriptions::describe;
 pub use figures::{Figures, WALL_TIME, infer_figures, needs_person, phenotype_figures};

@@ -8,7 +8,7 @@ use super::sheet::Sheet;
 use super::style::POINTS_PER_INCH;
 use super::{bitmap, svg};
 use willis_core::error::{Error, Result};
-use willis_io::output::atomic::write_file;
+use willis_io::output::write_file;
 
 /// The default resolution, pixels per inch.
 pub const DEFAULT_DPI: u32 = 150;

@@ -17,10 +17,10 @@ use willis_io::formats::{
     Checksummed, Column, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
     write_npz, write_swc, write_vtp,
 };
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
 };
+use willis_io::output::write_file;
 use willis_io::output::write_record;
 
 pub use outcome::{Outcome, few_perfused};

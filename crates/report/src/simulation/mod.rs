@@ -26,8 +26,8 @@ use willis_io::formats::{
     Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
     write_vtp,
 };
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use willis_io::output::write_file;
 use willis_io::output::write_record;
 
 pub use simulated::Simulated;

@@ -14,8 +14,8 @@ use willis_core::simulation::pulse::indices::Indices;
 use willis_core::simulation::pulse::womersley::womersley_number;
 use willis_core::simulation::pulse::{Pulse, Pulses};
 use willis_io::formats::{Column, NamedArray, NamedComplexArray, write_arrays, write_complex_arrays, write_csv};
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::{HARMONICS, WAVEFORM_TABLE, WAVEFORMS};
+use willis_io::output::write_file;
 
 /// The largest number of vessels whose waveforms are written as a table.
 const MOST_IN_TABLE: usize = 1000;

@@ -10,8 +10,8 @@ use willis_core::network::Network;
 use willis_core::network::units::{milliseconds, ml_per_min};
 use willis_core::simulation::transport::{Blood, Transport, Transports};
 use willis_io::formats::{Column, write_csv};
-use willis_io::output::atomic::write_file;
 use willis_io::output::names::{TERRITORIES, TRANSIT};
+use willis_io::output::write_file;
 
 /// What an end is called: its label, that of the only vessel there, or its id.
 pub fn end_name(network: &Network, node: usize) -> String {

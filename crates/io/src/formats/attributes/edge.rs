@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
+use super::item::{AREA, Item, Name, RESISTANCE};
 use super::records::Records;
-use super::{AREA, Item, Name, RESISTANCE};
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use crate::formats::tables::reader::plural;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;

@@ -12,19 +12,19 @@ pub(in crate::formats) struct Records {
     /// The values of items that state none.
     defaults: HashMap<String, String>,
     text: String,
-    fields: Vec<Field>,
-    items: Vec<Place>,
+    fields: Vec<RecordField>,
+    items: Vec<RecordStart>,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Field {
+struct RecordField {
     name: u32,
     length: u32,
     start: usize,
 }
 
 #[derive(Debug, Clone, Copy)]
-struct Place {
+struct RecordStart {
     line: usize,
     first: usize,
 }
@@ -33,7 +33,7 @@ struct Place {
 #[derive(Debug, Clone, Copy)]
 pub(in crate::formats) struct Record<'a> {
     all: &'a Records,
-    fields: &'a [Field],
+    fields: &'a [RecordField],
     /// Its line in the file.
     pub(in crate::formats) line: usize,
 }
@@ -51,13 +51,13 @@ impl Records {
 
     /// Begins an item.
     pub(in crate::formats) fn begin(&mut self, line: usize) {
-        self.items.push(Place { line, first: self.fields.len() });
+        self.items.push(RecordStart { line, first: self.fields.len() });
     }
 
     /// Sets an attribute of the last item; a later value replaces an earlier one.
     pub(in crate::formats) fn put(&mut self, name: usize, text: &str) {
         let text = text.trim();
-        self.fields.push(Field { name: name as u32, length: text.len() as u32, start: self.text.len() });
+        self.fields.push(RecordField { name: name as u32, length: text.len() as u32, start: self.text.len() });
         self.text.push_str(text);
     }
 
@@ -73,7 +73,7 @@ impl Records {
 
     /// An item.
     pub(in crate::formats) fn get(&self, row: usize) -> Record<'_> {
-        let Place { line, first } = self.items[row];
+        let RecordStart { line, first } = self.items[row];
         let end = self.items.get(row + 1).map_or(self.fields.len(), |next| next.first);
         Record { all: self, fields: &self.fields[first..end], line }
     }
@@ -92,7 +92,7 @@ impl<'a> Record<'a> {
 
     /// The text of an attribute that is a name, which may be any word; none where it is empty.
     pub(in crate::formats) fn word(&self, name: &str) -> Option<&'a str> {
-        let named = |field: &&Field| self.all.names[field.name as usize].as_deref() == Some(name);
+        let named = |field: &&RecordField| self.all.names[field.name as usize].as_deref() == Some(name);
         let text = match self.fields.iter().rfind(named) {
             Some(field) => &self.all.text[field.start..field.start + field.length as usize],
             None => self.all.defaults.get(name)?.trim(),

@@ -19,7 +19,7 @@ use willis_core::network::Frame;
 const MOST_HEADER: usize = 1 << 22;
 
 /// The fields of a header, each with its line, and where the voxels of the same file begin.
-struct Header {
+struct MetaHeader {
     fields: HashMap<String, (usize, String)>,
     end: usize,
 }
@@ -35,7 +35,7 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
-    let header = Header::read(bytes).ok()?;
+    let header = MetaHeader::read(bytes).ok()?;
     let (_, name) = header.text("ElementDataFile").ok()?;
     if is_local(name) { None } else { beside(path, name) }
 }
@@ -68,7 +68,7 @@ fn with_voxels<T>(
     take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
 ) -> Result<T> {
     let here = |fault: Fault| fault.in_file(path);
-    let header = Header::read(bytes).map_err(here)?;
+    let header = MetaHeader::read(bytes).map_err(here)?;
     let voxels = header.voxels().map_err(here)?;
     let needed = voxels.bytes(most).map_err(here)?;
     let (line, name) = header.text("ElementDataFile").map_err(here)?;
@@ -104,7 +104,7 @@ fn is_local(name: &str) -> bool {
     name.eq_ignore_ascii_case("local")
 }
 
-impl Header {
+impl MetaHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let (mut fields, mut at, mut line) = (HashMap::new(), 0, 0);
         while at < bytes.len().min(MOST_HEADER) {

@@ -92,7 +92,7 @@ const TWO: Layout = Layout {
 };
 
 /// A header and how it is read.
-struct Header<'a> {
+struct NiftiHeader<'a> {
     head: &'a [u8],
     layout: Layout,
     big: bool,
@@ -134,7 +134,7 @@ fn with_voxels<T>(
     let (layout, big) = version(&head)
         .filter(|(layout, _)| head.len() >= layout.sform + 12 * layout.real)
         .ok_or_else(|| Fault::file(format!("a header of {} bytes", head.len()), ACCEPTED))?;
-    let header = Header { head: &head, layout, big };
+    let header = NiftiHeader { head: &head, layout, big };
     let (voxels, offset) = header.voxels()?;
     voxels.bytes(most)?;
     let skipped = offset.saturating_sub(head.len() as u64);
@@ -220,7 +220,7 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     Ok(head)
 }
 
-impl Header<'_> {
+impl NiftiHeader<'_> {
     fn whole(&self, at: usize, bytes: usize) -> i64 {
         signed(word(&self.head[at..at + bytes], self.big), bytes)
     }

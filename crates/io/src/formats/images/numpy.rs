@@ -1,7 +1,7 @@
 //! Reads masks and images saved by NumPy: an array of three axes, x, y and z, in a file of its own or beside its frame in an archive.
 
 use crate::formats::input::UnpackLimit;
-use crate::formats::numpy::array::{Archive, Array};
+use crate::formats::numpy::array::{Archive, NumpyArray};
 use crate::masks::{Affine, Image, Mask};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
@@ -56,7 +56,7 @@ fn with_voxels<T>(
         let array = archive.first(&VOXELS)?.ok_or_else(|| archive.lacks(VOXELS[0]))?;
         (array, StatedFrame::read(&mut archive)?)
     } else {
-        (Array::read("of voxels", bytes, bytes.len() as u64, &room)?, StatedFrame::default())
+        (NumpyArray::read("of voxels", bytes, bytes.len() as u64, &room)?, StatedFrame::default())
     };
     let mut axes = array.shape.as_slice();
     while let (true, Some(fewer)) = (axes.len() > 3, axes.strip_suffix(&[1]).or_else(|| axes.strip_prefix(&[1]))) {

@@ -14,7 +14,7 @@ use tiff::tags::Tag;
 use super::pieces::Pieces;
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
-use crate::formats::xml::{Events, Step};
+use crate::formats::xml::{Events, XmlStep};
 use crate::masks::{Image, Mask};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
@@ -220,7 +220,7 @@ impl Stated {
         let mut events = Events::new(description.as_bytes());
         // What comes after that element may be cut off.
         while let Some(step) = events.next()? {
-            if !matches!(step, Step::Start) || events.tag().name() != "Pixels" {
+            if !matches!(step, XmlStep::Start) || events.tag().name() != "Pixels" {
                 continue;
             }
             let fields: HashMap<String, String> = events.tag().attributes()?.into_iter().collect();

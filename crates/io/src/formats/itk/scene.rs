@@ -12,12 +12,12 @@ const ENTRY: &str = "expected a line Key = value";
 const SHOWN: usize = 40;
 
 /// A place in a file that mixes lines and binary data.
-pub struct Cursor<'a> {
+pub struct SceneCursor<'a> {
     rest: &'a [u8],
     line: usize,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> SceneCursor<'a> {
     /// The next line without blanks around it, and its number; the cursor stays before it.
     pub fn peek(&self) -> Option<(usize, &'a [u8])> {
         let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
@@ -107,7 +107,7 @@ impl Object {
 
 /// The objects of a file in their order, without the scene itself.
 pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
-    let mut cursor = Cursor { rest: bytes, line: 1 };
+    let mut cursor = SceneCursor { rest: bytes, line: 1 };
     let (mut objects, mut stated) = (Vec::new(), None);
     let mut open: Option<Object> = None;
     while let Some((line, text)) = cursor.line() {
@@ -281,7 +281,7 @@ impl Columns {
 }
 
 /// Reads the points that follow the line `Points =` of a tube.
-pub fn read_points(object: &Object, cursor: &mut Cursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
+pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
     let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
     if !object.is_true("BinaryData") {
@@ -313,7 +313,7 @@ pub fn read_points(object: &Object, cursor: &mut Cursor<'_>, line: usize) -> Res
 }
 
 /// Points as text, one a line.
-fn read_text(object: &Object, cursor: &mut Cursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
+fn read_text(object: &Object, cursor: &mut SceneCursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
     let named = object.field("PointDim").is_some();
     let mut columns = if named { Some(Columns::of(object, None)?) } else { None };
     let mut samples = Vec::new();

@@ -4,8 +4,8 @@ use std::collections::{HashMap, HashSet, VecDeque};
 use std::io::{self, Write};
 
 use crate::formats::itk::scene::{Nearest, Object, read_scene};
+use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::read::ReadOptions;
 use crate::formats::swc::single_line;
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
@@ -158,12 +158,12 @@ fn number(lines: &mut Centerlines, ids: &[f64]) {
 
 /// x -> M x + b. MetaIO's CenterOfRotation does not count, since the offset is stated (ITK's MatrixOffsetTransformBase).
 #[derive(Clone, Copy)]
-pub struct Affine {
+pub struct TubeTransform {
     matrix: [[f64; 3]; 3],
     offset: Point,
 }
 
-impl Affine {
+impl TubeTransform {
     /// The image of a point.
     pub fn apply(&self, p: Point) -> Point {
         let turned = self.matrix.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]);
@@ -221,32 +221,32 @@ pub fn parents(objects: &[Object], row_of: &HashMap<u64, usize>) -> Result<Vec<O
 }
 
 /// From each object's own coordinates to those of the scene; `None` where nothing changes.
-pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Option<Affine>>, Fault> {
+pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Option<TubeTransform>>, Fault> {
     #[derive(Clone, Copy, PartialEq)]
-    enum State {
+    enum Visit {
         New,
         Open,
         Done,
     }
-    let (mut state, mut out) = (vec![State::New; objects.len()], vec![None; objects.len()]);
+    let (mut state, mut out) = (vec![Visit::New; objects.len()], vec![None; objects.len()]);
     for start in 0..objects.len() {
         let (mut visited, mut at) = (Vec::new(), Some(start));
-        while let Some(row) = at.filter(|row| state[*row] != State::Done) {
-            if state[row] == State::Open {
+        while let Some(row) = at.filter(|row| state[*row] != Visit::Done) {
+            if state[row] == Visit::Open {
                 let found = format!("{} is its own ancestor", objects[row].name());
                 return Err(Fault::line(objects[row].line, found, "expected ParentID to lead to a root"));
             }
-            state[row] = State::Open;
+            state[row] = Visit::Open;
             visited.push(row);
             at = parents[row];
         }
         for row in visited.into_iter().rev() {
             let outer = parents[row].and_then(|parent| out[parent]);
-            out[row] = match (Affine::of(&objects[row])?, outer) {
+            out[row] = match (TubeTransform::of(&objects[row])?, outer) {
                 (Some(own), Some(outer)) => Some(own.then(&outer)),
                 (own, outer) => own.or(outer),
             };
-            state[row] = State::Done;
+            state[row] = Visit::Done;
         }
     }
     Ok(out)

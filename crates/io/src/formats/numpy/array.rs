@@ -26,7 +26,7 @@ const ACCEPTED_NAMES: &str =
 const MOST_BRACKETS: usize = 6;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Kind {
+enum ElementKind {
     Number(NumberType),
     /// True or false, as a byte.
     Truth,
@@ -38,10 +38,10 @@ enum Kind {
 
 /// An array that has been read.
 #[derive(Debug, Clone)]
-pub(crate) struct Array {
+pub(crate) struct NumpyArray {
     name: String,
     pub(crate) shape: Vec<usize>,
-    kind: Kind,
+    kind: ElementKind,
     /// Bytes of one value.
     size: usize,
     big: bool,
@@ -49,7 +49,7 @@ pub(crate) struct Array {
     data: Vec<u8>,
 }
 
-impl Array {
+impl NumpyArray {
     /// Reads a member of the archive, which takes `stored` bytes there. The size that the file states alone allocates nothing.
     pub(crate) fn read(name: &str, mut member: impl Read, stored: u64, room: &UnpackLimit) -> Result<Self, Fault> {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
@@ -70,12 +70,12 @@ impl Array {
         };
         let (order, kind, size) = (dtype.get(..1), dtype.get(1..2), dtype.get(2..).and_then(|s| s.parse::<usize>().ok()));
         let (kind, size) = match (kind, size) {
-            (Some("f"), Some(size @ (4 | 8))) => (Kind::Number(NumberType::Real), size),
-            (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Signed), size),
-            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (Kind::Number(NumberType::Unsigned), size),
-            (Some("b"), Some(size @ 1)) => (Kind::Truth, size),
-            (Some("U"), Some(length @ 0..=4096)) => (Kind::Utf32, 4 * length),
-            (Some("S"), Some(length @ 0..=4096)) => (Kind::Ascii, length),
+            (Some("f"), Some(size @ (4 | 8))) => (ElementKind::Number(NumberType::Real), size),
+            (Some("i"), Some(size @ (1 | 2 | 4 | 8))) => (ElementKind::Number(NumberType::Signed), size),
+            (Some("u"), Some(size @ (1 | 2 | 4 | 8))) => (ElementKind::Number(NumberType::Unsigned), size),
+            (Some("b"), Some(size @ 1)) => (ElementKind::Truth, size),
+            (Some("U"), Some(length @ 0..=4096)) => (ElementKind::Utf32, 4 * length),
+            (Some("S"), Some(length @ 0..=4096)) => (ElementKind::Ascii, length),
             (Some("O"), _) => return Err(fault("Python objects (pickled)".into(), ACCEPTED)),
             _ => return Err(fault(format!("values of type {dtype}"), ACCEPTED)),
         };
@@ -90,7 +90,7 @@ impl Array {
             return Err(short(stored as usize));
         }
         // Texts of no length take room too, once they are read.
-        let texts = matches!(kind, Kind::Utf32 | Kind::Ascii);
+        let texts = matches!(kind, ElementKind::Utf32 | ElementKind::Ascii);
         let least = if texts { shape.iter().product::<usize>().saturating_mul(size_of::<String>()) } else { 0 };
         room.take(bytes.max(least)).map_err(|(found, accepted)| fault(found, accepted))?;
         let mut data = Vec::new();
@@ -120,15 +120,15 @@ impl Array {
 
     /// Whether the values are whole numbers.
     pub(crate) fn is_whole(&self) -> bool {
-        matches!(self.kind, Kind::Number(NumberType::Signed | NumberType::Unsigned))
+        matches!(self.kind, ElementKind::Number(NumberType::Signed | NumberType::Unsigned))
     }
 
     /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
         let kind = match self.kind {
-            Kind::Number(kind) => kind,
-            Kind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
-            Kind::Utf32 | Kind::Ascii => return Err(self.fault("text", "expected numbers")),
+            ElementKind::Number(kind) => kind,
+            ElementKind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
+            ElementKind::Utf32 | ElementKind::Ascii => return Err(self.fault("text", "expected numbers")),
         };
         Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
     }
@@ -141,9 +141,9 @@ impl Array {
         }
         let letters = |bytes: &[u8]| -> Option<String> {
             let all: Option<String> = match self.kind {
-                Kind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
-                Kind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
-                Kind::Number(..) | Kind::Truth => None,
+                ElementKind::Utf32 => bytes.chunks_exact(4).map(|c| char::from_u32(word(c, self.big) as u32)).collect(),
+                ElementKind::Ascii => bytes.iter().map(|b| b.is_ascii().then_some(char::from(*b))).collect(),
+                ElementKind::Number(..) | ElementKind::Truth => None,
             };
             all.map(|text| text.trim_end_matches('\0').to_owned())
         };
@@ -157,9 +157,9 @@ impl Array {
     /// The type of its numbers, the bytes of each, and whether the most significant byte is first.
     pub(crate) fn numbers(&self) -> Result<(NumberType, usize, bool), Fault> {
         match self.kind {
-            Kind::Number(kind) => Ok((kind, self.size, self.big)),
-            Kind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
-            Kind::Utf32 | Kind::Ascii => Err(self.fault("text", "expected numbers")),
+            ElementKind::Number(kind) => Ok((kind, self.size, self.big)),
+            ElementKind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
+            ElementKind::Utf32 | ElementKind::Ascii => Err(self.fault("text", "expected numbers")),
         }
     }
 
@@ -204,7 +204,7 @@ impl<'a> Archive<'a> {
     }
 
     /// The array under the first of the names that is there.
-    pub(crate) fn first(&mut self, names: &[&str]) -> Result<Option<Array>, Fault> {
+    pub(crate) fn first(&mut self, names: &[&str]) -> Result<Option<NumpyArray>, Fault> {
         let Some((row, name)) =
             names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
         else {
@@ -213,7 +213,7 @@ impl<'a> Archive<'a> {
         let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
         let member = self.zip.by_index(row).map_err(broken)?;
         let stored = member.compressed_size();
-        Array::read(name, member, stored, self.room).map(Some)
+        NumpyArray::read(name, member, stored, self.room).map(Some)
     }
 }
 
@@ -269,7 +269,7 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
         let member = archive.by_index(at).map_err(|e| broken(&e))?;
         let name = member.name().trim_end_matches(".npy").to_owned();
         let stored = member.compressed_size();
-        let array = Array::read(&name, member, stored, &room)?;
+        let array = NumpyArray::read(&name, member, stored, &room)?;
         if array.fortran && array.shape.len() > 1 {
             return Err(Fault::item(format!("array {name}"), "in Fortran order", "expected C order"));
         }
@@ -284,7 +284,7 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
 ///
 /// Another shape or type, or a file that is cut.
 pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
-    let array = Array::read("A", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), MAX_INPUT))?;
+    let array = NumpyArray::read("A", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), MAX_INPUT))?;
     if array.shape != [n, n] {
         let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
         return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));

@@ -7,12 +7,13 @@ use ndarray_npy::{WritableElement, WriteNpyExt};
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
-use super::array::{Archive, Array};
-use crate::formats::companions::add_straight;
+use super::array::{Archive, NumpyArray};
+use crate::formats::content::Content;
 use crate::formats::input::UnpackLimit;
+use crate::formats::options::ReadOptions;
+use crate::formats::polylines::add_straight;
 use crate::formats::polylines::positions;
 use crate::formats::polylines::{centerlines, is_straight, radii_of_points, skeleton};
-use crate::formats::read::{Content, ReadOptions};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::units::millimetres;
@@ -137,7 +138,7 @@ fn vessels(
 }
 
 /// The rows of `edges`, all of which must be points.
-fn links(edges: &Array, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
+fn links(edges: &NumpyArray, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
     if !edges.is_whole() {
         return Err(edges.fault("values that are not whole numbers", "expected an integer type"));
     }

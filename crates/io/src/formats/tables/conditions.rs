@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::reader::{TableReader, columns, uncommented};
-use crate::formats::read::without_mark;
+use crate::formats::input::without_mark;
 use willis_core::error::{Fault, Place};
 use willis_core::network::quantity::Dimension;
 use willis_core::network::units::pascals;
@@ -63,7 +63,7 @@ enum Text {
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File {
+struct ConditionsFile {
     condition: Vec<Entry>,
 }
 
@@ -76,7 +76,7 @@ struct File {
 pub fn read_toml(bytes: &[u8]) -> Result<Vec<Statement>, Fault> {
     const ACCEPTED: &str = "expected [[condition]] tables with node, label or at, kind, value, unit, venous_pressure_mmHg";
     let text = std::str::from_utf8(without_mark(bytes)).map_err(|_| Fault::file("the text is not UTF-8", "expected UTF-8"))?;
-    let file: File = parse(text, ACCEPTED)?;
+    let file: ConditionsFile = parse(text, ACCEPTED)?;
     let place = |n: usize| Place::Item(format!("condition {}", n + 1));
     file.condition.into_iter().enumerate().map(|(n, entry)| statement(entry, place(n))).collect()
 }

@@ -5,9 +5,9 @@ use std::io::{self, Write};
 
 use crate::formats::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
 use crate::formats::attributes::records::Records;
-use crate::formats::attributes::{self, COMPLIANCE, PROXIMAL, nodes};
+use crate::formats::attributes::{self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, nodes};
 use crate::formats::input::checksum;
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::points::HEADER as POINTS_HEADER;
 use crate::formats::tables::reader::{TableReader, columns, delimiter};
@@ -239,8 +239,6 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     Ok((header, records))
 }
 
-/// The columns with the position of a node.
-pub(crate) const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// The columns with the positions of the two ends of a vessel.
 pub const END_POSITION_COLUMNS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
 

@@ -5,6 +5,7 @@ pub(crate) mod decisions;
 pub(crate) mod graph;
 pub(crate) mod lists;
 pub(crate) mod manifest;
+pub(crate) mod pairs;
 pub(crate) mod points;
 pub(crate) mod prior;
 pub mod reader;

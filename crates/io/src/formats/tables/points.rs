@@ -5,8 +5,8 @@ use std::io::{self, Write};
 
 use super::reader::{TableReader, columns as describe};
 use super::write::escape_formula;
+use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::read::ReadOptions;
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::Network;

@@ -7,9 +7,9 @@ use super::reader::TableReader;
 use crate::formats::attributes;
 use crate::formats::format::Format;
 use crate::formats::input::{regular_bytes_of, stream_of};
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use crate::formats::vtk::polydata;
-use crate::formats::xml::{Events, Step, Tag};
+use crate::formats::xml::{Events, Tag, XmlStep};
 use willis_core::error::Fault;
 
 /// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
@@ -51,7 +51,7 @@ fn named(path: &Path, (element, attribute): (&str, &str), end: &str) -> Option<V
         Ok(tag.name() != end)
     };
     while let Some(step) = events.next().ok()? {
-        if step == Step::Start && !add(events.tag()).ok()? {
+        if step == XmlStep::Start && !add(events.tag()).ok()? {
             break;
         }
     }

@@ -10,8 +10,8 @@ use flate2::read::ZlibDecoder;
 
 use crate::formats::binary::NumberType;
 use crate::formats::input::UnpackLimit;
+use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{cells, centerlines};
-use crate::formats::read::ReadOptions;
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};

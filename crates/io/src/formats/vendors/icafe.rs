@@ -1,11 +1,12 @@
 //! iCafe: labels the branches of a traced SWC file with the arteries that Feature_Vessel.csv in the same folder names.
 
-use std::path::Path;
+use std::fs::read_dir;
+use std::path::{Path, PathBuf};
 
-use crate::formats::companions::{TABLE_OF_VESSELS, find_image_info, find_table_of_vessels, find_tracing};
-use crate::formats::format::Format;
-use crate::formats::input::{bytes_beside, content_beside};
-use crate::formats::read::{Content, ReadOptions, without_mark};
+use crate::formats::content::Content;
+use crate::formats::input::{bytes_beside, content_beside, without_mark};
+use crate::formats::options::ReadOptions;
+use crate::formats::regular::is_there;
 use crate::formats::swc::read_swc;
 use crate::formats::tables::reader::TableReader;
 use willis_core::error::{Fault, Result};
@@ -13,6 +14,11 @@ use willis_core::network::Labels;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::{LengthUnit, Scale};
 use willis_core::support::geometry::Point;
+
+/// iCafe's table of vessels.
+pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
+/// iCafe's description of the image.
+const IMAGE: &str = "Image_info.txt";
 
 /// Bytes of Image_info.txt at the most.
 const MOST_IMAGE: u64 = 1 << 20;
@@ -163,18 +169,18 @@ fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize>
     head
 }
 
-/// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it.
-pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(Format, Content, Vec<String>)> {
+/// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it, which is said too.
+pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(bool, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
-    let mut format = Format::Swc;
+    let mut has_table = false;
     if let Some(table) = find_table_of_vessels(path)
         && let Some(note) = name_vessels(&mut lines, &content_beside(&table, options.max_input)?, &table, &options.scale)?
     {
-        format = Format::ICafe;
+        has_table = true;
         notes.push(note);
     }
     notes.extend(spacing_note(path, &options.scale)?);
-    Ok((format, Content::Centerlines(lines), notes))
+    Ok((has_table, Content::Centerlines(lines), notes))
 }
 
 /// Reads the one tracing in the folder of a table of vessels.
@@ -209,4 +215,36 @@ fn spacing_note(tracing: &Path, scale: &Scale) -> Result<Option<String>> {
     Ok(spacing.map(|spacing| {
         format!("Image_info.txt beside it states a voxel spacing of {spacing} mm; give `units=voxel` `spacing={spacing}`")
     }))
+}
+
+/// The table of vessels in the folder of an iCafe tracing.
+pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| is_there(path))
+}
+
+/// iCafe's description of the image, in the folder of a tracing or its table of vessels.
+pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
+    Some(tracing.with_file_name(IMAGE)).filter(|path| is_there(path))
+}
+
+/// The one tracing in the folder of a table of vessels.
+pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
+    let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
+    found.sort();
+    match found.len() {
+        0 => Err(Fault::file("an iCafe table of vessels without a tracing", "expected the SWC file of the tracing beside it")),
+        1 => Ok(found.remove(0)),
+        many => {
+            let names: Vec<_> =
+                found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
+            let found = format!(
+                "{many} SWC files beside the table of vessels ({}{})",
+                names.join(", "),
+                if many > 3 { ", ..." } else { "" }
+            );
+            Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
+        }
+    }
 }

@@ -5,8 +5,8 @@ use std::io::{self, Write};
 use serde::Deserialize;
 use serde_json::Value;
 
+use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::read::ReadOptions;
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};
@@ -19,7 +19,7 @@ const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
 const CURVES: &str = "expected markups of type Curve, ClosedCurve or Line";
 
 #[derive(Deserialize)]
-struct File {
+struct MarkupsFile {
     markups: Option<Vec<Markup>>,
 }
 
@@ -37,7 +37,7 @@ pub(in crate::formats) struct Markup {
     #[serde(default)]
     pub(in crate::formats) control_points: Vec<ControlPoint>,
     #[serde(default)]
-    measurements: Vec<Measurement>,
+    measurements: Vec<MarkupsMeasurement>,
 }
 
 /// A point of a markup.
@@ -99,7 +99,7 @@ impl ControlPoint {
 ///
 /// Text that is not JSON of this kind.
 pub(in crate::formats) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault> {
-    let file: File = serde_json::from_slice(bytes).map_err(|error| {
+    let file: MarkupsFile = serde_json::from_slice(bytes).map_err(|error| {
         let text = error.to_string();
         let cause = text.split(" at line ").next().unwrap_or_default().to_owned();
         Fault::line(error.line(), format!("column {}: {cause}", error.column()), "expected JSON of 3D Slicer markups")
@@ -109,7 +109,7 @@ pub(in crate::formats) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault>
 
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase")]
-struct Measurement {
+struct MarkupsMeasurement {
     #[serde(default)]
     name: String,
     control_point_values: Option<Vec<Option<f64>>>,

@@ -2,10 +2,11 @@
 
 use std::io::{self, Write};
 
-use crate::formats::companions::add_straight;
+use crate::formats::content::Content;
+use crate::formats::options::ReadOptions;
+use crate::formats::polylines::add_straight;
 use crate::formats::polylines::positions;
 use crate::formats::polylines::{centerlines, is_straight, skeleton};
-use crate::formats::read::{Content, ReadOptions};
 use crate::formats::tables::graph::axis;
 use crate::formats::tables::reader::plural;
 use crate::formats::tables::reader::{Row, TableReader};

@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use crate::formats::companions::add_straight;
+use crate::formats::options::ReadOptions;
+use crate::formats::polylines::add_straight;
 use crate::formats::polylines::positions;
-use crate::formats::read::ReadOptions;
 use crate::formats::tables::graph::NodeTable;
 use crate::formats::tables::graph::axis;
 use crate::formats::tables::reader::TableReader;

@@ -6,7 +6,7 @@ use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
 use crate::formats::input::UnpackLimit;
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::Scale;

@@ -5,13 +5,13 @@ use willis_core::error::Fault;
 
 /// A type of number.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Kind {
+pub(crate) struct VtkType {
     /// Bits in binary.
     bits: u32,
     number: NumberType,
 }
 
-impl Kind {
+impl VtkType {
     /// The whole numbers of the cells in files before version 5.1.
     pub(crate) const INT: Self = Self { bits: 32, number: NumberType::Signed };
     /// Bytes.
@@ -43,7 +43,7 @@ impl Kind {
 
 /// A place in the file.
 #[derive(Debug, Clone)]
-pub(crate) struct Cursor<'a> {
+pub(crate) struct VtkCursor<'a> {
     bytes: &'a [u8],
     at: usize,
     /// Whether numbers and texts are binary.
@@ -52,7 +52,7 @@ pub(crate) struct Cursor<'a> {
     pub(crate) section: String,
 }
 
-impl<'a> Cursor<'a> {
+impl<'a> VtkCursor<'a> {
     /// At the start of a file.
     pub(crate) fn new(bytes: &'a [u8]) -> Self {
         Self { bytes, at: 0, binary: false, section: String::new() }
@@ -107,7 +107,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Whole numbers.
-    pub(crate) fn wholes(&mut self, kind: Kind, count: usize) -> Result<Vec<i64>, Fault> {
+    pub(crate) fn wholes(&mut self, kind: VtkType, count: usize) -> Result<Vec<i64>, Fault> {
         if self.binary {
             return Ok(self.numbers(kind, count)?.into_iter().map(|x| x as i64).collect());
         }
@@ -120,7 +120,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// Numbers of any type.
-    pub(crate) fn numbers(&mut self, kind: Kind, count: usize) -> Result<Vec<f64>, Fault> {
+    pub(crate) fn numbers(&mut self, kind: VtkType, count: usize) -> Result<Vec<f64>, Fault> {
         if !self.binary {
             let mut out = Vec::new();
             for _ in 0..count {

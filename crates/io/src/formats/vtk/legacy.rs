@@ -1,8 +1,8 @@
 //! Reads a legacy VTK PolyData file, ASCII or binary, section by section.
 
-use crate::formats::read::ReadOptions;
-use crate::formats::vtk::cursor::{Cursor, Kind, unescape};
-use crate::formats::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
+use crate::formats::options::ReadOptions;
+use crate::formats::vtk::cursor::{VtkCursor, VtkType, unescape};
+use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, is_wanted};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::network::centerlines::Centerlines;
@@ -19,7 +19,7 @@ pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or d
 /// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
 /// no radius array, or a surface instead of lines.
 pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut cursor = Cursor::new(bytes);
+    let mut cursor = VtkCursor::new(bytes);
     let frame = head(&mut cursor)?;
     let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
@@ -32,7 +32,7 @@ pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
 }
 
 /// The four lines before the data; returns the frame that the title states as 3D Slicer does.
-fn head(cursor: &mut Cursor) -> Result<Frame, Fault> {
+fn head(cursor: &mut VtkCursor) -> Result<Frame, Fault> {
     let version = cursor.line().unwrap_or_default();
     if !version.starts_with("# vtk DataFile") {
         return Err(Fault::line(1, format!("\"{}\"", version.trim()), "expected # vtk DataFile Version 2.0 to 5.1"));
@@ -61,7 +61,7 @@ pub(crate) enum Group {
 /// What has been read of a file.
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
-    pub(crate) cursor: Cursor<'a>,
+    pub(crate) cursor: VtkCursor<'a>,
     pub(crate) options: &'a ReadOptions,
     pub(crate) data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
@@ -115,7 +115,7 @@ impl Reader<'_> {
         let first = self.cursor.count("a number of cells", LIMIT)?;
         let second = self.cursor.count("a number of entries", LIMIT)?;
         if !self.cursor.is_next("OFFSETS") {
-            let entries = self.cursor.wholes(Kind::INT, second)?;
+            let entries = self.cursor.wholes(VtkType::INT, second)?;
             return self.cells_with_counts(which, first, &entries);
         }
         let mut ends = self.part("OFFSETS", first)?;
@@ -158,9 +158,9 @@ impl Reader<'_> {
         Ok(())
     }
 
-    fn kind(&mut self) -> Result<Kind, Fault> {
+    fn kind(&mut self) -> Result<VtkType, Fault> {
         let name = self.cursor.need("a type")?;
-        Kind::named(name).ok_or_else(|| self.cursor.fault(format!("type \"{name}\""), TYPES))
+        VtkType::named(name).ok_or_else(|| self.cursor.fault(format!("type \"{name}\""), TYPES))
     }
 
     fn finish(mut self) -> Result<(PolyData, Vec<String>), Fault> {
@@ -181,9 +181,9 @@ impl Reader<'_> {
         // Cell data counts vertex cells before lines, wherever they stand in the file.
         for array in &mut self.data.line_data {
             match &mut array.values {
-                Values::Numbers(values) => *values = values.iter().skip(verts).take(lines).copied().collect(),
-                Values::Texts(values) => *values = values.iter().skip(verts).take(lines).cloned().collect(),
-                Values::Unread => {}
+                ArrayValues::Numbers(values) => *values = values.iter().skip(verts).take(lines).copied().collect(),
+                ArrayValues::Texts(values) => *values = values.iter().skip(verts).take(lines).cloned().collect(),
+                ArrayValues::Unread => {}
             }
         }
         Ok((self.data, notes))
@@ -224,11 +224,11 @@ impl Reader<'_> {
             }
             "COLOR_SCALARS" => {
                 let width = self.cursor.count("a number of components", LIMIT)?;
-                self.cursor.numbers(Kind::BYTE, rows.saturating_mul(width)).map(drop)
+                self.cursor.numbers(VtkType::BYTE, rows.saturating_mul(width)).map(drop)
             }
             "LOOKUP_TABLE" => {
                 let size = self.cursor.count("a size", LIMIT)?;
-                self.cursor.numbers(if self.cursor.binary { Kind::BYTE } else { Kind::REAL }, 4 * size).map(drop)
+                self.cursor.numbers(if self.cursor.binary { VtkType::BYTE } else { VtkType::REAL }, 4 * size).map(drop)
             }
             "SCALARS" => {
                 let kind = self.cursor.need("a type")?;
@@ -272,16 +272,16 @@ impl Reader<'_> {
     fn values(&mut self, name: &str, kind: &str, width: usize, rows: usize) -> Result<(), Fault> {
         let count = rows.saturating_mul(width);
         let values = if ["string", "utf8_string"].iter().any(|text| kind.eq_ignore_ascii_case(text)) {
-            Values::Texts(self.cursor.texts(count)?)
+            ArrayValues::Texts(self.cursor.texts(count)?)
         } else {
-            let kind = Kind::named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
-            Values::Numbers(self.cursor.numbers(kind, count)?)
+            let kind = VtkType::named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
+            ArrayValues::Numbers(self.cursor.numbers(kind, count)?)
         };
         let name = name.trim().to_owned();
-        let values = if width == 1 && is_wanted(&name, self.options) { values } else { Values::Unread };
+        let values = if width == 1 && is_wanted(&name, self.options) { values } else { ArrayValues::Unread };
         match self.group {
-            Some((Group::Points, _)) => self.data.point_data.push(Array { name, values }),
-            Some((Group::Cells, _)) => self.data.line_data.push(Array { name, values }),
+            Some((Group::Points, _)) => self.data.point_data.push(NamedValues { name, values }),
+            Some((Group::Cells, _)) => self.data.line_data.push(NamedValues { name, values }),
             None => {}
         }
         Ok(())

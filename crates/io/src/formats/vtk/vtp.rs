@@ -1,10 +1,10 @@
 //! Reads the lines and radii of a VTK XML PolyData file (VTP).
 
 use crate::formats::input::UnpackLimit;
-use crate::formats::read::ReadOptions;
+use crate::formats::options::ReadOptions;
 use crate::formats::vtk::SPACE;
 use crate::formats::vtk::array::{Arrays, Source};
-use crate::formats::vtk::polydata::{Array, LIMIT, PolyData, Values, centerlines, is_wanted};
+use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, is_wanted};
 use crate::formats::xml::{self, Element};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
@@ -113,19 +113,19 @@ fn named(
     arrays: &Arrays,
     options: &ReadOptions,
     [skipped, count]: [usize; 2],
-) -> Result<Vec<Array>, Fault> {
+) -> Result<Vec<NamedValues>, Fault> {
     let mut out = Vec::new();
     for array in piece.named(group).flat_map(|group| group.children().filter(|c| is_array(c))) {
         let name = array.attribute("Name").trim();
         let scalar = matches!(array.attribute("NumberOfComponents").trim(), "" | "1");
         let values = if !scalar || !is_wanted(name, options) {
-            Values::Unread
+            ArrayValues::Unread
         } else if array.attribute("type") == "String" {
-            Values::Texts(arrays.texts(array, skipped + count)?.split_off(skipped))
+            ArrayValues::Texts(arrays.texts(array, skipped + count)?.split_off(skipped))
         } else {
-            Values::Numbers(arrays.reals(array, skipped + count)?.split_off(skipped))
+            ArrayValues::Numbers(arrays.reals(array, skipped + count)?.split_off(skipped))
         };
-        out.push(Array { name: name.to_owned(), values });
+        out.push(NamedValues { name: name.to_owned(), values });
     }
     Ok(out)
 }

@@ -17,7 +17,7 @@ use willis_core::network::{Network, Origin, PathPoint, Vessel, fragments};
 use willis_core::support::geometry::{Point, distance};
 use willis_core::support::statistics::median;
 use willis_core::support::ties::steady;
-use willis_io::masks::Centerlines;
+use willis_io::masks::ScanCenterlines;
 
 /// The points of the observed vessels of a network with what the search and the features need of them. Lengths in m.
 ///
@@ -66,8 +66,8 @@ pub struct Extraction {
 
 impl Extraction {
     /// What an image is measured by: positions, averaged radii, branches.
-    pub fn centerlines(&self) -> Centerlines<'_> {
-        Centerlines { position: &self.position, radius: &self.smooth.radius, lines: &self.lines, spacing: self.spacing }
+    pub fn centerlines(&self) -> ScanCenterlines<'_> {
+        ScanCenterlines { position: &self.position, radius: &self.smooth.radius, lines: &self.lines, spacing: self.spacing }
     }
 
     /// The radius (m) at a point that the evidence measures with: that of the free end there, else the averaged one.

@@ -2,10 +2,10 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::free_ends::FreeEnd;
-use crate::candidates::features::extraction::Extraction;
+use super::point_index::PointIndex;
 use willis_core::error::{Error, Result};
 use willis_core::network::{Network, Origin};
+use willis_core::support::geometry::Point;
 use willis_core::support::in_order;
 
 /// Vessels that may meet at one node.
@@ -37,18 +37,17 @@ pub struct SearchBudget {
 }
 
 impl SearchBudget {
-    /// The budget of a search that will look at all points within the `reach` (m) of each free end.
+    /// The budget of a search that will look at all points within a reach (m) of each of these places.
     ///
     /// # Errors
     ///
     /// They are too many; they are counted before any is looked at.
-    pub fn new(extraction: &Extraction, reach: impl Fn(&FreeEnd) -> f64 + Sync) -> Result<Self> {
-        let ends: Vec<&FreeEnd> = extraction.ends.iter().filter(|end| !extraction.at_border[end.point]).collect();
+    pub fn new(index: &PointIndex, ends: &[(Point, f64)]) -> Result<Self> {
         let budget = Self { ends: ends.len(), spent: AtomicUsize::new(0) };
-        if ends.len().saturating_mul(extraction.position.len()) > MOST_POINTS {
-            in_order(&ends, |_, end| {
+        if ends.len().saturating_mul(index.len()) > MOST_POINTS {
+            in_order(ends, |_, (place, reach)| {
                 if !budget.is_spent() {
-                    budget.spend(extraction.index.count(extraction.position[end.point], reach(end)));
+                    budget.spend(index.count(*place, *reach));
                 }
             });
         }

@@ -19,7 +19,7 @@ use meeting_points::{least_bent, snapped};
 use neighbourhood::{Hit, Neighbourhood, reach};
 use willis_core::error::Result;
 use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::distance;
+use willis_core::support::geometry::{Point, distance};
 use willis_core::support::in_order;
 use willis_core::support::ties::steady;
 
@@ -123,7 +123,9 @@ fn from_each_end(
     reach: impl Fn(&FreeEnd) -> f64 + Sync,
     choose: impl Fn(&Neighbourhood<'_>, &mut ShortestPaths) -> Vec<usize> + Sync,
 ) -> Result<Vec<EndCandidate>> {
-    let budget = SearchBudget::new(extraction, &reach)?;
+    let inner = extraction.ends.iter().filter(|end| !extraction.at_border[end.point]);
+    let places: Vec<(Point, f64)> = inner.map(|end| (extraction.position[end.point], reach(end))).collect();
+    let budget = SearchBudget::new(&extraction.index, &places)?;
     let parts: Vec<&[FreeEnd]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
         let mut paths = ShortestPaths::new(extraction.graph.nodes());

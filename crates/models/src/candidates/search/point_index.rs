@@ -62,6 +62,16 @@ impl PointIndex {
         self.squared(p, reach).map(|(d2, i)| (d2.sqrt(), i)).collect()
     }
 
+    /// How many points there are.
+    pub fn len(&self) -> usize {
+        self.points.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
+    }
+
     /// How many points are no further than `reach` from `p`.
     pub fn count(&self, p: Point, reach: f64) -> usize {
         self.squared(p, reach).count()

@@ -1,5 +1,6 @@
 //! Turns the polylines and named arrays of a VTK file into centerlines: cut lines joined, lines labelled.
 
+mod data;
 mod overlap;
 pub(crate) mod radius;
 mod tracts;
@@ -8,50 +9,12 @@ use std::collections::HashMap;
 
 use petgraph::unionfind::UnionFind;
 
-use crate::formats::read::ReadOptions;
+pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
+use data::{PolyLine, PolyLines};
+
+use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
-use willis_core::support::geometry::Point;
-
-/// The most points, cells or indices of a file: one that announces more is broken.
-pub(crate) const LIMIT: usize = 1 << 26;
-
-/// A named array with one value for each point, or for each line.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Array {
-    /// Its name, trimmed.
-    pub(crate) name: String,
-    /// Its values.
-    pub(crate) values: Values,
-}
-
-/// The values of an array.
-#[derive(Debug, Clone, PartialEq)]
-pub(crate) enum Values {
-    /// Numbers, one for each point or line.
-    Numbers(Vec<f64>),
-    /// Texts, one for each point or line.
-    Texts(Vec<String>),
-    /// Not read.
-    Unread,
-}
-
-/// Polylines with the arrays of their points and of the lines.
-#[derive(Debug, Clone, Default, PartialEq)]
-pub(crate) struct PolyData {
-    /// How many points and lines of the file come before these.
-    pub(crate) before: [usize; 2],
-    /// Positions in the file's unit.
-    pub(crate) points: Vec<[f64; 3]>,
-    /// Per line where it ends in `cells`.
-    pub(crate) ends: Vec<i64>,
-    /// The points of the lines, one line after the other.
-    pub(crate) cells: Vec<i64>,
-    /// One value for each point.
-    pub(crate) point_data: Vec<Array>,
-    /// One value for each line.
-    pub(crate) line_data: Vec<Array>,
-}
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -63,38 +26,13 @@ fn is_of_vmtk(piece: &PolyData) -> bool {
     piece.point_data.iter().any(|array| array.name == "MaximumInscribedSphereRadius")
 }
 
-/// A line of the file, or the rest of it after merging.
-#[derive(Debug, Clone, PartialEq)]
-struct Line {
-    /// The rows of its points.
-    points: Vec<u32>,
-    /// Per link the row of its label; 0 for none.
-    names: Vec<u32>,
-    /// Its number in the file.
-    strand: u32,
-}
-
-/// The lines of all pieces together, in m.
-#[derive(Debug, Default)]
-struct Lines {
-    at: Vec<Point>,
-    radii: Vec<f64>,
-    /// The labels of links; the first one is empty.
-    names: Vec<String>,
-    each: Vec<Line>,
-    /// Points that were merged away, each with the one that replaces it.
-    merged: Vec<[u32; 2]>,
-    /// The points at which all lines of the file start.
-    sources: Vec<u32>,
-}
-
 /// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also notes for the user.
 ///
 /// # Errors
 ///
 /// Lines that contradict the points, a point on a line without finite coordinates, no array of radii.
 pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut all = Lines { names: vec![String::new()], ..Lines::default() };
+    let mut all = PolyLines { names: vec![String::new()], ..PolyLines::default() };
     let (mut notes, mut cut) = (Vec::new(), Vec::new());
     let mut ids = Vec::new();
     for piece in pieces {
@@ -111,7 +49,7 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
             let points: Vec<u32> = cell.iter().map(|p| (first + p) as u32).collect();
             let links = points.len().saturating_sub(1);
             let strand = (piece.before[1] + line) as u32;
-            all.each.push(Line { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
+            all.each.push(PolyLine { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
         }
         cut.extend(tracts::tracts_of_lines(piece, from));
     }
@@ -155,7 +93,7 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
     Ok(out)
 }
 
-fn build(all: &Lines, ids: &[u64]) -> Centerlines {
+fn build(all: &PolyLines, ids: &[u64]) -> Centerlines {
     let mut out = Centerlines::default();
     let mut row_of: HashMap<u32, u32> = HashMap::new();
     for line in &all.each {
@@ -227,7 +165,7 @@ fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
     texts.into_iter().flatten().map(|text| row(text.trim().to_owned())).collect()
 }
 
-fn texts(array: &Array, circle: bool) -> Option<Vec<String>> {
+fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
     let name = |number: &f64| {
         let number = *number as i64;
         let known = CIRCLE.iter().find(|(n, _)| *n == number).filter(|_| circle);
@@ -238,8 +176,8 @@ fn texts(array: &Array, circle: bool) -> Option<Vec<String>> {
         }
     };
     match &array.values {
-        Values::Texts(texts) => Some(texts.clone()),
-        Values::Numbers(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Some(numbers.iter().map(name).collect()),
+        ArrayValues::Texts(texts) => Some(texts.clone()),
+        ArrayValues::Numbers(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Some(numbers.iter().map(name).collect()),
         _ => None,
     }
 }

@@ -25,7 +25,7 @@
 
 use std::collections::HashMap;
 
-use crate::formats::vtk::polydata::{Line, Lines};
+use super::data::{PolyLine, PolyLines};
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::units::millimetres;
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
@@ -36,13 +36,13 @@ const MOST: usize = 4096;
 const WOBBLE: f64 = 2.0;
 
 /// Merges stretches that several lines share; a note says over which length.
-pub(crate) fn merge(all: &mut Lines) -> Option<String> {
+pub(crate) fn merge(all: &mut PolyLines) -> Option<String> {
     if all.each.len() < 2 || all.each.len() > MOST || knows_its_nodes(&all.each) {
         return None;
     }
     let radii = without_gaps(all);
     let mut tree = Tree::new(&all.at, &radii);
-    let mut kept: Vec<Option<Line>> = vec![None; all.each.len()];
+    let mut kept: Vec<Option<PolyLine>> = vec![None; all.each.len()];
     let mut all_merged = Vec::new();
     let (mut merged, mut length) = (0, 0.0);
     for row in order(all, &radii) {
@@ -84,7 +84,7 @@ pub(crate) fn merge(all: &mut Lines) -> Option<String> {
 }
 
 /// Whether the lines share points already: one ends at a point of another, by a link that no other line has.
-fn knows_its_nodes(lines: &[Line]) -> bool {
+fn knows_its_nodes(lines: &[PolyLine]) -> bool {
     let (mut points, mut links) = (HashMap::new(), HashMap::new());
     let link = |a: u32, b: u32| [a.min(b), a.max(b)];
     for (row, line) in lines.iter().enumerate() {
@@ -108,8 +108,8 @@ fn knows_its_nodes(lines: &[Line]) -> bool {
 }
 
 /// The lines in an order in which each has an end in common with one before it, where there is such a one.
-fn order(all: &Lines, radii: &[f64]) -> Vec<usize> {
-    let ends = |line: &Line| line.points.first().zip(line.points.last()).map(|(a, b)| [*a as usize, *b as usize]);
+fn order(all: &PolyLines, radii: &[f64]) -> Vec<usize> {
+    let ends = |line: &PolyLine| line.points.first().zip(line.points.last()).map(|(a, b)| [*a as usize, *b as usize]);
     let meet = |a: usize, b: usize| distance(all.at[a], all.at[b]) <= COMMON_END * radii[a].max(radii[b]);
     let mut left: Vec<usize> = (0..all.each.len()).collect();
     let mut order: Vec<usize> = Vec::with_capacity(left.len());
@@ -128,7 +128,7 @@ fn order(all: &Lines, radii: &[f64]) -> Vec<usize> {
 }
 
 /// The part of a line that it shares with no other, with the points of the tree to which it is attached.
-fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Option<Shared>) -> Option<Line> {
+fn rest(all: &PolyLines, radii: &[f64], line: &PolyLine, front: Option<Shared>, back: Option<Shared>) -> Option<PolyLine> {
     let n = line.points.len();
     let first = front.map_or(0, |f| f.last + 1);
     let last = back.map_or(n, |b| n - 1 - b.last);
@@ -142,7 +142,7 @@ fn rest(all: &Lines, radii: &[f64], line: &Line, front: Option<Shared>, back: Op
         return None;
     }
     let names = line.names[first - usize::from(front.is_some())..last - usize::from(back.is_none())].to_vec();
-    Some(Line { points, names, strand: line.strand })
+    Some(PolyLine { points, names, strand: line.strand })
 }
 
 /// The length of a line.
@@ -151,7 +151,7 @@ pub(super) fn arc(at: &[Point], points: &[u32]) -> f64 {
 }
 
 /// The radii; a missing one is that of the point before, or else the first valid one of the line.
-pub(super) fn without_gaps(all: &Lines) -> Vec<f64> {
+pub(super) fn without_gaps(all: &PolyLines) -> Vec<f64> {
     let mut radii = all.radii.clone();
     for line in &all.each {
         let valid = line.points.iter().map(|p| radii[*p as usize]).find(|r| is_radius(*r));

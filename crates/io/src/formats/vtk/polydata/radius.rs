@@ -1,7 +1,7 @@
 //! Finds the array of a VTK file that holds the radius, or computes it from areas.
 
-use super::{Array, PolyData, Values};
-use crate::formats::read::ReadOptions;
+use super::data::{ArrayValues, NamedValues, PolyData};
+use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;
 use willis_core::support::suggestions::did_you_mean;
@@ -87,9 +87,9 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
 }
 
 fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
-    let numbers = |arrays: &[Array]| {
+    let numbers = |arrays: &[NamedValues]| {
         arrays.iter().find_map(|array| match &array.values {
-            Values::Numbers(values) if array.name == name => Some(values.clone()),
+            ArrayValues::Numbers(values) if array.name == name => Some(values.clone()),
             _ => None,
         })
     };
@@ -119,7 +119,7 @@ fn used(cells: &[Vec<usize>], count: usize) -> Vec<bool> {
 }
 
 fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
-    let names = |arrays: &[Array]| arrays.iter().map(|a| format!("\"{}\"", a.name)).collect::<Vec<_>>().join(", ");
+    let names = |arrays: &[NamedValues]| arrays.iter().map(|a| format!("\"{}\"", a.name)).collect::<Vec<_>>().join(", ");
     let has = match (names(&piece.point_data), names(&piece.line_data)) {
         (points, lines) if points.is_empty() && lines.is_empty() => "there are none".to_owned(),
         (points, lines) if lines.is_empty() => format!("there are {points}"),

@@ -10,8 +10,8 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use super::data::{ArrayValues, NamedValues, PolyData, PolyLine, PolyLines};
 use super::overlap::{COMMON_END, ONE_JUNCTION, arc, without_gaps};
-use super::{Array, Line, Lines, PolyData, Values};
 use crate::formats::tables::reader::plural;
 use willis_core::network::units::millimetres;
 use willis_core::support::geometry::{Point, box_diagonal, distance};
@@ -45,8 +45,8 @@ pub(super) struct Tract {
 /// The tracts of a piece of the file whose lines start at `from`; none without VMTK's arrays.
 pub(super) fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
     let numbers = |name: &str| {
-        piece.line_data.iter().find_map(|Array { name: found, values }| match values {
-            Values::Numbers(values) if found == name => Some(values),
+        piece.line_data.iter().find_map(|NamedValues { name: found, values }| match values {
+            ArrayValues::Numbers(values) if found == name => Some(values),
             _ => None,
         })
     };
@@ -56,7 +56,7 @@ pub(super) fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
 }
 
 /// The first points of the lines, if there are several and all start at one place: the source from which VMTK traced them.
-pub(super) fn common_start(all: &Lines, starts: Vec<u32>) -> Vec<u32> {
+pub(super) fn common_start(all: &PolyLines, starts: Vec<u32>) -> Vec<u32> {
     let radii = without_gaps(all);
     let at = |point: u32| all.at[point as usize];
     let is_one = |first: u32| {
@@ -68,7 +68,7 @@ pub(super) fn common_start(all: &Lines, starts: Vec<u32>) -> Vec<u32> {
 }
 
 /// Where the lines start of which the file has pieces, if that is one place.
-pub(super) fn source(all: &Lines, tracts: &[Tract]) -> Vec<u32> {
+pub(super) fn source(all: &PolyLines, tracts: &[Tract]) -> Vec<u32> {
     let lines: HashSet<i64> = tracts.iter().map(|tract| tract.centerline).collect();
     if lines.len() < 2 {
         return Vec::new();
@@ -79,7 +79,7 @@ pub(super) fn source(all: &Lines, tracts: &[Tract]) -> Vec<u32> {
 
 /// A piece in the direction of its line.
 struct Piece {
-    line: Line,
+    line: PolyLine,
     group: i64,
     /// The gap to the piece before it, m.
     gap: f64,
@@ -88,7 +88,7 @@ struct Piece {
 }
 
 /// Joins the pieces again when a group occurs in several lines (`vmtkcenterlinemerge` leaves each once); a note says how many.
-pub(super) fn join(all: &mut Lines, mut tracts: Vec<Tract>) -> Option<String> {
+pub(super) fn join(all: &mut PolyLines, mut tracts: Vec<Tract>) -> Option<String> {
     tracts.sort_by_key(|t| (t.group, t.centerline));
     if !tracts.windows(2).any(|t| t[0].group == t[1].group && t[0].centerline != t[1].centerline) {
         return None;
@@ -133,17 +133,17 @@ fn brief_millimetres(length: f64) -> String {
 }
 
 /// Takes the pieces of a line out of the file's lines, each turned to follow the one before it.
-fn in_order(all: &mut Lines, radii: &[f64], touch: f64, tracts: &[Tract]) -> Vec<Piece> {
+fn in_order(all: &mut PolyLines, radii: &[f64], touch: f64, tracts: &[Tract]) -> Vec<Piece> {
     let mut out: Vec<Piece> = Vec::with_capacity(tracts.len());
     let mut is_turned = false;
     for tract in tracts {
-        let empty = Line { points: Vec::new(), names: Vec::new(), strand: 0 };
+        let empty = PolyLine { points: Vec::new(), names: Vec::new(), strand: 0 };
         let mut line = std::mem::replace(&mut all.each[tract.line], empty);
         if line.points.is_empty() {
             continue;
         }
         let gap = |a: &[u32], b: &[u32]| gap_between(&all.at, radii, touch, a, b);
-        let backwards = |line: &Line| line.points.iter().rev().copied().collect::<Vec<u32>>();
+        let backwards = |line: &PolyLine| line.points.iter().rev().copied().collect::<Vec<u32>>();
         let (mut width, mut follows) = (0.0, false);
         if let Some(before) = out.last_mut() {
             let meets = |points: &[u32]| gap(points, &line.points).1 || gap(points, &backwards(&line)).1;
@@ -175,13 +175,13 @@ fn gap_between(at: &[Point], radii: &[f64], touch: f64, a: &[u32], b: &[u32]) ->
     (width, width <= reach)
 }
 
-fn reverse(line: &mut Line) {
+fn reverse(line: &mut PolyLine) {
     line.points.reverse();
     line.names.reverse();
 }
 
 /// Which vessel a piece is: its group, and the number among those that the group stands for.
-type Vessel = (i64, usize);
+type GroupVessel = (i64, usize);
 
 /// The vessels found so far, by group, and how they are connected.
 struct Groups<'a> {
@@ -189,13 +189,13 @@ struct Groups<'a> {
     radii: &'a [f64],
     touch: f64,
     /// The points of the piece that stands for a vessel.
-    points: HashMap<Vessel, Vec<u32>>,
+    points: HashMap<GroupVessel, Vec<u32>>,
     /// The points of a vessel at which others are hung on.
-    junctions: HashMap<Vessel, Vec<u32>>,
-    linked: HashSet<[Vessel; 2]>,
+    junctions: HashMap<GroupVessel, Vec<u32>>,
+    linked: HashSet<[GroupVessel; 2]>,
     /// Vessels of which one follows the other over a gap that is too wide, m.
-    open: BTreeMap<[Vessel; 2], f64>,
-    each: Vec<Line>,
+    open: BTreeMap<[GroupVessel; 2], f64>,
+    each: Vec<PolyLine>,
     merged: Vec<[u32; 2]>,
     /// The length of the pieces for which others stand, m.
     shared: f64,
@@ -211,7 +211,7 @@ impl<'a> Groups<'a> {
     /// Adds a line, piece after piece.
     fn add(&mut self, pieces: Vec<Piece>) {
         // The vessel of the piece before, its last point, and whether it is of this line.
-        let mut before: Option<(Vessel, u32, bool)> = None;
+        let mut before: Option<(GroupVessel, u32, bool)> = None;
         for Piece { line, group, gap, follows } in pieces {
             let [first, last] = [line.points[0], line.points[line.points.len() - 1]];
             let (vessel, is_new) = self.vessel_of(group, &line.points);
@@ -224,7 +224,7 @@ impl<'a> Groups<'a> {
                 self.open.remove(&pair);
                 if !is_own {
                     let start = self.hang(from, first, false);
-                    self.each.push(Line { points: vec![start], names: Vec::new(), strand: line.strand });
+                    self.each.push(PolyLine { points: vec![start], names: Vec::new(), strand: line.strand });
                 }
                 if is_new {
                     // Where the two touch, the point of the piece before stands for both.
@@ -234,7 +234,7 @@ impl<'a> Groups<'a> {
                     }
                 } else {
                     let to = self.hang(vessel, end, true);
-                    self.go_on(Line { points: vec![to], names: Vec::new(), strand: line.strand });
+                    self.go_on(PolyLine { points: vec![to], names: Vec::new(), strand: line.strand });
                 }
             } else if is_new {
                 self.each.push(line);
@@ -244,7 +244,7 @@ impl<'a> Groups<'a> {
     }
 
     /// Continues the last line; returns its point at which that begins.
-    fn go_on(&mut self, next: Line) -> u32 {
+    fn go_on(&mut self, next: PolyLine) -> u32 {
         let start = next.points[0];
         let Some(line) = self.each.last_mut() else { return start };
         let end = line.points[line.points.len() - 1];
@@ -261,7 +261,7 @@ impl<'a> Groups<'a> {
     }
 
     /// The vessel that a piece is, and whether it is the first piece of it.
-    fn vessel_of(&mut self, group: i64, points: &[u32]) -> (Vessel, bool) {
+    fn vessel_of(&mut self, group: i64, points: &[u32]) -> (GroupVessel, bool) {
         for number in 0..MOST_OF_A_GROUP {
             let Some(standing) = self.points.get(&(group, number)) else {
                 self.points.insert((group, number), points.to_vec());
@@ -295,7 +295,7 @@ impl<'a> Groups<'a> {
 
     /// The point of a vessel where another one is hung on whose point next to it is given: of those hardly further away than the
     /// nearest one the first, or where the other one comes before it, the last. There the two begin to separate.
-    fn hang(&mut self, on: Vessel, next: u32, comes_before: bool) -> u32 {
+    fn hang(&mut self, on: GroupVessel, next: u32, comes_before: bool) -> u32 {
         let far = |a: u32, b: u32| distance(self.at[a as usize], self.at[b as usize]);
         let points = self.points.get(&on).map_or(&[][..], Vec::as_slice);
         let nearest = points.iter().map(|point| far(*point, next)).fold(f64::INFINITY, f64::min);

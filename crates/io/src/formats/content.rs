@@ -1,0 +1,81 @@
+//! What a file holds, and the network that it becomes.
+
+use crate::formats::tables::reader::plural;
+use willis_core::error::Fault;
+use willis_core::network::centerlines::Centerlines;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
+
+/// The content of a file.
+#[derive(Debug, Clone)]
+#[expect(clippy::large_enum_variant, reason = "a file has one")]
+pub enum Content {
+    /// Points and links, to be contracted.
+    Centerlines(Centerlines),
+    /// Observed vessels, ready as they are; a missing radius, where radii are optional, is NaN.
+    Vessels(Network),
+    /// A graph whose edges are vessels, ready as they are; a missing radius, where radii are optional, is NaN.
+    Graph(Network),
+}
+
+/// A network made of a file's content.
+#[derive(Debug, Clone)]
+pub struct BuiltNetwork {
+    /// The network.
+    pub network: Network,
+    /// The centerlines that it was made of, with coincident points merged.
+    pub lines: Option<Centerlines>,
+    /// Notes for the user about how it was made, one line each.
+    pub notes: Vec<String>,
+}
+
+impl Content {
+    /// Makes a network of centerlines, or of ready vessels; `default_radius` (m) is for vessels without any radius.
+    ///
+    /// # Errors
+    ///
+    /// No vessel, one without length, or one without a radius where no default is given.
+    pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<BuiltNetwork, Fault> {
+        let mut notes = Vec::new();
+        let mut note = |count: usize, noun: &str, what: &str| {
+            if count > 0 {
+                notes.push(format!("{} {what}", plural(count, noun)));
+            }
+        };
+        let defaulted = format!(
+            "without any radius: took `default_radius`, {} mm",
+            default_radius.map_or(String::new(), |r| millimetres(r).to_string())
+        );
+        let (network, lines) = match self {
+            Self::Centerlines(mut lines) => {
+                note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
+                let made = contract(&lines, rule, default_radius)?;
+                note(made.repaired_radii, "point", "without a positive finite radius: interpolated along the vessel");
+                note(made.mixed_labels, "vessel", "with more than one label along them: took that of the longest part");
+                note(made.default_radii, "vessel", &defaulted);
+                (made.network, Some(lines))
+            }
+            Self::Vessels(mut network) | Self::Graph(mut network) => {
+                let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
+                match (default_radius, without.first()) {
+                    (None, None) => {}
+                    (None, Some(row)) => {
+                        let accepted = "expected a positive radius, or `default_radius`";
+                        return Err(Fault::item(format!("vessel {row}"), "no valid radius", accepted));
+                    }
+                    (Some(radius), _) => {
+                        for row in &without {
+                            network.vessel_mut(*row).radius = radius;
+                        }
+                        note(without.len(), "vessel", &defaulted);
+                    }
+                }
+                (network, None)
+            }
+        };
+        if network.vessel_count() == 0 {
+            return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
+        }
+        Ok(BuiltNetwork { network, lines, notes })
+    }
+}
