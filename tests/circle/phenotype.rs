@@ -649,7 +649,7 @@ fn landmarks_are_refused_with_their_line() {
     refused("label,x_mm,y_mm,z_mm\n", &["no landmark"]);
     let nothing = network(&[("lt", "lm", "L-M1", 1.0)]);
     let fault = Circle::labelled(&nothing, LabelScheme::Names).expect_err("no inlet");
-    assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("`landmarks`"), "{fault:?}");
+    assert!(fault.found.contains("internal carotid, basilar") && fault.accepted.contains("`landmarks=FILE`"), "{fault:?}");
     assert!(Circle::labelled(&network(&[("lt", "lm", "14", 1.0)]), LabelScheme::TopCow).is_err());
 }
 
