@@ -332,7 +332,8 @@ def test_texts_name_arguments_as_python_has_them(tmp_path):
     with pytest.raises(willis.WillisError, match="or give default_radius=$") as caught:
         willis.read(tmp_path / "a.csv")
     assert caught.value.expected.endswith("default_radius=")
-    (tmp_path / "far.swc").write_text("1 3 0 0 0 2 -1\n2 3 0 0 349 2 1\n")
+    lines = [f"{i} 3 0.1 0.2 {12.01 * i} 2 {i - 1 if i > 1 else -1}" for i in range(1, 31)]
+    (tmp_path / "far.swc").write_text("\n".join(lines))
     with pytest.warns(willis.Note, match="if lengths are in voxels, give units=voxel spacing=S"):
         far = willis.read(tmp_path / "far.swc")
     with pytest.raises(willis.WillisError, match="give one at a time: inlets=1 inlets=2"):

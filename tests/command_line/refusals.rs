@@ -281,13 +281,16 @@ fn a_build_without_training_says_how_to_get_it() {
 /// (python/tests/test_module.py has the same cases).
 #[test]
 fn texts_name_options_as_they_are_typed() {
-    let far = b"1 3 0 0 0 2 -1\n2 3 0 0 349 2 1\n";
+    // Thirty points, 348.3 mm from end to end, at no whole numbers.
+    let far: String =
+        (1..31).map(|i| format!("{i} 3 0.1 0.2 {} 2 {}\n", 12.01 * f64::from(i), if i == 1 { -1 } else { i - 1 })).collect();
     refused(&[("a.csv", b"fragment,x,y,z\n1,0,0,0\n1,1,0,0\n")], &["convert", "a.csv", "a.swc"], &["or give --default-radius"]);
     let here = folder();
     fs::write(here.path().join("far.swc"), far).expect("written");
     let done = willis(here.path(), &["convert", "far.swc", "far.vtp"]);
     assert!(stderr(&done).contains("if lengths are in voxels, give --units voxel --spacing S"), "{}", stderr(&done));
-    let done = willis(here.path(), &["simulate", "far.swc", "-o", "out", "--inlet", "1", "--outlet", "2", "--outlets", "ground"]);
+    let done =
+        willis(here.path(), &["simulate", "far.swc", "-o", "out", "--inlet", "1", "--outlet", "30", "--outlets", "ground"]);
     let wanted = "--outlets changes nothing: every outlet is stated; --outlet NODE=ground or --bc replaces it";
     assert!(stderr(&done).contains(wanted), "{}", stderr(&done));
 }
