@@ -536,7 +536,9 @@ fn texts_of_the_library_name_fields_not_options() {
     let option =
         |line: &str| line.match_indices("--").any(|(at, _)| line[at + 2..].starts_with(|c: char| c.is_ascii_lowercase()));
     let (root, mut files) = (Path::new(env!("CARGO_MANIFEST_DIR")), Vec::new());
-    ["crates", "src/pipeline", "src/cli/print"].iter().for_each(|folder| sources(&root.join(folder), &mut files));
+    for folder in ["crates", "src/pipeline", "src/cli/print"] {
+        sources(&root.join(folder), &mut files);
+    }
     let mut found = Vec::new();
     for path in files {
         let text = std::fs::read_to_string(&path).unwrap();

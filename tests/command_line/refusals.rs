@@ -282,8 +282,8 @@ fn a_build_without_training_says_how_to_get_it() {
 #[test]
 fn texts_name_options_as_they_are_typed() {
     // Thirty points, 348.3 mm from end to end, at no whole numbers.
-    let far: String =
-        (1..31).map(|i| format!("{i} 3 0.1 0.2 {} 2 {}\n", 12.01 * f64::from(i), if i == 1 { -1 } else { i - 1 })).collect();
+    let lines = (1..31).map(|i| format!("{i} 3 0.1 0.2 {} 2 {}", 12.01 * f64::from(i), if i == 1 { -1 } else { i - 1 }));
+    let far = lines.collect::<Vec<_>>().join("\n");
     refused(&[("a.csv", b"fragment,x,y,z\n1,0,0,0\n1,1,0,0\n")], &["convert", "a.csv", "a.swc"], &["or give --default-radius"]);
     let here = folder();
     fs::write(here.path().join("far.swc"), far).expect("written");

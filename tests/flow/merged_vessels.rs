@@ -43,6 +43,9 @@ fn in_pieces(whole: &Network, draw: &mut Draw) -> Network {
     made
 }
 
+/// What is done to a network.
+type Change = dyn Fn(&mut Network);
+
 #[test]
 fn flow_through_merged_vessels_is_that_of_their_parts() {
     for seed in 0..40 {
@@ -99,7 +102,7 @@ fn two_parts_by_hand() {
     let both = row(&|n| (0..2).for_each(|v| n.vessel_mut(v).resistance = Some(2.0 + v as f64)));
     assert_eq!(both.network.vessel(0).resistance, Some(5.0));
     // What a person or a file says of a node or of one of the two keeps them apart.
-    let apart: [(&str, &dyn Fn(&mut Network)); 9] = [
+    let apart: [(&str, &Change); 9] = [
         ("a resistance", &|n| n.vessel_mut(0).resistance = Some(2.0)),
         ("a label", &|n| n.vessel_mut(0).label = "M1".to_owned()),
         ("a candidate", &|n| n.vessel_mut(1).origin = Origin::Candidate),

@@ -135,7 +135,7 @@ fn a_circle_of_right_bridges_is_opened() {
     let (objective, ok) = (Vec::from([&example]), std::cell::Cell::new(false));
     let params = TrainParams { iterations: vec![200], ..TrainParams::default() };
     fit(&objective, &[], &params, &mut |step: &FittedPass| {
-        ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0])
+        ok.set(step.objective[1] > 0.0 && step.objective[1] < step.objective[0]);
     })
     .expect("weights");
     assert!(ok.get(), "a probability above one");

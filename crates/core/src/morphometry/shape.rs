@@ -179,9 +179,10 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
     let reach = within.max(1.000_001 * (at - line.at[low]).max(line.at[high - 1] - at));
     let terms = TERMS.min(high - low);
     let mut normal = [[0.0; TERMS + 3]; TERMS];
-    for i in low..high {
-        let u = (line.at[i] - at) / reach;
-        let weight = weights[i] * (1.0 - u * u).max(1e-3).powi(2);
+    let origin = line.points[low];
+    for ((at_point, point), share) in line.at[low..high].iter().zip(&line.points[low..high]).zip(&weights[low..high]) {
+        let u = (at_point - at) / reach;
+        let weight = share * (1.0 - u * u).max(1e-3).powi(2);
         let mut powers = [1.0; TERMS];
         for k in 1..TERMS {
             powers[k] = powers[k - 1] * u;
@@ -191,7 +192,7 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
                 *cell += weight * power * other;
             }
             for axis in 0..3 {
-                row[TERMS + axis] += weight * power * (line.points[i][axis] - line.points[low][axis]);
+                row[TERMS + axis] += weight * power * (point[axis] - origin[axis]);
             }
         }
     }

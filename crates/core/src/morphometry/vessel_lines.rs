@@ -76,7 +76,9 @@ impl VesselLine {
 pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
-        ends.into_iter().for_each(|node| at[node].push(row));
+        for node in ends {
+            at[node].push(row);
+        }
     }
     let passes = |node: usize| match *at[node] {
         [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
@@ -102,8 +104,8 @@ pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<Ves
         }
     }
     // Rings without a junction.
-    for node in 0..network.node_count() {
-        lines.extend(at[node].first().map(|row| follow(node, *row)).filter(|line| !line.pieces.is_empty()));
+    for (node, rows) in at.iter().enumerate() {
+        lines.extend(rows.first().map(|row| follow(node, *row)).filter(|line| !line.pieces.is_empty()));
     }
     lines.sort_by_key(|line| line.pieces.iter().min().copied());
     lines

@@ -23,7 +23,9 @@ pub struct Merged {
 pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
     let mut at = vec![Vec::new(); network.node_count()];
     for (row, (ends, _)) in network.vessels().enumerate() {
-        ends.into_iter().for_each(|node| at[node].push(row));
+        for node in ends {
+            at[node].push(row);
+        }
     }
     // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
     let mut runs = Runs::of(network);
@@ -60,7 +62,9 @@ pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
         let [a, b] = network.ends(row);
         let (back, start) = steps(b, row);
         let (run, end) = steps(start, back[back.len() - 1].0);
-        run.iter().for_each(|(row, _)| is_used[*row] = true);
+        for (row, _) in &run {
+            is_used[*row] = true;
+        }
         let vessel = match run[..] {
             [_] => network.vessel(row).clone(),
             _ => in_a_row(network, &run),

@@ -32,7 +32,7 @@ pub fn write(mut out: impl Write, comment: &str, long: bool, value: &impl Serial
     out.flush()
 }
 
-/// FiniteNumbers of which every one should be finite.
+/// Numbers of which every one should be finite.
 pub trait FiniteNumbers {
     /// Whether every one is.
     fn are_finite(&self) -> bool;

@@ -46,7 +46,7 @@ impl DiskFile {
 
     /// The same, written to its end whoever asks to stop.
     #[must_use]
-    pub fn to_the_end(self) -> Self {
+    pub fn unstoppable(self) -> Self {
         Self { stops: false, ..self }
     }
 
@@ -140,7 +140,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
     let unfinished = path.with_extension(UNFINISHED);
     // What a killed run left of it, or a link that somebody put there.
     let _ = fs::remove_file(&unfinished);
-    let written = write_with(&unfinished, fill, DiskFile::to_the_end)
+    let written = write_with(&unfinished, fill, DiskFile::unstoppable)
         .and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
     if written.is_err() {
         // It may be the file that filled the disk.

@@ -17,7 +17,7 @@ use willis_core::support::toml_text::{parse, write};
 const HEADING: &str = "\
 # Weights of the evidence model, fitted by `willis train`; read by `willis infer --prior FILE`.
 # A bridge weighs exp(sum of weight times feature), a root likewise. Features have no unit: angles are in rad, lengths are
-# divided by lengths. PassWeights 2 and later see the posterior of the pass before.
+# divided by lengths. Pass 2 and later see the posterior of the pass before.
 # P = 1/(1 + exp(-(a + b l + c min(l, 0) + d m + e s + f m s))), [a, b, c] the calibration and [d, e, f] of_input; l = ln p/(1 - p), p the
 # posterior of a link in the last pass; m = ln((A + 1)/(n - A + 1)), A of n fragments being attached by the posterior, s = 10/(n + 10).
 # closure: a bridge within one fragment closes a loop with probability 1/(1 + exp(-(sum of weight times feature))).

@@ -29,12 +29,8 @@ pub struct PointIndex {
     rounding: f64,
 }
 
-/// The axes of the tree: a turn by 1 rad about z, then 1 rad about x, then 1 rad about z.
-const AXES: [Point; 3] = [
-    [-0.09064711889071747, -0.7002964616297819, 0.7080734182735712],
-    [0.7002964616297819, -0.5503448130225777, -0.4546487134128409],
-    [0.7080734182735712, 0.4546487134128409, 0.5403023058681398],
-];
+/// The axes of the tree: a turn by acos(.6) about z, then about x, then about z.
+const AXES: [Point; 3] = [[-0.024, -0.768, 0.64], [0.768, -0.424, -0.48], [0.64, 0.48, 0.6]];
 /// The share of the largest coordinate by which rounding moves a turned point at most, with room to spare.
 const ROUNDING: f64 = 1e-14;
 
@@ -45,7 +41,8 @@ fn turned(p: Point) -> Point {
 impl PointIndex {
     /// Indexes finite points.
     pub fn new(points: Vec<Point>) -> Self {
-        let tree = ImmutableKdTree::new_from_slice(&points.iter().map(|p| turned(*p)).collect::<Vec<_>>()).ok();
+        let held: Vec<Point> = points.iter().map(|p| turned(*p)).collect();
+        let tree = (!held.is_empty()).then(|| ImmutableKdTree::new_from_slice(&held).ok()).flatten();
         let rounding = ROUNDING * points.iter().flatten().fold(0.0, |most: f64, x| most.max(x.abs()));
         Self { points, tree, rounding }
     }
