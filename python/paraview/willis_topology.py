@@ -48,7 +48,7 @@ class WillisTopology(VTKPythonAlgorithmBase):
     def RequestData(self, request, inputs, outputs):
         """Runs when ParaView wants the output."""
         lines = vtkPolyData.GetData(inputs[0], 0)
-        made_of = (id(lines), lines.GetMTime(), self._samples, self._radius)
+        made_of = (lines.__this__, lines.GetMTime(), self._samples, self._radius)
         if made_of != self._made_of:
             network = willis.from_vtk(lines, radius_array=self._radius or None)
             self._run = willis.infer(network, samples=self._samples, progress=False)
