@@ -8,13 +8,12 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::RECORD;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
-use crate::internals::support::endings::stem;
 use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
 use clap::Args;
 use serde_json::Value;
 
 use super::args::arteries::{ArteryArgs, for_input};
-use super::args::reading::ReadingArgs;
+use super::args::reading::RunsArgs;
 use super::at_work::parsed;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
@@ -22,7 +21,7 @@ use super::command_line::command_line;
 use super::print::arteries::{say_collaterals, say_variant};
 use super::print::{TextTerminal, plural};
 use super::shell::print_json;
-use super::subjects::{Inputs, Subject, expand};
+use super::subjects::{Inputs, Subject, expand, name_of};
 
 /// Name the anatomical variant of a Circle of Willis
 ///
@@ -34,12 +33,8 @@ use super::subjects::{Inputs, Subject, expand};
   willis classify circle.graphml -o phenotype
   willis classify 'cohort/*' -o phenotypes")]
 pub struct ClassifyArgs {
-    /// Vessels in any format that infer reads, or folders of willis infer; of several, of patterns in quotes, of a manifest (CSV
-    /// with a column input, a row a subject), or of the folder of a cohort, a cohort
-    #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
-    inputs: Vec<PathBuf>,
     #[command(flatten)]
-    reading: ReadingArgs,
+    runs: RunsArgs,
     /// The folder to write; it must not exist, but for that of a cohort to go on with
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
@@ -52,14 +47,14 @@ pub struct ClassifyArgs {
 
 impl ClassifyArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        self.reading.refuse_candidates("classify")?;
-        let input = match expand(&self.inputs, true)? {
+        self.runs.reading.refuse_candidates("classify")?;
+        let input = match expand(&self.runs.inputs, true)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
                 let phenotypes = self.arteries.phenotypes.clone();
                 let infer = InferOptions { arteries: self.arteries.source(), phenotypes, ..InferOptions::default() };
-                let options = RunOptions { read: self.reading.shared()?, infer };
-                let parameters = self.reading.compared(options.comparable(&Value::Null));
+                let options = RunOptions { read: self.runs.reading.shared()?, infer };
+                let parameters = self.runs.reading.compared(options.comparable(&Value::Null));
                 let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
                 return cohort.run(&subjects, &self, terminal);
             }
@@ -87,7 +82,7 @@ impl ClassifyArgs {
     }
 
     fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
-        let input = self.reading.read_run(path, command, terminal)?;
+        let input = self.runs.reading.read_run(path, command, terminal)?;
         let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
         for note in &phenotype.notes {
             terminal.say("note", note);
@@ -97,11 +92,6 @@ impl ClassifyArgs {
         say_collaterals(terminal, &phenotype.collaterals);
         Ok(phenotype)
     }
-}
-
-/// What to call the subject of an input, file or folder.
-fn name_of(input: &Path) -> String {
-    if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
 }
 
 impl Work for ClassifyArgs {
@@ -115,11 +105,11 @@ impl Work for ClassifyArgs {
             Some(ArterySource::Landmarks(path)) => Some(path),
             _ => None,
         };
-        [self.reading.loops(input), landmarks, record].into_iter().flatten().collect()
+        [self.runs.reading.loops(input), landmarks, record].into_iter().flatten().collect()
     }
 
     fn check(&self) -> Result<()> {
-        self.reading.shared().map(drop)
+        self.runs.reading.shared().map(drop)
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {

@@ -11,21 +11,20 @@ use crate::internals::output::names::{BIFURCATIONS, ENDS, INTERVALS, SUBJECTS, V
 use crate::internals::output::write_file;
 use crate::internals::output::write_record;
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
-use crate::internals::support::endings::stem;
 use crate::{BoundaryOptions, MeasureOptions, Measurement, measure};
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::args::boundary_for;
 use super::args::figures::length;
-use super::args::reading::ReadingArgs;
+use super::args::reading::RunsArgs;
 use super::checkpoint::Follower;
 use super::cohort::{Each, failed};
 use super::command_line::command_line;
 use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::signals::listen;
-use super::subjects::{Inputs, Subject, expand};
+use super::subjects::{Inputs, Subject, expand, name_of};
 
 /// Measure vessels: lengths, radii, bends, bifurcations, orders, and whole networks
 ///
@@ -36,12 +35,8 @@ use super::subjects::{Inputs, Subject, expand};
   willis measure circle.graphml -o measured
   willis measure 'cohort/*' -o measured")]
 pub struct MeasureArgs {
-    /// Vessels in any format that infer reads, or folders of willis infer; several, patterns in quotes, a manifest (CSV with a column
-    /// input, a row a subject), or the folder of a cohort
-    #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath)]
-    inputs: Vec<PathBuf>,
     #[command(flatten)]
-    reading: ReadingArgs,
+    runs: RunsArgs,
     /// The folder to write; it must not exist
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
@@ -58,18 +53,13 @@ pub struct MeasureArgs {
 
 impl MeasureArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        self.reading.refuse_candidates("measure")?;
-        self.reading.shared()?;
+        self.runs.reading.refuse_candidates("measure")?;
+        self.runs.reading.shared()?;
         StagedFolder::check(&self.output, force)?;
-        let subjects = match expand(&self.inputs, true)? {
+        let subjects = match expand(&self.runs.inputs, true)? {
             Inputs::Many(subjects) => subjects,
             Inputs::One(input) => {
-                let name = if input.is_dir() {
-                    input.file_name().unwrap_or_default().to_string_lossy().into_owned()
-                } else {
-                    stem(&input)
-                };
-                vec![Subject { name, input, line: command_line("again"), row: None }]
+                vec![Subject { name: name_of(&input), input, line: command_line("again"), row: None }]
             }
         };
         if let Some(subject) = subjects.iter().find(|subject| !subject.own().is_empty()) {
@@ -104,11 +94,11 @@ impl MeasureArgs {
 
     fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<Measurement> {
         let path = &subject.input;
-        let input = self.reading.read(path, subject.line.clone(), terminal)?;
+        let input = self.runs.reading.read(path, subject.line.clone(), terminal)?;
         // Beside its plausible topology all that a run finds plausible.
         let run = path
             .is_dir()
-            .then(|| self.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false)))
+            .then(|| self.runs.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false)))
             .transpose()?;
         let found = measure(&subject.name, &input, run.as_ref(), &self.options(path), &mut Follower::new(terminal))?;
         for note in &found.notes {

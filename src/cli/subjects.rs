@@ -271,3 +271,8 @@ fn safe(word: &str) -> String {
     let name = name.trim_matches('.');
     if name.is_empty() { "subject".to_owned() } else { name.to_owned() }
 }
+
+/// What to call the subject of an input, file or folder.
+pub fn name_of(input: &Path) -> String {
+    if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
+}

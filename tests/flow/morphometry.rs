@@ -3,8 +3,9 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
 use willis::internals::morphometry::{MeasuredVessel, Morphometry, Smoothing};
-use willis::internals::network::{Network, Role};
+use willis::internals::network::{Network, RadiusRule, Role, contract};
 use willis::{ReadOptions, read_bytes};
 
 /// Lines of SWC: points in mm, a radius each, and the number of the point from which a line begins.
@@ -261,4 +262,68 @@ fn dividing_turning_and_resampling_change_little() {
     let divided = willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network;
     assert_eq!(divided.vessel_count(), 20);
     same(&measured(&divided, "0"), 1e-6, "divided");
+}
+
+/// The vessel that thinning makes of a tube of this radius (mm) around a curve, in voxels of this size (mm).
+fn of_voxels(curve: &[[f64; 3]], radius: f64, voxel: f64) -> Morphometry {
+    let low: [f64; 3] = std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::INFINITY, f64::min) - radius - 2.0 * voxel);
+    let high: [f64; 3] =
+        std::array::from_fn(|k| curve.iter().map(|p| p[k]).fold(f64::NEG_INFINITY, f64::max) + radius + 2.0 * voxel);
+    let shape: [usize; 3] = std::array::from_fn(|k| ((high[k] - low[k]) / voxel).ceil() as usize);
+    let mut classes = vec![0; shape.iter().product()];
+    let reach = (radius / voxel).ceil() as i64 + 1;
+    for p in curve {
+        let middle: [i64; 3] = std::array::from_fn(|k| ((p[k] - low[k]) / voxel).round() as i64);
+        for n in 0..(2 * reach + 1).pow(3) {
+            let side = 2 * reach + 1;
+            let at: [i64; 3] = std::array::from_fn(|k| middle[k] + n / side.pow(k as u32) % side - reach);
+            let off: f64 = (0..3).map(|k| (low[k] + voxel * at[k] as f64 - p[k]).powi(2)).sum();
+            if off <= radius * radius && (0..3).all(|k| at[k] >= 0 && (at[k] as usize) < shape[k]) {
+                let [x, y, z] = at.map(|x| x as usize);
+                classes[x + shape[0] * (y + shape[1] * z)] = 1;
+            }
+        }
+    }
+    let affine = std::array::from_fn(|k| {
+        std::array::from_fn(|j| {
+            if j == k {
+                voxel
+            } else if j == 3 {
+                low[k]
+            } else {
+                0.0
+            }
+        })
+    });
+    let traced = trace(&Mask::new(shape, classes, affine), RadiusFrom::Area, Cavities::Fill).expect("a vessel");
+    measured(&contract(&traced.lines, RadiusRule::Mean, None).expect("a network").network, "none")
+}
+
+/// Voxels make staircases, over which bends are smoothed: curvature is that of the curve, and what a straight tube has is no bend.
+#[test]
+fn voxels_bend_no_vessel() {
+    for (voxel, radius) in [(0.3, 0.6), (0.5, 1.0), (0.8, 2.0)] {
+        let along =
+            |steps: usize, at: &dyn Fn(f64) -> [f64; 3]| (0..=steps).map(|i| at(i as f64 / steps as f64)).collect::<Vec<_>>();
+        let turn = 60.0 / 29.0_f64.sqrt();
+        let helix = along(1500, &|t| [5.0 * (turn * t).cos(), 5.0 * (turn * t).sin(), 2.0 * turn * t]);
+        let found = of_voxels(&helix, radius, voxel);
+        let [vessel] = &*found.vessels else { panic!("{voxel}: {} vessels", found.vessels.len()) };
+        close(vessel.shape.radius, radius * MM, 0.05, "radius");
+        close(vessel.line.length, 60.0 * MM, 0.06, "length");
+        close(vessel.shape.curvature * MM, 5.0 / 29.0, 0.06, "curvature");
+        let straight = along(1000, &|t| [32.0 * t, 20.0 * t, 13.2 * t]);
+        let shape = of_voxels(&straight, radius, voxel).vessels[0].shape;
+        close(shape.distance_metric, 1.0, 0.01, "distance metric");
+        // Less than what counts as a bend, a quarter of a radian within a smoothing length of six radii.
+        assert!(shape.curvature * 6.0 * radius * MM < 0.25, "{voxel}: {shape:?}");
+    }
+}
+
+/// A circle as narrow as a vessel can bend: three of its radii.
+#[test]
+fn a_narrow_bend_keeps_its_curvature() {
+    let turn = 1.5 * PI;
+    let circle = one(curve(200, |t| ([3.0 * (turn * t).cos(), 3.0 * (turn * t).sin(), 0.0], 1.0)));
+    close(circle.vessels[0].shape.curvature * MM, 1.0 / 3.0, 0.02, "curvature");
 }

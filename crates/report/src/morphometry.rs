@@ -9,6 +9,7 @@ use willis_core::morphometry::{Morphometry, NetworkFigures};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::geometry::Point;
+use willis_core::support::statistics::{median, weighted_quantile};
 use willis_io::formats::Column;
 
 const MM2: f64 = 1e6;
@@ -142,8 +143,8 @@ impl MeasuredSubject<'_> {
     pub fn figures(&self) -> Figures {
         let mut row: Figures = OF_NETWORK.iter().map(|(name, of)| ((*name).into(), number(of(&self.measured.network)))).collect();
         let murray: Vec<f64> = self.measured.bifurcations.iter().filter_map(|b| b.murray).collect();
-        let median = willis_core::support::statistics::median(&murray).unwrap_or(f64::NAN);
-        row.push(("murray_exponent_median".into(), number(median)));
+        let middle = median(&murray).unwrap_or(f64::NAN);
+        row.push(("murray_exponent_median".into(), number(middle)));
         let artery = self.arteries();
         for (label, [length, diameter]) in &artery {
             row.push((format!("{label}_length_mm").into(), number(millimetres(*length))));
@@ -194,20 +195,12 @@ const OF_NETWORK: [OfNetwork; 16] = [
     ("from_inlet_max_mm", |of| millimetres(of.most_from_inlet)),
 ];
 
-/// The weighted mean, and the weighted quantiles of .025 and .975: the least values that so much of the weight does not exceed.
+/// The weighted mean, and the weighted quantiles of .025 and .975.
 fn spread(values: &[(f64, f64)]) -> [f64; 3] {
-    let mut known: Vec<(f64, f64)> = values.iter().copied().filter(|(x, _)| !x.is_nan()).collect();
-    known.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let total: f64 = known.iter().map(|(_, weight)| weight).sum();
-    let mean = known.iter().map(|(x, weight)| x * weight).sum::<f64>() / total;
-    let quantile = |share: f64| {
-        let mut so_far = 0.0;
-        let at = known.iter().find(|(_, weight)| {
-            so_far += weight;
-            so_far >= share * total
-        });
-        at.or(known.last()).map_or(f64::NAN, |(x, _)| *x)
-    };
+    let known = || values.iter().copied().filter(|(x, _)| !x.is_nan());
+    let total: f64 = known().map(|(_, weight)| weight).sum();
+    let mean = known().map(|(x, weight)| x * weight).sum::<f64>() / total;
+    let quantile = |share| weighted_quantile(known(), share).unwrap_or(f64::NAN);
     [mean, quantile(0.025), quantile(0.975)]
 }
 

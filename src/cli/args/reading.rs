@@ -27,6 +27,17 @@ pub struct InputArgs {
     pub reading: ReadingArgs,
 }
 
+/// The inputs of a command that takes runs and cohorts, and how they are read.
+#[derive(Debug, Args)]
+pub struct RunsArgs {
+    /// Vessels in any format that infer reads, or folders of willis infer; several, patterns in quotes, a manifest (CSV with a column
+    /// input, a row a subject), or the folder of a cohort make a cohort
+    #[arg(required = true, value_name = "INPUT", value_hint = clap::ValueHint::AnyPath, help_heading = None::<&str>)]
+    pub inputs: Vec<PathBuf>,
+    #[command(flatten)]
+    pub reading: ReadingArgs,
+}
+
 /// How an input is read.
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]

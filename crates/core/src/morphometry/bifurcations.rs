@@ -1,6 +1,6 @@
 //! Bifurcations: angles, asymmetry, and Murray's exponent.
 
-use super::orders::Orders;
+use super::orders::Ways;
 use super::vessel_lines::VesselLine;
 use crate::network::Network;
 use crate::support::geometry::{Point, cross, dot, norm_squared, sub, unit};
@@ -45,7 +45,7 @@ struct Leg {
 }
 
 /// The bifurcations of a network, by node.
-pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], orders: &Orders) -> Vec<MeasuredBifurcation> {
+pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &Ways) -> Vec<MeasuredBifurcation> {
     let mut legs: Vec<Vec<(usize, bool)>> = vec![Vec::new(); network.node_count()];
     for (row, line) in lines.iter().enumerate() {
         for (node, last) in line.ends.into_iter().zip([false, true]) {
@@ -53,7 +53,7 @@ pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], o
         }
     }
     let nodes = (0..network.node_count()).filter(|node| degree[*node] > 2);
-    nodes.map(|node| bifurcation(node, network.node(node).position, lines, &legs[node], orders.arrives_by[node])).collect()
+    nodes.map(|node| bifurcation(node, network.node(node).position, lines, &legs[node], ways.arrives_by[node])).collect()
 }
 
 fn bifurcation(

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
-use super::orders::Orders;
+use super::orders::Ways;
 use super::shape::cones;
 use super::vessel_lines::VesselLine;
 use crate::support::geometry::{Point, distance, lerp};
@@ -46,7 +46,7 @@ pub struct NetworkFigures {
 }
 
 /// Measures the lines of a network; `degree` is that of each node.
-pub fn figures_of(lines: &[VesselLine], degree: &[usize], orders: &Orders) -> NetworkFigures {
+pub fn figures_of(lines: &[VesselLine], degree: &[usize], ways: &Ways) -> NetworkFigures {
     let mut joined = UnionFind::<usize>::new(degree.len());
     for line in lines {
         joined.union(line.ends[0], line.ends[1]);
@@ -59,7 +59,7 @@ pub fn figures_of(lines: &[VesselLine], degree: &[usize], orders: &Orders) -> Ne
         for (sum, x) in sums.iter_mut().zip([line.length, volume, surface, line.length * line.radius()]) {
             *sum += x;
         }
-        let [a, b] = line.ends.map(|node| orders.from_inlet[node]);
+        let [a, b] = line.ends.map(|node| ways.from_inlet[node]);
         if a.is_finite() {
             // Where two ways meet within a line, each of its points has the shorter one.
             let met = 0.5 * (b - a + line.length);

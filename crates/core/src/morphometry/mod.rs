@@ -17,7 +17,7 @@ pub use vessel_lines::VesselLine;
 use crate::network::{Network, Role};
 use bifurcations::bifurcations;
 use figures::figures_of;
-use orders::Orders;
+use orders::{Orders, Ways};
 use vessel_lines::vessel_lines;
 
 /// A vessel between two junctions or ends.
@@ -70,13 +70,14 @@ pub struct Morphometry {
 impl Morphometry {
     /// Measures a network; `role` says of each node whether blood enters or leaves there.
     pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing) -> Self {
-        let FromInlets { lines, degree, orders } = FromInlets::of(network, role);
-        let figures = figures_of(&lines, &degree, &orders);
-        let bifurcations = bifurcations(network, &lines, &degree, &orders);
+        let FromInlets { lines, degree, ways } = FromInlets::of(network, role);
+        let orders = Orders::of(network, &lines, &degree, &ways);
+        let figures = figures_of(&lines, &degree, &ways);
+        let bifurcations = bifurcations(network, &lines, &degree, &ways);
         let mut ends: Vec<MeasuredEnd> = Vec::new();
         for (vessel, line) in lines.iter().enumerate() {
             for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] == 1) {
-                ends.push(MeasuredEnd { node, vessel, radius: line.end_radius(last), from_inlet: orders.from_inlet[node] });
+                ends.push(MeasuredEnd { node, vessel, radius: line.end_radius(last), from_inlet: ways.from_inlet[node] });
             }
         }
         ends.sort_by_key(|end| end.node);
@@ -86,7 +87,7 @@ impl Morphometry {
             generation: orders.generation[row],
             strahler: orders.strahler[row],
             diameter_strahler: orders.diameter_strahler[row],
-            from_inlet: orders.from_inlet[line.ends[0]],
+            from_inlet: ways.from_inlet[line.ends[0]],
             probability: orders.probability[row],
             line,
         };
@@ -99,24 +100,24 @@ struct FromInlets {
     lines: Vec<VesselLine>,
     /// By node.
     degree: Vec<usize>,
-    orders: Orders,
+    ways: Ways,
 }
 
 impl FromInlets {
     fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| role(*node) == Role::Inlet).collect();
         let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
-        let orders = Orders::of(network, &mut lines, &inlets);
+        let ways = Ways::of(network.node_count(), &mut lines, &inlets);
         let mut degree = vec![0; network.node_count()];
         for node in lines.iter().flat_map(|line| line.ends) {
             degree[node] += 1;
         }
-        Self { lines, degree, orders }
+        Self { lines, degree, ways }
     }
 }
 
 /// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
 pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role) -> NetworkFigures {
-    let FromInlets { lines, degree, orders } = FromInlets::of(network, role);
-    figures_of(&lines, &degree, &orders)
+    let FromInlets { lines, degree, ways } = FromInlets::of(network, role);
+    figures_of(&lines, &degree, &ways)
 }

@@ -7,88 +7,91 @@ use crate::network::paths::ShortestPaths;
 /// So often orders by diameter are found again at most.
 const MOST_PASSES: usize = 100;
 
-/// The ways from the inlets, and what follows from them. Each vessel is reached by the shortest way; one that closes a loop leads
-/// to no other.
-pub struct Orders {
+/// The ways from the inlets. Each vessel is reached by the shortest way; one that closes a loop leads to no other.
+pub struct Ways {
     /// By node, the length of the way from the nearest inlet, m; infinite without one.
     pub from_inlet: Vec<f64>,
     /// By node, the line by which the way arrives.
     pub arrives_by: Vec<Option<usize>>,
-    /// By line.
-    pub generation: Vec<Option<usize>>,
-    /// By line.
-    pub strahler: Vec<Option<usize>>,
-    /// By line.
-    pub diameter_strahler: Vec<Option<usize>>,
-    /// By line, the product of the probabilities of all connections on the way to its end.
-    pub probability: Vec<f64>,
+    /// By node, the lines that ways take from it.
+    leaving: Vec<Vec<usize>>,
+    /// The nodes that ways reach, the nearest first.
+    reached: Vec<usize>,
 }
 
-impl Orders {
+impl Ways {
     /// Finds the ways, and turns every line so that it begins where it is nearer to an inlet.
-    pub fn of(network: &Network, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
-        let nodes = network.node_count();
+    pub fn of(nodes: usize, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
         let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes];
         for (row, line) in lines.iter().enumerate() {
             let [a, b] = line.ends;
             at[a].push((row, b, line.length));
             at[b].push((row, a, line.length));
         }
-        let mut paths = ShortestPaths::new(nodes);
-        let mut order = Vec::new();
-        paths.search(
-            inlets,
-            f64::INFINITY,
-            |node| at[node].iter().copied(),
-            |_, node| {
-                order.push(node);
-                true
-            },
-        );
+        let (mut paths, mut reached) = (ShortestPaths::new(nodes), Vec::new());
+        let edges = |node: usize| at[node].iter().copied();
+        paths.search(inlets, f64::INFINITY, edges, |_, node| {
+            reached.push(node);
+            true
+        });
         let from_inlet = paths.lengths().to_vec();
         let mut arrives_by = vec![None; nodes];
-        for node in &order {
+        for node in &reached {
             arrives_by[*node] = paths.previous(*node).map(|(_, line)| line);
         }
-        for line in lines.iter_mut() {
+        let mut leaving = vec![Vec::new(); nodes];
+        for (row, line) in lines.iter_mut().enumerate() {
             let [a, b] = line.ends.map(|node| from_inlet[node]);
             if b < a {
                 line.turn();
             }
-        }
-        let mut ways = Self {
-            from_inlet,
-            arrives_by,
-            generation: vec![None; lines.len()],
-            strahler: vec![None; lines.len()],
-            diameter_strahler: vec![None; lines.len()],
-            probability: lines.iter().map(|line| probability_within(network, line)).collect(),
-        };
-        let (mut leaving, mut degree) = (vec![Vec::new(); nodes], vec![0; nodes]);
-        for (row, line) in lines.iter().enumerate() {
-            line.ends.into_iter().for_each(|node| degree[node] += 1);
-            if ways.from_inlet[line.ends[0]].is_finite() {
+            if a.is_finite() {
                 leaving[line.ends[0]].push(row);
             }
         }
-        for node in &order {
+        Self { from_inlet, arrives_by, leaving, reached }
+    }
+
+    /// The lines that a line leads to.
+    fn children(&self, lines: &[VesselLine], row: usize) -> &[usize] {
+        let end = lines[row].ends[1];
+        if self.arrives_by[end] == Some(row) { &self.leaving[end] } else { &[] }
+    }
+
+    /// The lines that ways take, the farthest first.
+    fn back(&self) -> impl Iterator<Item = usize> {
+        self.reached.iter().rev().flat_map(|node| self.leaving[*node].iter().copied())
+    }
+}
+
+/// What follows from the ways; by line, none where no inlet leads.
+pub struct Orders {
+    /// How many bifurcations lie before it.
+    pub generation: Vec<Option<usize>>,
+    /// Strahler's order.
+    pub strahler: Vec<Option<usize>>,
+    /// The same by diameter.
+    pub diameter_strahler: Vec<Option<usize>>,
+    /// The product of the probabilities of all connections on the way to its end.
+    pub probability: Vec<f64>,
+}
+
+impl Orders {
+    /// The orders of lines by the ways to them; `degree` is that of each node.
+    pub fn of(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &Ways) -> Self {
+        let mut generation: Vec<Option<usize>> = vec![None; lines.len()];
+        let mut probability: Vec<f64> = lines.iter().map(|line| probability_within(network, line)).collect();
+        for node in &ways.reached {
             let before = ways.arrives_by[*node];
-            let generation = before.map_or(0, |row| ways.generation[row].unwrap_or(0) + usize::from(degree[*node] > 2));
-            for row in &leaving[*node] {
-                ways.generation[*row] = Some(generation);
-                ways.probability[*row] *= before.map_or(1.0, |row| ways.probability[row]);
+            let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(degree[*node] > 2));
+            for row in &ways.leaving[*node] {
+                generation[*row] = Some(here);
+                probability[*row] *= before.map_or(1.0, |row| probability[row]);
             }
         }
-        // From the farthest vessels back; a line that closes a loop arrives nowhere.
-        let children = |row: usize| -> &[usize] {
-            let end = lines[row].ends[1];
-            if ways.arrives_by[end] == Some(row) { &leaving[end] } else { &[] }
-        };
-        let back: Vec<usize> = order.iter().rev().flat_map(|node| leaving[*node].iter().copied()).collect();
-        let strahler = raised(&back, lines.len(), children, |_, _| true);
-        let by_diameter = by_diameter(&back, lines, children, &strahler);
-        (ways.strahler, ways.diameter_strahler) = (strahler, by_diameter);
-        ways
+        let strahler = raised(lines, ways, |_, _| true);
+        let diameter_strahler = by_diameter(lines, ways, &strahler);
+        Self { generation, strahler, diameter_strahler, probability }
     }
 }
 
@@ -100,19 +103,14 @@ fn probability_within(network: &Network, line: &VesselLine) -> f64 {
 
 /// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and
 /// `rises` says so of the line and that order.
-fn raised<'a>(
-    back: &[usize],
-    lines: usize,
-    children: impl Fn(usize) -> &'a [usize],
-    rises: impl Fn(usize, usize) -> bool,
-) -> Vec<Option<usize>> {
-    let mut order: Vec<Option<usize>> = vec![None; lines];
-    for row in back {
-        let of: Vec<usize> = children(*row).iter().filter_map(|child| order[*child]).collect();
+fn raised(lines: &[VesselLine], ways: &Ways, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+    let mut order: Vec<Option<usize>> = vec![None; lines.len()];
+    for row in ways.back() {
+        let of: Vec<usize> = ways.children(lines, row).iter().filter_map(|child| order[*child]).collect();
         let most = of.iter().copied().max();
-        order[*row] = Some(most.map_or(1, |most| {
+        order[row] = Some(most.map_or(1, |most| {
             let several = of.iter().filter(|order| **order == most).count() > 1;
-            most + usize::from(several && rises(*row, most))
+            most + usize::from(several && rises(row, most))
         }));
     }
     order
@@ -120,12 +118,7 @@ fn raised<'a>(
 
 /// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
 /// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
-fn by_diameter<'a>(
-    back: &[usize],
-    lines: &[VesselLine],
-    children: impl Fn(usize) -> &'a [usize],
-    strahler: &[Option<usize>],
-) -> Vec<Option<usize>> {
+fn by_diameter(lines: &[VesselLine], ways: &Ways, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
     let radius: Vec<f64> = lines.iter().map(VesselLine::radius).collect();
     let mut order = strahler.to_vec();
     for _ in 0..MOST_PASSES {
@@ -143,7 +136,7 @@ fn by_diameter<'a>(
                 (None, _) => f64::INFINITY,
             })
             .collect();
-        let again = raised(back, lines.len(), &children, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
+        let again = raised(lines, ways, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
         if again == order {
             break;
         }

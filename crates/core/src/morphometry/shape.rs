@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 
 use super::vessel_lines::VesselLine;
 use crate::support::geometry::{Point, cross, distance, dot, norm, norm_squared, sub, unit};
+use crate::support::normal_equations::solve;
 
 /// The usual smoothing length in radii of the vessel: its course is not known finer than it is wide.
 pub const SMOOTHING: f64 = 6.0;
@@ -178,7 +179,7 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
     }
     let reach = within.max(1.000_001 * (at - line.at[low]).max(line.at[high - 1] - at));
     let terms = TERMS.min(high - low);
-    let mut normal = [[0.0; TERMS + 3]; TERMS];
+    let (mut normal, mut moments) = ([[0.0; TERMS]; TERMS], [[0.0; 3]; TERMS]);
     let origin = line.points[low];
     for ((at_point, point), share) in line.at[low..high].iter().zip(&line.points[low..high]).zip(&weights[low..high]) {
         let u = (at_point - at) / reach;
@@ -187,42 +188,19 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
         for k in 1..TERMS {
             powers[k] = powers[k - 1] * u;
         }
-        for (row, power) in normal.iter_mut().zip(powers).take(terms) {
-            for (cell, other) in row.iter_mut().zip(powers).take(terms) {
+        for ((row, moment), power) in normal.iter_mut().zip(&mut moments).zip(powers) {
+            for (cell, other) in row.iter_mut().zip(powers) {
                 *cell += weight * power * other;
             }
             for axis in 0..3 {
-                row[TERMS + axis] += weight * power * (point[axis] - origin[axis]);
+                moment[axis] += weight * power * (point[axis] - origin[axis]);
             }
         }
     }
-    let solved = eliminated(normal, terms);
+    let solved = solve(normal, moments, terms);
     let of = |term: usize, factor: f64| {
-        let scale = factor / reach.powi(term as i32);
-        if term < terms { solved[term].map(|x| scale * x) } else { [0.0; 3] }
+        // Without a term it is zero.
+        solved[term].map(|x| x * factor / reach.powi(term as i32))
     };
     [of(1, 1.0), of(2, 2.0), of(3, 6.0)]
-}
-
-/// The solution of a symmetric system of `terms` unknowns with three right sides, by elimination with the largest pivot.
-fn eliminated(mut rows: [[f64; TERMS + 3]; TERMS], terms: usize) -> [Point; TERMS] {
-    for k in 0..terms {
-        let pivot = (k..terms).max_by(|a, b| rows[*a][k].abs().total_cmp(&rows[*b][k].abs())).unwrap_or(k);
-        rows.swap(k, pivot);
-        let head = rows[k];
-        for row in rows.iter_mut().take(terms).skip(k + 1) {
-            let factor = row[k] / head[k];
-            for (cell, above) in row.iter_mut().zip(head) {
-                *cell -= factor * above;
-            }
-        }
-    }
-    let mut solved = [[0.0; 3]; TERMS];
-    for k in (0..terms).rev() {
-        for axis in 0..3 {
-            let known: f64 = (k + 1..terms).map(|j| rows[k][j] * solved[j][axis]).sum();
-            solved[k][axis] = (rows[k][TERMS + axis] - known) / rows[k][k];
-        }
-    }
-    solved
 }

@@ -1,5 +1,6 @@
 //! Vessels between junctions as lines: pieces of a network that meet two by two are one vessel.
 
+use crate::network::runs::{other_end, runs, vessels_at};
 use crate::network::{Network, Vessel};
 use crate::support::geometry::{Point, distance, lerp};
 
@@ -74,41 +75,17 @@ impl VesselLine {
 
 /// The vessels of a network as lines; none goes on beyond a node that `stops` it.
 pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
-    let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
-        for node in ends {
-            at[node].push(row);
-        }
-    }
+    let at = vessels_at(network);
     let passes = |node: usize| match *at[node] {
         [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
         _ => false,
     };
-    let mut done = vec![false; network.vessel_count()];
-    let mut follow = |from: usize, row: usize| {
-        let mut line = VesselLine::from(from, &network.vessel(row).label);
-        let (mut node, mut row) = (from, row);
-        while !std::mem::replace(&mut done[row], true) {
-            node = line.add(network, row, node);
-            match at[node].iter().find(|next| **next != row) {
-                Some(next) if passes(node) => row = *next,
-                _ => break,
-            }
-        }
+    let line = |run: Vec<(usize, usize)>| {
+        let mut line = VesselLine::from(run[0].1, &network.vessel(run[0].0).label);
+        run.into_iter().for_each(|(row, node)| line.add(network, row, node));
         line
     };
-    let mut lines = Vec::new();
-    for node in (0..network.node_count()).filter(|node| !passes(*node)) {
-        for row in &at[node] {
-            lines.extend(Some(follow(node, *row)).filter(|line| !line.pieces.is_empty()));
-        }
-    }
-    // Rings without a junction.
-    for (node, rows) in at.iter().enumerate() {
-        lines.extend(rows.first().map(|row| follow(node, *row)).filter(|line| !line.pieces.is_empty()));
-    }
-    lines.sort_by_key(|line| line.pieces.iter().min().copied());
-    lines
+    runs(network, &at, passes).into_iter().map(line).collect()
 }
 
 impl VesselLine {
@@ -117,11 +94,10 @@ impl VesselLine {
         Self { ends: [node; 2], pieces, label: label.to_owned(), length: 0.0, points, radii, at }
     }
 
-    /// Adds a piece that begins or ends at `node`; the node at its other side.
-    fn add(&mut self, network: &Network, row: usize, node: usize) -> usize {
+    /// Adds a piece that begins or ends at `node`.
+    fn add(&mut self, network: &Network, row: usize, node: usize) {
         let (ends, vessel) = (network.ends(row), network.vessel(row));
         let forward = ends[0] == node;
-        let other = if forward { ends[1] } else { ends[0] };
         let mut piece = points_of(network, ends, vessel);
         if !forward {
             piece.reverse();
@@ -139,9 +115,8 @@ impl VesselLine {
             }
         }
         self.length += vessel.length;
-        self.ends[1] = other;
+        self.ends[1] = other_end(network, row, node);
         self.pieces.push(row);
-        other
     }
 }
 

@@ -1,5 +1,6 @@
 //! Merges vessels that follow each other without a junction, as candidates leave them behind that were rejected.
 
+use super::runs::{other_end, runs, vessels_at};
 use super::units::as_stored;
 use super::{Network, Origin, PathPoint, Role, Vessel};
 
@@ -21,19 +22,14 @@ pub struct Merged {
 /// A merged vessel has the points of its parts, the sum of their lengths, and the radius r = (l / Σ lᵢ/rᵢ⁴)^¼, with which it resists as they
 /// do in a row; resistances that they state add up.
 pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
-    let mut at = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
-        for node in ends {
-            at[node].push(row);
-        }
-    }
+    let at = vessels_at(network);
     // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
-    let mut runs = Runs::of(network);
+    let mut grown = Runs::of(network);
     let mut is_gone = vec![false; network.node_count()];
     for node in 0..network.node_count() {
         let [a, b] = at[node][..] else { continue };
         let alike = || are_alike(network.vessel(a), network.vessel(b));
-        is_gone[node] = a != b && may_go(node) && is_plain(network, node) && alike() && runs.join(node, a, b);
+        is_gone[node] = a != b && may_go(node) && is_plain(network, node) && alike() && grown.join(node, a, b);
     }
     let mut made = Network { frame: network.frame, ..Network::new() };
     let nodes: Vec<usize> = (0..network.node_count()).filter(|node| !is_gone[*node]).collect();
@@ -41,45 +37,18 @@ pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
     for node in &nodes {
         row_of[*node] = made.add_node(network.node(*node).clone());
     }
-    let mut is_used = vec![false; network.vessel_count()];
     let mut parts = Vec::new();
-    for row in 0..network.vessel_count() {
-        if is_used[row] {
-            continue;
-        }
-        // Back to where the run begins, then along it.
-        let steps = |from: usize, first: usize| {
-            let (mut node, mut at_row, mut steps) = (from, first, vec![(first, from)]);
-            loop {
-                node = other(network, at_row, node);
-                if !is_gone[node] {
-                    return (steps, node);
-                }
-                at_row = at[node][usize::from(at[node][0] == at_row)];
-                steps.push((at_row, node));
-            }
+    for run in runs(network, &at, |node| is_gone[node]) {
+        let [(first, start), (last, before)] = [run[0], run[run.len() - 1]];
+        let (ends, vessel) = if run.len() == 1 {
+            (network.ends(first), network.vessel(first).clone())
+        } else {
+            ([start, other_end(network, last, before)], in_a_row(network, &run))
         };
-        let [a, b] = network.ends(row);
-        let (back, start) = steps(b, row);
-        let (run, end) = steps(start, back[back.len() - 1].0);
-        for (row, _) in &run {
-            is_used[*row] = true;
-        }
-        let vessel = match run[..] {
-            [_] => network.vessel(row).clone(),
-            _ => in_a_row(network, &run),
-        };
-        let ends = if run.len() == 1 { [a, b] } else { [start, end] };
         made.add_vessel(ends.map(|node| row_of[node]), vessel);
         parts.push(run.into_iter().map(|(row, _)| row).collect());
     }
     Merged { network: made, nodes, parts }
-}
-
-/// The node at the other end of a vessel.
-fn other(network: &Network, row: usize, node: usize) -> usize {
-    let [a, b] = network.ends(row);
-    if a == node { b } else { a }
 }
 
 /// Whether nothing is known of a node but its place.

@@ -9,6 +9,7 @@ mod node;
 pub mod path_places;
 pub mod paths;
 pub mod quantity;
+pub mod runs;
 mod tapering_root;
 pub mod units;
 mod vessel;

@@ -9,6 +9,7 @@ pub mod gamma;
 pub mod geometry;
 pub mod limits;
 pub mod model_provenance;
+pub mod normal_equations;
 pub mod parallel;
 pub mod printable;
 pub mod random;

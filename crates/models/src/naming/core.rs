@@ -6,6 +6,7 @@ use super::emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use super::nodes::Nodes;
 use super::pose::{Pulls, Scored, Search};
 use willis_core::support::geometry::{distance, dot, sub};
+use willis_core::support::statistics::weighted_quantile;
 
 /// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
 const WHOLE_BRAIN: f64 = 1500.0;
@@ -114,13 +115,6 @@ fn branch_radii(nodes: &Nodes) -> Vec<f64> {
 
 /// The value below which a share of the length of some nodes lies.
 fn quantile(values: &[f64], weight: &[f64], counts: impl Fn(usize) -> bool, share: f64) -> f64 {
-    let mut order: Vec<usize> = (0..values.len()).filter(|n| counts(*n)).collect();
-    order.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-    let total: f64 = order.iter().map(|n| weight[*n]).sum();
-    let mut sum = 0.0;
-    let at = order.iter().find(|n| {
-        sum += weight[**n];
-        sum >= share * total
-    });
-    at.map_or(f64::INFINITY, |n| values[*n])
+    let those = (0..values.len()).filter(|n| counts(*n)).map(|n| (values[n], weight[n]));
+    weighted_quantile(those, share).unwrap_or(f64::INFINITY)
 }

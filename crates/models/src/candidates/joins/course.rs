@@ -2,6 +2,7 @@
 
 use crate::candidates::features::extraction::Extraction;
 use willis_core::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
+use willis_core::support::normal_equations::solve;
 use willis_core::support::ties::steady;
 
 /// Directions are fitted over so many spacings and a third of that in radii.
@@ -182,27 +183,6 @@ fn parabola(points: &[Point], arc: &[f64]) -> (Point, Point) {
         }
     }
     a[2][2] += RIDGE * points.len() as f64;
-    let x = solve(a, b);
+    let x = solve(a, b, 3);
     (x[1].map(|x| x / most), x[2].map(|x| x / (most * most)))
-}
-
-/// Solves a symmetric positive definite system of three equations by Gaussian elimination.
-fn solve(mut a: [[f64; 3]; 3], mut b: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    for i in 0..3 {
-        for j in i + 1..3 {
-            let f = a[j][i] / a[i][i];
-            for k in 0..3 {
-                a[j][k] -= f * a[i][k];
-                b[j][k] -= f * b[i][k];
-            }
-        }
-    }
-    let mut x = [[0.0; 3]; 3];
-    for i in (0..3).rev() {
-        for k in 0..3 {
-            let known: f64 = (i + 1..3).map(|j| a[i][j] * x[j][k]).sum();
-            x[i][k] = (b[i][k] - known) / a[i][i];
-        }
-    }
-    x
 }
