@@ -82,7 +82,9 @@ pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<Ves
     };
     let line = |run: Vec<(usize, usize)>| {
         let mut line = VesselLine::from(run[0].1, &network.vessel(run[0].0).label);
-        run.into_iter().for_each(|(row, node)| line.add(network, row, node));
+        for (row, node) in run {
+            line.add(network, row, node);
+        }
         line
     };
     runs(network, &at, passes).into_iter().map(line).collect()

@@ -3,14 +3,11 @@
 /// Solves a symmetric positive definite system of the first `terms` equations, for each of three right sides, by Gaussian elimination.
 pub fn solve<const N: usize>(mut a: [[f64; N]; N], mut b: [[f64; 3]; N], terms: usize) -> [[f64; 3]; N] {
     for i in 0..terms {
+        let (head, side) = (a[i], b[i]);
         for j in i + 1..terms {
-            let f = a[j][i] / a[i][i];
-            for k in 0..terms {
-                a[j][k] -= f * a[i][k];
-            }
-            for k in 0..3 {
-                b[j][k] -= f * b[i][k];
-            }
+            let f = a[j][i] / head[i];
+            a[j].iter_mut().zip(head).for_each(|(cell, above)| *cell -= f * above);
+            b[j].iter_mut().zip(side).for_each(|(cell, above)| *cell -= f * above);
         }
     }
     let mut x = [[0.0; 3]; N];
