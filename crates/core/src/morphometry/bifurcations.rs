@@ -1,6 +1,6 @@
 //! Bifurcations: angles, asymmetry, and Murray's exponent.
 
-use super::orders::Ways;
+use super::orders::InletWays;
 use super::vessel_lines::VesselLine;
 use crate::network::Network;
 use crate::support::geometry::{Point, cross, dot, norm_squared, sub, unit};
@@ -45,7 +45,7 @@ struct Leg {
 }
 
 /// The bifurcations of a network, by node.
-pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &Ways) -> Vec<MeasuredBifurcation> {
+pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> Vec<MeasuredBifurcation> {
     let mut legs: Vec<Vec<(usize, bool)>> = vec![Vec::new(); network.node_count()];
     for (row, line) in lines.iter().enumerate() {
         for (node, last) in line.ends.into_iter().zip([false, true]) {

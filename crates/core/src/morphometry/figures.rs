@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
-use super::orders::Ways;
+use super::orders::InletWays;
 use super::shape::cones;
 use super::vessel_lines::VesselLine;
 use crate::support::geometry::{Point, distance, lerp};
@@ -46,7 +46,7 @@ pub struct NetworkFigures {
 }
 
 /// Measures the lines of a network; `degree` is that of each node.
-pub fn figures_of(lines: &[VesselLine], degree: &[usize], ways: &Ways) -> NetworkFigures {
+pub fn figures_of(lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> NetworkFigures {
     let mut joined = UnionFind::<usize>::new(degree.len());
     for line in lines {
         joined.union(line.ends[0], line.ends[1]);

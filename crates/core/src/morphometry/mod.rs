@@ -17,7 +17,7 @@ pub use vessel_lines::VesselLine;
 use crate::network::{Network, Role};
 use bifurcations::bifurcations;
 use figures::figures_of;
-use orders::{Orders, Ways};
+use orders::{InletWays, Orders};
 use vessel_lines::vessel_lines;
 
 /// A vessel between two junctions or ends.
@@ -100,14 +100,14 @@ struct FromInlets {
     lines: Vec<VesselLine>,
     /// By node.
     degree: Vec<usize>,
-    ways: Ways,
+    ways: InletWays,
 }
 
 impl FromInlets {
     fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
         let inlets: Vec<usize> = (0..network.node_count()).filter(|node| role(*node) == Role::Inlet).collect();
         let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
-        let ways = Ways::of(network.node_count(), &mut lines, &inlets);
+        let ways = InletWays::of(network.node_count(), &mut lines, &inlets);
         let mut degree = vec![0; network.node_count()];
         for node in lines.iter().flat_map(|line| line.ends) {
             degree[node] += 1;

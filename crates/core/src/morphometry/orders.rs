@@ -8,7 +8,7 @@ use crate::network::paths::ShortestPaths;
 const MOST_PASSES: usize = 100;
 
 /// The ways from the inlets. Each vessel is reached by the shortest way; one that closes a loop leads to no other.
-pub struct Ways {
+pub struct InletWays {
     /// By node, the length of the way from the nearest inlet, m; infinite without one.
     pub from_inlet: Vec<f64>,
     /// By node, the line by which the way arrives.
@@ -19,7 +19,7 @@ pub struct Ways {
     reached: Vec<usize>,
 }
 
-impl Ways {
+impl InletWays {
     /// Finds the ways, and turns every line so that it begins where it is nearer to an inlet.
     pub fn of(nodes: usize, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
         let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes];
@@ -78,7 +78,7 @@ pub struct Orders {
 
 impl Orders {
     /// The orders of lines by the ways to them; `degree` is that of each node.
-    pub fn of(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &Ways) -> Self {
+    pub fn of(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> Self {
         let mut generation: Vec<Option<usize>> = vec![None; lines.len()];
         let mut probability: Vec<f64> = lines.iter().map(|line| probability_within(network, line)).collect();
         for node in &ways.reached {
@@ -103,7 +103,7 @@ fn probability_within(network: &Network, line: &VesselLine) -> f64 {
 
 /// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and
 /// `rises` says so of the line and that order.
-fn raised(lines: &[VesselLine], ways: &Ways, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+fn raised(lines: &[VesselLine], ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
     let mut order: Vec<Option<usize>> = vec![None; lines.len()];
     for row in ways.back() {
         let of: Vec<usize> = ways.children(lines, row).iter().filter_map(|child| order[*child]).collect();
@@ -118,7 +118,7 @@ fn raised(lines: &[VesselLine], ways: &Ways, rises: impl Fn(usize, usize) -> boo
 
 /// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
 /// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
-fn by_diameter(lines: &[VesselLine], ways: &Ways, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
+fn by_diameter(lines: &[VesselLine], ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
     let radius: Vec<f64> = lines.iter().map(VesselLine::radius).collect();
     let mut order = strahler.to_vec();
     for _ in 0..MOST_PASSES {
