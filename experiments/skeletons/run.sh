@@ -6,7 +6,7 @@
 #   willis infer fragments.npz -o OUT --box BOX [--cut always | --uncertain all | --preset paper]
 #
 # beside the fragments as they are, and each cycle of them cut at its thinnest vessel (simple.py); what copies of shared runs could add (passes.py), what a
-# joint posterior would decide (joint.py), manual masks (manual.py), how far P of contacts can be believed (contacts.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
+# joint posterior would decide (joint.py), manual masks (manual.py), where the ends of joins lie (ends.py), how far P of contacts can be believed (contacts.py), complete circles (rings.py), tracings that nobody broke (intact.py). Then the tables of README.md and scores.png (scores.py).
 #
 # Argument: a folder for cases and answers, which is kept and gone on from (about half an hour on two cores). LEVELS names other levels than "good
 # fair near fine poor"; good and fair are cropped too. ../skelbench.sh says what the environment names; WILLIS_GAPBENCH names the benchmark of tracings.
@@ -51,6 +51,7 @@ printed() { # name, script and arguments
     [ -e "$work/$1.md" ] || { "$python" "$here/$1.py" "${@:2}" >"$work/$1.tmp" && mv "$work/$1.tmp" "$work/$1.md"; }
 }
 printed at_border "$work"
+printed ends "$bench" "$work"
 printed passes "$bench" "$work"
 printed joint "$bench" "$work"
 printed manual "$bench" "$data" "$work/manual"

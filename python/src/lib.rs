@@ -38,6 +38,12 @@ fn set_num_threads(py: Python<'_>, threads: usize) -> PyResult<()> {
     interrupt::set_num_threads(py, threads)
 }
 
+/// The bytes that a size such as `2GiB` is; none where it is no size.
+#[pyfunction]
+fn byte_count(text: &str) -> Option<u64> {
+    willis::internals::formats::byte_count(text).ok()
+}
+
 /// Writes a network as a file of any format; what a person should know.
 #[pyfunction]
 #[pyo3(signature = (scan, path, to, unfed, force))]
@@ -74,6 +80,7 @@ fn _willis(m: &Bound<'_, PyModule>) -> PyResult<()> {
         wrap_pyfunction!(main, m)?,
         wrap_pyfunction!(call, m)?,
         wrap_pyfunction!(set_num_threads, m)?,
+        wrap_pyfunction!(byte_count, m)?,
         wrap_pyfunction!(write, m)?,
         wrap_pyfunction!(objects::read, m)?,
         wrap_pyfunction!(objects::read_bytes, m)?,

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import io
-import re
 import tempfile
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -254,17 +253,13 @@ def _numbers(name: str, values: npt.ArrayLike, kinds: str = "biufO") -> npt.NDAr
     return array
 
 
-_SIZES = {"": 1, "B": 1, "kB": 10**3, "KB": 10**3, "MB": 10**6, "GB": 10**9, "KiB": 2**10, "MiB": 2**20, "GiB": 2**30}
-
-
 def _check_size(name: str, arrays: Iterable[npt.NDArray[Any]], max_input: int | str = "2GiB") -> None:
     """Refuses arrays that are larger than a file may be before they are packed as one. A size that is none is refused later."""
-    given = re.fullmatch(r"\s*(\d+)\s*(\w*)\s*", str(max_input))
-    most = int(given[1]) * _SIZES.get(given[2], 2**63) if given else 2**63
+    most = _willis.byte_count(str(max_input))
     size = sum(array.nbytes for array in arrays)
-    if size > most:
+    if most is not None and size > most:
         expected = f"at most {most} bytes"
-        raise WillisError(f"{name}: {size} bytes; expected {expected}; `max_input` allows more", item=name, expected=expected)
+        raise WillisError(f"{name}: {size} bytes; expected {expected}; max_input= allows more", item=name, expected=expected)
 
 
 def centerlines(
