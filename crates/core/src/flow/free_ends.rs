@@ -39,6 +39,8 @@ pub struct FreeEnds {
     position: Vec<Option<Point>>,
     /// The mean position of the ends that belong, m.
     middle: Point,
+    /// The lowest corner of the box around these, m, and the longest of its sides, m, which is positive.
+    extent: (Point, f64),
     /// Whether the third axis points to the head. Blood then comes in from below.
     is_upright: bool,
 }
@@ -70,6 +72,7 @@ impl FreeEnds {
         let mean = |axis: usize| placed.iter().map(|p| p[axis]).sum::<f64>() / placed.len().max(1) as f64;
         Self {
             middle: [mean(0), mean(1), mean(2)],
+            extent: extent(&placed),
             nodes,
             belongs,
             radius,
@@ -138,7 +141,7 @@ impl FreeEnds {
         let out = || {
             let from_middle = |node: usize| Some(sub(self.position[node]?, self.middle));
             let outward = lerp(from_middle(*first)?, from_middle(*second)?, 0.5);
-            let size = self.extent().1;
+            let size = self.extent.1;
             let far = norm_squared(outward) / (size * size);
             (near_zero(far) > 0.0).then_some(near_zero(dot(from_middle(node)?, outward) / (size * size) / far))
         };
@@ -157,7 +160,7 @@ impl FreeEnds {
                 ends.retain(|node| is_member(*node));
             }
         };
-        let (low, size) = self.extent();
+        let (low, size) = self.extent;
         // Where it is along an axis, as a share of the extent of all.
         let along = |node: usize, axis: usize| self.position[node].map_or(0.0, |p| near_zero((p[axis] - low[axis]) / size));
         only(&|node| self.belongs[node]);
@@ -184,16 +187,15 @@ impl FreeEnds {
         }
         ranked
     }
+}
 
-    /// The lowest corner of the box around the free ends that belong, m, and the longest of its sides, m, which is positive.
-    fn extent(&self) -> (Point, f64) {
-        let placed = || self.nodes.iter().filter(|node| self.belongs[**node]).filter_map(|node| self.position[*node]);
-        let along = |axis: usize| placed().map(move |p| p[axis]);
-        let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
-        let side = |axis: usize| along(axis).fold(f64::NEG_INFINITY, f64::max) - low[axis];
-        let size = side(0).max(side(1)).max(side(2));
-        (low, if size > 0.0 { size } else { 1.0 })
-    }
+/// The lowest corner of the box around points, and the longest of its sides, or 1 where that is none.
+fn extent(points: &[Point]) -> (Point, f64) {
+    let along = |axis: usize| points.iter().map(move |p| p[axis]);
+    let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
+    let side = |axis: usize| along(axis).fold(f64::NEG_INFINITY, f64::max) - low[axis];
+    let size = side(0).max(side(1)).max(side(2));
+    (low, if size > 0.0 { size } else { 1.0 })
 }
 
 /// The parts that the vessels make which can be open.
