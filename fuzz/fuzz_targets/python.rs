@@ -103,9 +103,8 @@ fn decide(bytes: &[u8]) {
         .iter()
         .map(|byte| ConnectionDecision {
             edge: usize::from(byte >> 1 & 15),
-            accepted: byte & 1 == 1,
-            who: String::new(),
-            when: String::new(),
+            accepted: Some(byte & 1 == 1),
+            ..ConnectionDecision::default()
         })
         .collect();
     if let Ok(run) = RUN.with_decisions(&made, &mut Silent) {

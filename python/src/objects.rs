@@ -237,8 +237,15 @@ impl Run {
     /// The run again with decisions of a person: the rows that were accepted and rejected, by whom, and when.
     fn decide(&self, py: Python<'_>, accept: Vec<usize>, reject: Vec<usize>, who: &str, when: &str) -> PyResult<Self> {
         let each = accept.into_iter().map(|edge| (edge, true)).chain(reject.into_iter().map(|edge| (edge, false)));
-        let made: Vec<ConnectionDecision> =
-            each.map(|(edge, accepted)| ConnectionDecision { edge, accepted, who: who.into(), when: when.into() }).collect();
+        let made: Vec<ConnectionDecision> = each
+            .map(|(edge, accepted)| ConnectionDecision {
+                edge,
+                accepted: Some(accepted),
+                who: who.into(),
+                when: when.into(),
+                ..Default::default()
+            })
+            .collect();
         let decided = detached(py, || self.run.with_decisions(&made, &mut Silent));
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }

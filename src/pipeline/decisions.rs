@@ -11,18 +11,21 @@ use willis_core::network::{Evidence, Network, Origin};
 use willis_io::formats::{ListedDecision, read_decisions};
 
 /// A decision on one connection.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub struct ConnectionDecision {
     /// The row of the vessel in edges.csv.
     pub edge: usize,
-    /// Whether the connection is there.
-    pub accepted: bool,
+    /// Whether the connection is there; none where the reader was unsure, which changes nothing.
+    pub accepted: Option<bool>,
     /// Who decided; may be empty.
     #[serde(default)]
     pub who: String,
     /// When; may be empty.
     #[serde(default)]
     pub when: String,
+    /// What was said of it; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub comment: String,
 }
 
 /// What a person decided, as run.json has it.
@@ -57,8 +60,10 @@ impl DecisionList {
         for decision in &listed {
             check(decision, graph, input_sha256).map_err(|fault| fault.in_file(&source.path))?;
         }
-        let made =
-            listed.into_iter().map(|d| ConnectionDecision { edge: d.edge, accepted: d.accepted, who: d.who, when: d.when });
+        let made = listed.into_iter().map(|d| {
+            let ListedDecision { edge, accepted, who, when, comment, .. } = d;
+            ConnectionDecision { edge, accepted, who, when, comment }
+        });
         Ok(Decided { made: made.collect(), source: Some(source) })
     }
 }
@@ -97,8 +102,8 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 ///
 /// A row that is no candidate and no contact.
 pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()> {
-    let decided: BTreeMap<usize, bool> = decisions.iter().map(|d| (d.edge, d.accepted)).collect();
-    for &edge in decided.keys() {
+    let decided: BTreeMap<usize, bool> = decisions.iter().filter_map(|d| Some((d.edge, d.accepted?))).collect();
+    for edge in decisions.iter().map(|d| d.edge) {
         if edge >= graph.vessel_count() || graph.vessel(edge).origin == Origin::Observed {
             return Err(Error::parameter("decisions", edge, "expected the row of a candidate or of a contact"));
         }
@@ -156,11 +161,12 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
 /// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
 /// so from then on the vessels' own priors count, which are set to 1.
 pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
-    if uniform_prior && !made.is_empty() {
+    let any = made.iter().any(|d| d.accepted.is_some());
+    if uniform_prior && any {
         (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
     }
     apply(graph, made)?;
-    Ok(uniform_prior && made.is_empty())
+    Ok(uniform_prior && !any)
 }
 
 /// The evidence with its probability times a factor, at most 1.

@@ -262,6 +262,7 @@ impl Inference {
     pub fn with_decisions(&self, made: &[ConnectionDecision], progress: &mut dyn Follow) -> Result<Self> {
         let mut prepared = Prepared::clone(&self.prepared);
         let mut decided = prepared.records.decisions.take().unwrap_or_default();
+        decided.made.retain(|old| old.accepted.is_some() || made.iter().all(|new| new.edge != old.edge));
         if let Some(again) = made.iter().find(|new| decided.made.iter().any(|old| old.edge == new.edge)) {
             return Err(Error::parameter("decisions", again.edge, "was decided on before; expected another connection"));
         }

@@ -4,6 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::command::{data, folder, stderr, willis};
+use willis::internals::decision::{RECONNECT, reconnected};
 use willis::internals::formats::read_decisions;
 use willis::internals::network::{Evidence, Network, Node, Origin, Vessel};
 use willis::internals::pipeline::ConnectionDecision;
@@ -87,10 +88,11 @@ fn a_list_for_another_input_or_graph_is_refused_by_line_and_edge() {
 #[test]
 fn a_list_is_read_and_what_is_wrong_is_named() {
     let list =
-        b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n";
+        b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n11,8,9,unsure,,,\n";
     let read = read_decisions(list).expect("a list");
-    assert_eq!((read[0].edge, read[0].accepted, &*read[0].ids[1], &*read[0].who), (7, true, "2:3", "Doe, J"));
-    assert_eq!((read[1].edge, read[1].accepted, read[1].line), (9, false, 3));
+    assert_eq!((read[0].edge, read[0].accepted, &*read[0].ids[1], &*read[0].who), (7, Some(true), "2:3", "Doe, J"));
+    assert_eq!((read[1].edge, read[1].accepted, read[1].line), (9, Some(false), 3));
+    assert_eq!(read[2].accepted, None);
     for (text, word) in [
         ("edge,id_a,id_b\n1,a,b\n", "decision"),
         ("edge,id_a,id_b,decision\n1,a,b,perhaps\n", "\"perhaps\""),
@@ -123,7 +125,7 @@ fn probabilities(graph: &Network) -> Vec<f64> {
 }
 
 fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
-    ConnectionDecision { edge, accepted, who: String::new(), when: String::new() }
+    ConnectionDecision { edge, accepted: Some(accepted), ..ConnectionDecision::default() }
 }
 
 #[test]
@@ -141,4 +143,20 @@ fn rivals_share_what_a_rejected_connection_had() {
     assert_eq!(probabilities(&graph), [0.0, 0.6, 0.2, 0.4]);
     assert_eq!(graph.vessel(4).prior, 0.0);
     apply(&mut graph, &[decision(0, true)]).expect_err("an observed vessel");
+}
+
+/// A contact that joins two parts is put back by the rule for masks, unless a person rejected it.
+#[test]
+fn what_was_rejected_joins_no_parts() {
+    let mut graph = Network::new();
+    for id in 0..4 {
+        graph.add_node(Node { id: format!("n{id}"), ..Node::default() });
+    }
+    graph.add_vessel([0, 1], Vessel::new(0.01, 0.001, Origin::Observed));
+    graph.add_vessel([2, 3], Vessel::new(0.01, 0.001, Origin::Observed));
+    let contact = Vessel { evidence: Some(Evidence::undirected(0.2)), ..Vessel::new(0.001, 0.001, Origin::Contact) };
+    graph.add_vessel([1, 2], contact);
+    assert_eq!(reconnected(&graph, RECONNECT), [true, true, true]);
+    apply(&mut graph, &[decision(2, false)]).expect("applied");
+    assert_eq!(reconnected(&graph, RECONNECT), [true, true, false]);
 }

@@ -40,9 +40,8 @@ def browser(chromium, profile, *flags):
 
 class Page:
     def __init__(self, driver, folder, name="report.html"):
-        self.driver, self.folder = driver, Path(folder).resolve()
-        driver.get((self.folder / name).as_uri())
-        WebDriverWait(driver, 60).until(lambda d: d.execute_script("return document.documentElement.dataset.ready") == "yes")
+        self.driver, self.folder, self.name = driver, Path(folder).resolve(), name
+        self.open()
         rows = lambda name: list(csv.DictReader(open(self.folder / name))) if (self.folder / name).exists() else []
         self.edges, self.nodes = rows("edges.csv"), rows("nodes.csv")
         if not self.edges:
@@ -50,6 +49,10 @@ class Page:
         self.record = json.load(open(self.folder / "run.json"))
         everything = self.record["parameters"].get("uncertain") == "all"
         self.is_uncertain = lambda e: everything or e.get("origin") in ("candidate", "contact")
+
+    def open(self):
+        self.driver.get((self.folder / self.name).as_uri())
+        WebDriverWait(self.driver, 60).until(lambda d: d.execute_script("return document.documentElement.dataset.ready") == "yes")
 
     def one(self, selector):
         return self.driver.find_element(By.CSS_SELECTOR, selector)
@@ -433,4 +436,5 @@ def main():
             driver.quit()
 
 
-main()
+if __name__ == "__main__":
+    main()

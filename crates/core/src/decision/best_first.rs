@@ -61,7 +61,8 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         if kept[row] {
             parts.union(ends[0], ends[1]);
-        } else if let Some(evidence) = vessel.evidence {
+        } else if let Some(evidence) = vessel.evidence.filter(|evidence| evidence.probability > 0.0) {
+            // What a person rejected has P = 0, and joins nothing.
             let (score, least) = match vessel.origin {
                 Origin::Contact => (evidence.attached.iter().sum(), least),
                 _ => (evidence.probability, least.max(DOUBTFUL)),

@@ -6,8 +6,10 @@ pub mod most_probable_forest;
 pub mod rules;
 pub mod whole_topologies;
 
-pub use best_first::{BEST_FIRST, RECONNECT, best_first, best_first_of, reconnected};
+pub use best_first::{BEST_FIRST, DOUBTFUL, RECONNECT, best_first, best_first_of, reconnected};
 pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
-pub use most_probable_forest::{ExpectedErrors, PRICE, expected_errors, has_evidence, knows_fragments, probabilities, probable};
+pub use most_probable_forest::{
+    ExpectedErrors, PRICE, WITHOUT_PIECE, expected_errors, has_evidence, knows_fragments, probabilities, probable,
+};
 pub use rules::{Keep, threshold};
 pub use whole_topologies::{KnownEnds, Topologies, TopologySource};

@@ -43,7 +43,7 @@ pub struct ProbableForest {
 
 /// The share of the price that is asked where no piece hangs on the decision: of the roots in the forest, which therefore attaches nearly
 /// every fragment that a candidate reaches (what stays alone is decided afterwards), and of a loop, whose two ends have blood already.
-const WITHOUT_PIECE: f64 = 0.2;
+pub const WITHOUT_PIECE: f64 = 0.2;
 
 /// The forest of fragments with the largest sum of the probabilities of its attachments and a fifth of the price of its roots, and which of them are worth making: those with
 ///

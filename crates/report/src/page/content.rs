@@ -180,6 +180,28 @@ impl Colouring {
     }
 }
 
+/// A rule without a threshold, with its figures.
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FollowedRule {
+    /// The most probable first, then what joins parts.
+    BestFirst {
+        /// The least probability of a candidate.
+        first: f64,
+        /// That of a contact that joins two parts; none where nothing is joined.
+        joins: Option<f64>,
+        /// That of a candidate that does.
+        doubtful: Option<f64>,
+    },
+    /// The most probable forest.
+    Forest {
+        /// The price of a false connection.
+        price: f64,
+        /// The share of it that is asked where no piece hangs on the decision.
+        without: f64,
+    },
+}
+
 /// A threshold on a column of the first table.
 #[derive(Debug, Clone, Serialize)]
 pub struct Threshold {
@@ -209,6 +231,8 @@ pub struct Threshold {
     pub middle: Option<f64>,
     /// The distance from the threshold within which a figure without standard error is undecided.
     pub band: Option<f64>,
+    /// The rule of the run where it has no threshold, for the page to follow it after a decision.
+    pub rule: Option<FollowedRule>,
     /// The column that is 1 where a vessel is uncertain.
     pub uncertain: &'static str,
     /// The column that is 1 where a decision of the run is undecided.

@@ -5,22 +5,32 @@ use std::collections::HashSet;
 use serde_json::Value;
 
 use super::content::{
-    ColourScale, Colouring, Page, PagePicture, PageTable, Threshold, conditions, facts, record, take, warnings,
+    ColourScale, Colouring, FollowedRule, Page, PagePicture, PageTable, Threshold, conditions, facts, record, take, warnings,
 };
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::Summary;
-use willis_core::decision::{Keep, UNDECIDED_BAND, UNDECIDED_Z, has_evidence};
+use willis_core::decision::{BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, has_evidence};
 use willis_io::formats::{Column, END_POSITION_COLUMNS};
 
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
 const UNDECIDED: &str = "undecided";
-const EXACT: [&str; 4] = ["likelihood", "std_error", "frequency", "probability"];
+/// The columns of the page with the probability that a vessel attaches its one end to its other, and the reverse.
+const ATTACHED: [&str; 2] = ["attached_a", "attached_b"];
+/// That with the score of the fragment of a node for being attached to nothing.
+const ALONE: &str = "alone";
+const EXACT: [&str; 7] = ["likelihood", "std_error", "frequency", "probability", ATTACHED[0], ATTACHED[1], ALONE];
 
 /// The page of an inference from the columns of edges.csv and nodes.csv.
-pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes: Vec<Column>, figures: Vec<PagePicture>) -> Page {
+pub fn page(
+    outcome: &Outcome<'_>,
+    summary: &Summary,
+    vessels: &[Column],
+    mut nodes: Vec<Column>,
+    figures: Vec<PagePicture>,
+) -> Page {
     let mut record = record(summary);
     let mut warnings = warnings(&record);
     if let Some(warning) = outcome.few_perfused() {
@@ -30,6 +40,8 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     // For a later command, not for a reader.
     take(&mut record, "named");
     let conditions = conditions(&take(&mut record, "boundary_conditions"));
+    let unit = outcome.sampling.weight.unit();
+    let (evidence, threshold) = (has_evidence(outcome.network), threshold(outcome, unit));
     // The page draws the positions.
     let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
     let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
@@ -41,10 +53,14 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
     columns.push(Column::whole(UNCERTAIN, open));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
+    if evidence && threshold.rule.is_some() {
+        // What the rule weighs, for the page to follow it after a decision.
+        let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |e| e.attached[end]));
+        columns.extend(ATTACHED.into_iter().zip(0..).map(|(name, end)| Column::real(name, attached(end))));
+        nodes.push(Column::real(ALONE, outcome.network.nodes().map(|node| node.root_score.unwrap_or(f64::NAN))));
+    }
     let table = |title: &str, columns, of_vessels| PageTable { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let unit = outcome.sampling.weight.unit();
     let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
-    let evidence = has_evidence(outcome.network);
     let mut names = vec![
         ("nodes", "/counts/nodes", ""),
         ("observed vessels", "/counts/observed", ""),
@@ -85,7 +101,7 @@ pub fn page(outcome: &Outcome<'_>, summary: &Summary, vessels: &[Column], nodes:
         colourings: colourings(unit, evidence),
         image_cuts: outcome.image_cuts.to_vec(),
         segmentation: outcome.segmentation.cloned(),
-        threshold: Some(threshold(outcome, unit)),
+        threshold: Some(threshold),
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
@@ -132,6 +148,14 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
         median: outcome.answer.median.filter(|_| of_likelihood),
         kept: no_threshold.then_some("kept"),
         middle: rule.turning_point().filter(|_| no_threshold),
+        rule: match rule {
+            Keep::BestFirst(first) => Some(FollowedRule::BestFirst { first, joins: None, doubtful: None }),
+            Keep::Reconnect(least) => {
+                Some(FollowedRule::BestFirst { first: BEST_FIRST, joins: Some(least), doubtful: Some(least.max(DOUBTFUL)) })
+            }
+            Keep::Probable(price) => Some(FollowedRule::Forest { price, without: WITHOUT_PIECE }),
+            _ => None,
+        },
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         uncertain: UNCERTAIN,
         undecided: UNDECIDED,

@@ -30,6 +30,7 @@ const RUN: Template = Template {
         include_str!("assets/overlay.js"),
         include_str!("assets/scene.js"),
         include_str!("assets/gestures.js"),
+        include_str!("assets/rules.js"),
         include_str!("assets/threshold.js"),
         include_str!("assets/decisions.js"),
         include_str!("assets/review.js"),

@@ -1,66 +1,155 @@
-// What a person decides: accepted and rejected connections, with undo, and the list that `willis infer --decisions` takes.
+// What a person decides: connections that are accepted, rejected, or that the reader is unsure of, with comments and undo. They stay in the
+// browser, and are the list that `willis infer --decisions` takes.
 class Decisions {
   // `changed` is called after each change.
   constructor(threshold, vessels, nodes, changed) {
-    Object.assign(this, { threshold, vessels, nodes, changed });
-    this.when = new Map();
+    Object.assign(this, { threshold, vessels, changed });
+    const id = nodes?.find("id");
+    this.idOf = node => String(id ? id.at(node) : node);
+    // By row `{decision, when, who, comment}`, in the order of the decisions.
+    this.made = new Map();
+    // What to take back: pairs of a row and what was there before it.
     this.history = [];
     this.saved = true;
     // What earlier decisions made certain is part of the list.
-    for (const { edge, accepted, when, who } of data.record.parameters?.decisions?.made || []) {
-      threshold.decided.set(edge, accepted);
-      this.when.set(edge, { when, who });
+    for (const { edge, accepted, when, who, comment } of data.record.parameters?.decisions?.made || []) {
+      this.made.set(edge, { decision: accepted === null ? "unsure" : accepted ? "accept" : "reject", when, who, comment: comment || "" });
     }
-    if (threshold.decided.size) threshold.again();
-    window.addEventListener("beforeunload", event => { if (!this.saved) event.preventDefault(); });
+    const { input, graph } = data.record;
+    this.key = `willis ${input?.sha256} ${graph?.sha256 ?? ""}`;
+    this.restored = this.restore();
+    this.follow();
+    window.addEventListener("beforeunload", event => { if (!this.saved && !this.stored) event.preventDefault(); });
   }
 
-  // Accepts (true), rejects (false) or leaves open again (null).
-  decide(row, accepted) {
-    this.history.push([row, this.threshold.decided.get(row) ?? null, this.when.get(row)]);
-    this.put(row, accepted, { when: new Date().toISOString().replace(/\.\d+/, ""), who: byId("who").value.trim() });
-  }
-
-  undo() {
-    const last = this.history.pop();
-    if (!last) return -1;
-    this.put(...last);
-    return last[0];
-  }
-
-  put(row, accepted, by) {
-    if (accepted === null) {
-      this.threshold.decided.delete(row);
-      this.when.delete(row);
-    } else {
-      this.threshold.decided.set(row, accepted);
-      this.when.set(row, by);
+  // Takes up what this browser has of the same graph; whether there was any.
+  restore() {
+    try {
+      const { made, history } = JSON.parse(localStorage.getItem(this.key)) ?? {};
+      if (!made || made.some(([row]) => !this.threshold.uncertain[row])) return false;
+      [this.made, this.history] = [new Map(made), history];
+      return made.length > 0;
+    } catch {
+      return false;
     }
-    this.saved = this.threshold.decided.size === 0;
+  }
+
+  // The answer follows, and the browser keeps it; a browser that keeps nothing asks before the page is left.
+  follow() {
+    this.threshold.decided = new Map([...this.made].filter(([, of]) => of.decision !== "unsure" && of.decision !== "").map(([row, of]) => [row, of.decision === "accept"]));
     this.threshold.again();
+    try {
+      if (this.made.size || this.history.length) localStorage.setItem(this.key, JSON.stringify({ made: [...this.made], history: this.history }));
+      else localStorage.removeItem(this.key);
+      this.stored = true;
+    } catch {
+      this.stored = false;
+    }
+  }
+
+  // Decides rows alike: "accept", "reject", "unsure", or null to leave them open again.
+  decide(rows, decision) {
+    const at = { when: new Date().toISOString().replace(/\.\d+/, ""), who: byId("who").value.trim() };
+    this.put(rows.map(row => {
+      const comment = this.made.get(row)?.comment ?? "";
+      return [row, decision ? { decision, ...at, comment } : comment ? { decision: "", ...at, comment } : null];
+    }));
+  }
+
+  comment(row, text) {
+    const before = this.made.get(row);
+    if (text === (before?.comment ?? "")) return;
+    const one = { decision: "", who: byId("who").value.trim(), when: new Date().toISOString().replace(/\.\d+/, ""), ...before, comment: text };
+    this.put([[row, text || one.decision ? one : null]]);
+  }
+
+  // Changes rows as one step that can be taken back.
+  put(changes) {
+    this.history.push(changes.map(([row]) => [row, this.made.get(row) ?? null]));
+    this.set(changes);
+  }
+
+  set(changes) {
+    for (const [row, of] of changes) {
+      this.made.delete(row);
+      if (of) this.made.set(row, of);
+    }
+    this.saved = this.made.size === 0;
+    this.follow();
     this.changed();
   }
 
-  // The list as CSV, in the order of the vessels.
+  // Takes the last step back; its first row, or -1.
+  undo() {
+    const last = this.history.pop();
+    if (!last) return -1;
+    this.set(last);
+    return last[0][0];
+  }
+
+  of(row) {
+    return this.made.get(row) ?? { decision: "", comment: "" };
+  }
+
+  // The list as CSV, in the order of the vessels. What only has a comment is unsure.
   csv() {
-    const id = this.nodes?.find("id"), who = byId("who").value.trim();
+    const who = byId("who").value.trim();
     const cell = text => {
       const plain = String(text).replace(/[\r\n]+/g, " ").replace(/^(?=[=+@\t-])/, "'");
       return /[",]/.test(plain) ? `"${plain.replaceAll('"', '""')}"` : plain;
     };
-    const line = row => {
-      const ends = ["node_a", "node_b"].map(name => { const node = this.vessels.find(name).at(row); return id ? id.at(node) : node; });
-      const by = this.when.get(row), p = this.threshold.probability?.[row];
-      return [row, ...ends, this.threshold.decided.get(row) ? "accept" : "reject", Number.isNaN(p) ? "" : p ?? "", by.who || who, by.when, data.record.input.sha256].map(cell).join(",");
+    const line = ([row, of]) => {
+      const p = this.threshold.probability?.[row];
+      return [row, ...this.idsOf(row), of.decision || "unsure", Number.isNaN(p) ? "" : p ?? "", of.who || who, of.when, of.comment, data.record.input.sha256].map(cell).join(",");
     };
-    const rows = [...this.threshold.decided.keys()].sort((a, b) => a - b);
-    return ["edge,id_a,id_b,decision,probability,who,when,input_sha256", ...rows.map(line)].join("\n") + "\n";
+    return ["edge,id_a,id_b,decision,probability,who,when,comment,input_sha256", ...[...this.made].sort(([a], [b]) => a - b).map(line)].join("\n") + "\n";
+  }
+
+  idsOf(row) {
+    return ["node_a", "node_b"].map(name => this.idOf(this.vessels.find(name).at(row)));
   }
 
   download() {
     const address = URL.createObjectURL(new Blob([this.csv()], { type: "text/csv" }));
-    make("a", { href: address, download: "decisions.csv" }).click();
+    make("a", { href: address, download: `${nameOfInput()}-decisions.csv` }).click();
     setTimeout(() => URL.revokeObjectURL(address), 10000);
     this.saved = true;
   }
+
+  // Takes a list as `csv` writes it; a fault in it is thrown, and then nothing changes.
+  load(text) {
+    const [head, ...lines] = rowsOf(text), at = name => head.indexOf(name), needs = ["edge", "id_a", "id_b", "decision"];
+    for (const name of needs) if (at(name) < 0) throw new Error(`there is no column ${name}; expected ${needs.join(",")}`);
+    const changes = new Map();
+    lines.forEach((cells, i) => {
+      const fault = what => { throw new Error(`row ${i + 1}: ${what}`); };
+      const cell = name => at(name) < 0 ? "" : cells[at(name)] ?? "", row = Number(cell("edge")), decision = cell("decision");
+      if (cell("input_sha256") && cell("input_sha256") !== data.record.input.sha256) fault("it was decided on another input");
+      if (!/^\d+$/.test(cell("edge")) || !this.threshold.uncertain[row]) fault(`edge "${cell("edge")}" is no connection that can be decided here`);
+      const ids = this.idsOf(row);
+      if (ids[0] !== cell("id_a") || ids[1] !== cell("id_b")) fault(`edge ${row} joins ${cell("id_a")} to ${cell("id_b")} in the list, and ${ids.join(" to ")} here`);
+      if (!["accept", "reject", "unsure"].includes(decision)) fault(`decision "${decision}"; expected accept, reject or unsure`);
+      changes.set(row, { decision, who: cell("who"), when: cell("when"), comment: cell("comment") });
+    });
+    if (changes.size) this.put([...changes]);
+    return changes.size;
+  }
+}
+
+// The cells of CSV by row, without rows that are empty.
+function rowsOf(text) {
+  const rows = [[""]];
+  let quoted = false;
+  for (const part of text.replace(/^\ufeff/, "").match(/"|,|\r?\n|[^",\r\n]+|\r/g) ?? []) {
+    const row = rows.at(-1), last = row.length - 1;
+    if (part === '"') {
+      // A quote right after the end of a quoted part is a quote itself.
+      if (!quoted && row.closed === last) row[last] += '"';
+      quoted = !quoted;
+      row.closed = quoted ? -1 : last;
+    } else if (quoted || !/^[,\r\n]/.test(part)) row[last] += part;
+    else if (part === ",") row.push("");
+    else rows.push([""]);
+  }
+  return rows.filter(row => row.length > 1 || row[0] !== "");
 }

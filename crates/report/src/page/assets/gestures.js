@@ -6,7 +6,7 @@ function listen(scene, acts) {
     const box = canvas.getBoundingClientRect();
     return [event.clientX - box.left - box.width / 2, event.clientY - box.top - box.height / 2];
   };
-  // One finger scrolls the page; two belong to the view.
+  // One finger scrolls the page; more belong to the view.
   for (const kind of ["touchstart", "touchmove"]) {
     canvas.addEventListener(kind, event => { if (event.touches.length > 1) event.preventDefault(); }, { passive: false });
   }
@@ -37,7 +37,8 @@ function listen(scene, acts) {
     fingers.set(event.pointerId, now);
     if (event.pointerType === "touch" && !other) return;
     scene.halt();
-    if (other) {
+    if (fingers.size > 2) camera.pan(dx / fingers.size, dy / fingers.size);
+    else if (other) {
       const apart = p => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
       camera.zoom(apart(now) / apart(before), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
       camera.orbit(0.005 * dx, 0.005 * dy);
@@ -84,9 +85,10 @@ function listen(scene, acts) {
     event.preventDefault();
     scene.paint();
   });
-  // The keys of the list work anywhere but in fields.
+  // The keys of the list work where nothing else has the focus, in the view and in the list, but not in fields; a switch turns them off.
   document.addEventListener("keydown", event => {
-    if (event.ctrlKey || event.metaKey || event.altKey || /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) && event.target.type !== "checkbox") return;
+    const { target } = event, isField = /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && target.type !== "checkbox";
+    if (event.ctrlKey || event.metaKey || event.altKey || isField || !byId("letters").checked || target !== document.body && !target.closest("#stage, #review")) return;
     if (event.key === "n" || event.key === "p") acts.step(event.key === "n" ? 1 : -1);
     else if (!acts.key(event.key)) return;
     event.preventDefault();

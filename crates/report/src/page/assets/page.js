@@ -1,7 +1,7 @@
 // Builds the page of a run.
 const tables = data.tables.map(table);
 const vessels = tables[0];
-const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels) : null;
+const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels, tables.find(t => t.title === "Nodes")) : null;
 const histogram = threshold && new Histogram(threshold);
 const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
 const frame = data.record.input?.frame;
@@ -22,6 +22,7 @@ function pick(row, turn = true, reveal = turn) {
 function showPicked() {
   const place = byId("picked"), row = picked;
   review?.select(row);
+  showChoice();
   if (row < 0) {
     place.replaceChildren(make("p", { class: "quiet", text: "No vessel is selected." }));
     return;
@@ -35,6 +36,23 @@ function showPicked() {
   const figures = pairs(entries);
   place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), image, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
+}
+
+// What can be decided on the selected vessel, under the view.
+function showChoice() {
+  const open = Boolean(decisions) && picked >= 0 && Boolean(threshold.uncertain[picked]);
+  byId("decide").hidden = !open;
+  if (!open) return;
+  const { decision, comment } = decisions.of(picked);
+  for (const button of document.querySelectorAll("[data-decide]")) button.setAttribute("aria-pressed", String(button.dataset.decide === decision));
+  if (document.activeElement !== byId("comment")) byId("comment").value = comment;
+}
+
+// Decides on the selected connection, and goes on to the next.
+function decideHere(decision) {
+  const row = picked, again = decisions.of(row).decision === decision;
+  decisions.decide([row], again ? null : decision);
+  if (!again) review.step(1);
 }
 
 // Flies to an uncertain connection and shows its alternatives; to any other vessel as a selection does.
@@ -53,7 +71,7 @@ function goTo(row) {
 // How probable a connection and its alternatives are, beside them in the view.
 function showChances(row) {
   const all = [row, ...threshold.rivals(row)].filter((one, at) => at === 0 || !(threshold.chance(one) < 0.02)).slice(0, 12);
-  const text = one => all.length > 1 ? `${review.name(one).replace("connection ", "")}: ${review.figure(one)}` : review.figure(one);
+  const text = one => all.length > 1 ? `${one}: ${review.figure(one)}` : review.figure(one);
   scene.overlay.chances = all.map(one => ({ at: scene.shape.middle(one), text: text(one), strong: one === row }));
 }
 
@@ -67,7 +85,7 @@ function showAnswer() {
     const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
     const kept = candidates.filter(row => threshold.kept[row]).length;
     words.push(figure(candidates.length ? `${grouped(kept)} of ${count(candidates.length, "possible connection")} kept` : "There is no possible connection"));
-    if (contacts.length) words.push(", ", figure(`${count(contacts.filter(row => !threshold.kept[row]).length, "observed contact")} cut`));
+    if (contacts.length) words.push(", ", figure(`${grouped(contacts.filter(row => !threshold.kept[row]).length)} of ${count(contacts.length, "observed contact")} cut`));
     if (observed) words.push(", ", figure(`${count(uncertain.filter(row => origins?.at(row) === "observed" && !threshold.kept[row]).length, "observed vessel")} pruned`));
     if (uncertain.length) words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
     const about = x => x < 0.05 ? "none" : `about ${shown(x, x < 1 ? 1 : 2)}`;
@@ -174,12 +192,15 @@ function colouring() {
   return row => colour(row);
 }
 
+const UNLIKELY = 0.05;
 const shownState = { kept: byId("show-kept"), pruned: byId("show-pruned"), undecided: byId("show-undecided"), observed: byId("show-observed") };
 function look(row) {
   if (!threshold) return 0;
   if (!threshold.uncertain[row]) return shownState.observed.checked ? 0 : LOOK.hidden;
   const of = threshold.open[row] ? "undecided" : threshold.kept[row] ? "kept" : "pruned";
-  return (shownState[of].checked ? 0 : LOOK.hidden) | (threshold.kept[row] ? 0 : LOOK.pruned) | (threshold.open[row] ? LOOK.undecided : 0);
+  // Most of what the answer leaves out is hardly probable: it shows where it is asked for, or beside what is selected.
+  const unlikely = of === "pruned" && !byId("show-unlikely").checked && row !== picked && !scene?.near?.has(row) && threshold.chance(row) < UNLIKELY && !decisions?.made.has(row);
+  return (shownState[of].checked && !unlikely ? 0 : LOOK.hidden) | (threshold.kept[row] ? 0 : LOOK.pruned) | (threshold.open[row] ? LOOK.undecided : 0);
 }
 
 let colourOf = () => GREY;
@@ -213,6 +234,7 @@ function showThreshold() {
     waiting = setTimeout(() => {
       byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;
       sheet?.refresh();
+      review?.show();
       if (picked >= 0) showPicked();
     }, 250);
   };
@@ -226,9 +248,15 @@ function showThreshold() {
     threshold.set(threshold.median);
     if (threshold.median === threshold.cut) show(); else set(threshold.round(threshold.stop()));
   });
-  for (const box of Object.values(shownState)) box.addEventListener("change", dress);
+  for (const box of [...Object.values(shownState), byId("show-unlikely")]) box.addEventListener("change", dress);
+  byId("unlikely-label").hidden = threshold.probability === null;
   show();
   return show;
+}
+
+function takeBack() {
+  const row = decisions.undo();
+  if (row >= 0) goTo(row);
 }
 
 function showReview() {
@@ -241,12 +269,36 @@ function showReview() {
   };
   decisions = new Decisions(threshold, vessels, tables.find(t => t.title === "Nodes"), show);
   review = new Review(threshold, decisions, vessels, goTo);
-  byId("review").hidden = false;
-  byId("review-more").addEventListener("click", () => { review.shown += A_PAGE; review.show(); });
-  byId("undo").addEventListener("click", () => { const row = decisions.undo(); if (row >= 0) goTo(row); });
+  byId("review").hidden = !threshold.uncertain.some(Boolean);
+  byId("review-more").addEventListener("click", () => { review.shown = Infinity; review.show(); });
+  for (const id of ["undo", "decide-undo"]) byId(id).addEventListener("click", takeBack);
   byId("download").addEventListener("click", () => decisions.download());
+  byId("decide-next").addEventListener("click", () => review.step(1));
+  for (const button of document.querySelectorAll("[data-decide]")) button.addEventListener("click", () => decideHere(button.dataset.decide));
+  byId("comment").addEventListener("change", () => decisions.comment(picked, byId("comment").value.trim()));
+  byId("review-filter").addEventListener("input", () => { review.words = byId("review-filter").value.trim().toLowerCase(); review.show(); });
+  byId("review-order").addEventListener("change", () => { review.order = byId("review-order").value; review.show(); });
+  byId("many").hidden = threshold.probability === null;
+  const many = (id, decision, fits) => byId(id).addEventListener("click", () => {
+    const rows = review.open.map(item => item.row).filter(row => fits(threshold.chance(row)));
+    if (rows.length) decisions.decide(rows, decision);
+  });
+  many("accept-many", "accept", p => p >= Number(byId("accept-from").value));
+  many("reject-many", "reject", p => p <= Number(byId("reject-to").value));
+  byId("load").addEventListener("change", async () => {
+    const [file] = byId("load").files, note = byId("load-note");
+    if (!file) return;
+    try {
+      const loaded = decisions.load(await file.text());
+      note.textContent = `${grouped(loaded)} decision${loaded === 1 ? "" : "s"} loaded from ${file.name}.`;
+    } catch (fault) {
+      note.textContent = `${file.name}: ${fault.message}. Nothing was loaded.`;
+    }
+    byId("load").value = "";
+  });
+  if (decisions.restored) byId("load-note").textContent = "Decisions that this browser kept are taken up.";
   byId("fit-doubt").addEventListener("click", () => {
-    const rows = review.items.length ? review.items.map(item => item.row) : [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]);
+    const rows = review.open.length ? review.open.map(item => item.row) : [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]);
     scene.showAll();
     dress();
     if (rows.length) scene.fly(scene.camera.fitting(rows.map(row => scene.shape.middle(row))));
@@ -284,13 +336,14 @@ function showScene() {
     hover: showTooltip,
     whole: () => { scene.showAll(); dress(); },
     step: by => {
-      if (review?.items.length) review.step(by);
+      if (review?.items.length) { if (review.open.length) review.step(by); }
       else pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows);
     },
     key: name => {
-      if (name === "u" && decisions) { const row = decisions.undo(); if (row >= 0) goTo(row); return true; }
-      if ((name !== "a" && name !== "r") || !decisions || !threshold.uncertain[picked]) return false;
-      decisions.decide(picked, name === "a");
+      const decision = { a: "accept", r: "reject", x: "unsure" }[name];
+      if (name === "u" && decisions) { takeBack(); return true; }
+      if (!decision || !decisions || !threshold.uncertain[picked]) return false;
+      decideHere(decision);
       return true;
     },
   });

@@ -5,34 +5,66 @@ class Review {
   // `goes(row)` flies to a connection.
   constructor(threshold, decisions, vessels, goes) {
     Object.assign(this, { threshold, decisions, vessels, goes });
-    const hangs = threshold.hangs();
-    const open = [...Array(threshold.rows).keys()].filter(row => threshold.open[row] || threshold.decided.has(row));
-    // The consequence: how doubtful it is, times the length of what hangs on it.
-    this.items = open.map(row => ({ row, hangs: hangs(row), weight: threshold.doubt(row) * (hangs(row) + vessels.find("length_mm").at(row)) }));
-    this.items.sort((a, b) => b.weight - a.weight || a.row - b.row);
     this.shown = A_PAGE;
-    this.at = -1;
+    this.current = -1;
+    this.words = "";
+    this.order = "consequence";
+    this.refresh();
   }
 
-  // The next or previous of the list.
+  // Finds again what is open: after a decision, or at another threshold. What was decided or said comes last, the latest first.
+  refresh() {
+    const { threshold } = this, hangs = threshold.hangs(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
+    const has = row => !this.words || this.name(row).toLowerCase().includes(this.words);
+    const open = [...Array(threshold.rows).keys()].filter(row => threshold.open[row] && !this.decisions.made.has(row) && has(row));
+    // The consequence: how doubtful it is, times the length of what hangs on it.
+    const item = row => ({ row, hangs: hangs(row), weight: threshold.doubt(row) * (hangs(row) + gap.at(row)) });
+    const by = { consequence: a => -a.weight, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
+    this.open = open.map(item).sort((a, b) => by(a) - by(b) || a.row - b.row);
+    this.items = [...this.open, ...made.filter(has).map(item)];
+  }
+
+  // The next or previous that is open; from the one that was decided or is open no more, the first.
   step(by) {
-    if (!this.items.length) return;
-    this.at = this.at < 0 ? (by > 0 ? 0 : this.items.length - 1) : (this.at + by + this.items.length) % this.items.length;
-    this.goes(this.items[this.at].row);
+    const { open } = this;
+    if (!open.length) return;
+    const at = open.findIndex(item => item.row === this.current);
+    this.goes(open[at < 0 ? (by > 0 ? 0 : open.length - 1) : (at + by + open.length) % open.length].row);
   }
 
   // The list knows which connection is selected.
   select(row) {
-    const at = this.items.findIndex(item => item.row === row);
-    if (at >= 0) this.at = at;
-    for (const line of byId("review-list").children) line.classList.toggle("current", Number(line.dataset.row) === row);
-    if (at >= 0) byId("review-list").children[at]?.scrollIntoView({ block: "nearest" });
+    this.current = row;
+    for (const line of byId("review-list").children) {
+      const here = Number(line.dataset.row) === row;
+      line.classList.toggle("current", here);
+      if (here) line.scrollIntoView({ block: "nearest" });
+    }
   }
 
-  // What a connection is called: by its labels, or by its row.
+  // What a connection is called: by its labels, by those of the vessels that it joins, or by its row.
   name(row) {
-    const label = this.vessels.find("label")?.at(row), kind = this.vessels.find("origin")?.at(row);
-    return label || `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}`;
+    const label = this.vessels.find("label"), kind = this.vessels.find("origin")?.at(row);
+    if (label?.at(row)) return label.at(row);
+    const [a, b] = this.threshold.ends.map(of => this.labelAt(of[row]));
+    const joined = a && b ? a === b ? ` of ${a}` : `, ${a} to ${b}` : "";
+    return `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}${joined}`;
+  }
+
+  // The label of the observed vessels at a node, where they have one.
+  labelAt(node) {
+    if (!this.labels) {
+      const { threshold, vessels } = this, label = vessels.find("label");
+      this.labels = new Map();
+      for (let row = 0; label && row < threshold.rows; row++) {
+        if (!threshold.isObserved(row)) continue;
+        for (const of of threshold.ends) {
+          const here = this.labels.get(of[row]);
+          this.labels.set(of[row], here === undefined || here === label.at(row) ? label.at(row) : "");
+        }
+      }
+    }
+    return this.labels.get(node) ?? "";
   }
 
   figure(row) {
@@ -42,38 +74,41 @@ class Review {
   }
 
   line({ row, hangs }) {
-    const { threshold } = this, state = threshold.state(row), said = threshold.decided.get(row);
+    const { threshold } = this, { decision, comment } = this.decisions.of(row);
     const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
-    const words = [this.vessels.find("origin")?.at(row) === "contact" ? null : `gap ${shown(gap, 2)} mm`, hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop", rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative"];
+    const words = [threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop", rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
     const go = make("button", { type: "button", class: "go" },
-      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: said === undefined ? this.figure(row) : said ? "accepted" : "rejected" }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? this.figure(row) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
-    const choose = (text, label, accepted) => {
-      const button = make("button", { type: "button", text, "aria-pressed": said === accepted, "aria-label": `${label} ${this.name(row)}`, title: label, class: accepted ? "accept" : "reject" });
-      button.addEventListener("click", () => this.decisions.decide(row, said === accepted ? null : accepted));
+    const choose = (text, label, which) => {
+      const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
+      button.addEventListener("click", () => this.decisions.decide([row], decision === which ? null : which));
       return button;
     };
-    return make("li", { class: said === undefined ? null : said ? "accepted" : "rejected", "data-row": row, "data-state": state },
-      go, make("span", { class: "choose" }, choose("✓", "Accept", true), choose("✗", "Reject", false)));
+    return make("li", { class: decision || null, "data-row": row, "data-state": threshold.state(row) },
+      go, make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
   }
 
   show() {
-    const list = byId("review-list"), { items } = this;
-    const left = items.filter(item => !this.threshold.decided.has(item.row)).length;
+    this.refresh();
+    const list = byId("review-list"), { items, open } = this, { made, history, stored } = this.decisions;
     const here = document.activeElement?.closest?.("#review-list li")?.dataset.row, which = document.activeElement?.className;
-    list.replaceChildren(...items.slice(0, this.shown).map(item => this.line(item)));
+    list.replaceChildren(...[...open.slice(0, this.shown), ...items.slice(open.length)].map(item => this.line(item)));
     if (here !== undefined) list.querySelector(`li[data-row="${here}"] .${which}`)?.focus();
-    byId("review-note").textContent = items.length === 0 ? "Nothing: every connection is decided." :
-      left === 0 ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
-      `${left === items.length ? grouped(left) : `${grouped(left)} of ${grouped(items.length)}`} connection${items.length > 1 ? "s" : ""}, those on which most depends first. Press n for the next, a to accept, r to reject, u to undo.`;
+    for (const line of list.children) line.classList.toggle("current", Number(line.dataset.row) === this.current);
+    const all = this.threshold.counts.undecided, first = byId("review-order").selectedOptions[0].dataset.says;
+    byId("review-note").textContent = items.length === 0 ? this.words ? "None has this name." : "Nothing: every connection is decided." :
+      open.length === 0 && !this.words ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
+      `${this.words ? `${grouped(open.length)} of ` : ""}${grouped(all)} open, ${first} first. Keys: n next, a accept, r reject, x unsure, u undo.`;
+    byId("review-tools").hidden = all < 8 && !this.words;
     const more = byId("review-more");
-    more.hidden = items.length <= this.shown;
-    more.textContent = `Show more (${grouped(items.length - this.shown)})`;
-    const made = this.threshold.decided.size;
-    byId("decided").hidden = made === 0;
-    byId("decided-note").textContent = `${grouped(made)} decided. Probabilities beside a decision follow from it; a run with the decisions computes them anew.`;
-    byId("undo").disabled = this.decisions.history.length === 0;
-    if (this.at >= 0) for (const line of list.children) line.classList.toggle("current", Number(line.dataset.row) === items[this.at].row);
+    more.hidden = open.length <= this.shown;
+    more.textContent = `Show all (${grouped(open.length - this.shown)} more)`;
+    byId("decided").hidden = made.size === 0;
+    const count = decision => [...made.values()].filter(of => of.decision === decision).length;
+    const said = [["accept", "accepted"], ["reject", "rejected"], ["unsure", "unsure"]].map(([name, word]) => count(name) && `${grouped(count(name))} ${word}`).filter(Boolean).join(", ");
+    byId("decided-note").textContent = `${said ? `${said}. ` : ""}${stored ? "Kept in this browser." : "This browser keeps nothing: download them before the page is left."} Probabilities beside a decision follow from it.`;
+    for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 
   // The connection with its alternatives: probability, gap, bends and radii.
@@ -84,7 +119,7 @@ class Review {
     const heads = ["nr.", evidence ? "P" : threshold.name.split(" ").at(-1), "gap mm", "bend °", "radii mm", ""];
     const line = other => {
       const { bends, radii } = shape.junction(other, threshold);
-      const go = make("button", { type: "button", text: this.name(other).replace("connection ", ""), disabled: other === row });
+      const go = make("button", { type: "button", text: other, "aria-label": this.name(other), disabled: other === row });
       go.addEventListener("click", () => this.goes(other));
       const cells = [evidence ? chance(threshold.chance(other)) : shown(threshold.values[other], 3), shown(this.vessels.find("length_mm").at(other), 3),
         bends.map(b => Number.isNaN(b) ? "–" : Math.round(b)).join(", "), radii.map(r => Number.isNaN(r) ? "–" : shown(r, 2)).join(", "), threshold.state(other).split(",")[0]];

@@ -1,6 +1,6 @@
 // The threshold and the decisions of a person: the kept vessels, the undecided ones, and the components and cycles of the kept graph.
 class Threshold {
-  constructor(source, vessels) {
+  constructor(source, vessels, nodes) {
     Object.assign(this, source);
     // A column without any value is left out of the page.
     const values = name => vessels.find(name)?.values ?? new Float64Array(vessels.rows).fill(NaN);
@@ -13,8 +13,12 @@ class Threshold {
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
     this.probability = vessels.find("probability")?.values ?? null;
+    // What the rule of the run weighs, to follow it after a decision.
+    this.attachedAs = [values("attached_a"), values("attached_b")];
+    this.alone = nodes?.find("alone")?.values ?? new Float64Array(source.nodes).fill(NaN);
     const origin = vessels.find("origin");
     this.isObserved = origin ? row => origin.at(row) === "observed" : row => !this.uncertain[row];
+    this.isContact = row => origin?.at(row) === "contact";
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
@@ -29,7 +33,6 @@ class Threshold {
     this.open = new Uint8Array(this.rows);
     // What a person decided, by row: true where the connection was accepted.
     this.decided = new Map();
-    this.fragments = parts(this.nodes, this.rows, this.ends, row => !this.uncertain[row]);
     this.toRun();
   }
 
@@ -69,10 +72,24 @@ class Threshold {
   // Whether a decision may be chance: as the run says where its rule has no threshold and the decision is still the run's, else near the
   // threshold. Without a threshold nothing has L > 0, which is certain only where the errors are known.
   isOpen(row, flip, passes) {
+    if (this.followed) return this.isOpenByRule(row, flip);
     if (this.asKept && Boolean(passes) === Boolean(this.asKept[row])) return Boolean(this.undecided[row]);
     const error = this.errorOf(row);
     if (flip === null) return Boolean(this.midway) && Number.isNaN(error);
-    return !(Math.abs(this.values[row] - flip) >= this.within * error);
+    return !(Math.abs(this.figureOf(row) - flip) >= this.within * error);
+  }
+
+  // The same given what a person decided: near where the rule turns, left open, or kept though improbable; not with a far more probable
+  // one in its place.
+  isOpenByRule(row, flip) {
+    const { kept, left, instead } = this.followed, p = this.chance(row), near = Math.abs(p - flip) < this.band;
+    if (!this.rule.forest || !(p < flip)) return near || left.has(row);
+    return !(instead.has(row) && this.chance(instead.get(row)) - p >= this.band) && (near || left.has(row) || Boolean(kept[row]));
+  }
+
+  // The figure that is compared with the threshold; a probability is that given what a person decided.
+  figureOf(row) {
+    return this.values === this.probability ? this.chance(row) : this.values[row];
   }
 
   // Where a decision would change: at the threshold, or midway between the two positive figures next to it. Where the rule of the run
@@ -89,10 +106,12 @@ class Threshold {
     this.now = cut;
     this.asRun = asRun;
     const flip = this.flip();
+    this.followed = asRun ? this.byRule() : null;
+    const byRule = this.followed?.kept ?? this.asKept;
     this.counts = { kept: 0, pruned: 0, undecided: 0, vessels: 0 };
     for (let row = 0; row < this.rows; row++) {
-      const x = this.values[row], said = this.decided.get(row);
-      const passes = said ?? (asRun ? this.asKept[row] : cut !== null && (this.at_least ? x >= cut : x > cut));
+      const x = this.figureOf(row), said = this.decided.get(row);
+      const passes = said ?? (asRun ? byRule[row] : cut !== null && (this.at_least ? x >= cut : x > cut));
       this.kept[row] = !this.uncertain[row] || passes ? 1 : 0;
       this.open[row] = said === undefined && this.uncertain[row] && this.isOpen(row, flip, passes) ? 1 : 0;
       this.counts.vessels += this.kept[row];
@@ -104,6 +123,24 @@ class Threshold {
     this.counts.components = count;
     this.counts.cycles = this.counts.vessels + count - this.nodes;
     this.expected = this.expectedErrors();
+  }
+
+  // Whether the answer has a vessel whatever the rule says.
+  isGiven(row) {
+    return !this.uncertain[row] || this.isObserved(row) || this.decided.get(row) === true;
+  }
+
+  // What the rule of the run keeps given the decisions of a person, as a run with them does; null where it does not follow them.
+  byRule() {
+    if (!this.asKept || !this.decided.size) return null;
+    const { best_first, forest } = this.rule;
+    return best_first ? bestFirst(this, best_first) : mostProbableForest(this, forest);
+  }
+
+  // How probably a connection attaches its one end to its other, and the reverse, given what a person decided.
+  attached(row) {
+    const p = this.probability[row], by = p > 0 ? this.chance(row) / p : 0;
+    return this.attachedAs.map(of => Math.min(by * of[row], 1) || 0);
   }
 
   // The probability of a vessel given what a person decided: of candidates at one free end at most one is true, so those beside an
@@ -153,7 +190,7 @@ class Threshold {
   expectedErrors() {
     if (!this.probability) return null;
     let wrong = 0, missed = 0;
-    const pairs = new Map(), fragment = this.fragments.of;
+    const pairs = new Map(), fragment = parts(this.nodes, this.rows, this.ends, row => this.isGiven(row)).of;
     for (let row = 0; row < this.rows; row++) {
       const stated = this.probability[row];
       if (Number.isNaN(stated)) continue;
@@ -195,20 +232,27 @@ class Threshold {
   }
 }
 
-// The connected parts of the vessels for which `has` holds; a node without a vessel is a part.
-function parts(nodes, rows, ends, has) {
+// A union-find over nodes: a function that joins two, and says whether they were apart.
+function union(nodes) {
   const parent = Uint32Array.from({ length: nodes }, (_, node) => node);
   const root = node => {
     while (parent[node] !== node) node = parent[node] = parent[parent[node]];
     return node;
   };
+  const join = (a, b) => {
+    [a, b] = [root(a), root(b)];
+    parent[a] = b;
+    return a !== b;
+  };
+  return Object.assign(join, { roots: () => parent.map((_, node) => root(node)) });
+}
+
+// The connected parts of the vessels for which `has` holds; a node without a vessel is a part.
+function parts(nodes, rows, ends, has) {
+  const join = union(nodes);
   let count = nodes;
-  for (let row = 0; row < rows; row++) {
-    if (!has(row)) continue;
-    const [a, b] = [root(ends[0][row]), root(ends[1][row])];
-    if (a !== b) { parent[a] = b; count -= 1; }
-  }
-  return { count, of: parent.map((_, node) => root(node)) };
+  for (let row = 0; row < rows; row++) if (has(row) && join(ends[0][row], ends[1][row])) count -= 1;
+  return { count, of: join.roots() };
 }
 
 // For each vessel of a graph the length of the shorter side if it were cut, mm; 0 where that cuts nothing off (Tarjan 1974, bridges).
