@@ -234,7 +234,8 @@ function showThreshold() {
     waiting = setTimeout(() => {
       byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;
       sheet?.refresh();
-      review?.show();
+      // Decisions have shown it already.
+      if (review?.setting !== review?.settingShown) review?.show();
       if (picked >= 0) showPicked();
     }, 250);
   };

@@ -89,7 +89,13 @@ class Review {
       go, make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
   }
 
+  // What the list depends on beside the decisions.
+  get setting() {
+    return `${this.threshold.now} ${this.threshold.asRun}`;
+  }
+
   show() {
+    this.settingShown = this.setting;
     this.refresh();
     const list = byId("review-list"), { items, open } = this, { made, history, stored } = this.decisions;
     const here = document.activeElement?.closest?.("#review-list li")?.dataset.row, which = document.activeElement?.className;
