@@ -20,7 +20,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
-from drive_surface import check_surface
+from drive_surface import check_slices, check_surface
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -413,6 +413,7 @@ def main():
                 check_colours(page)
                 if page.one("#hull").is_displayed():
                     check_surface(page)
+                    check_slices(page)
                 if page.one("#threshold").is_displayed() and page.one("#review").is_displayed() and len(page.edges) < 1000:
                     page = Page(driver, folder)
                     page.click("#threshold summary")

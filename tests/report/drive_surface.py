@@ -3,6 +3,7 @@ import base64
 import math
 from pathlib import Path
 
+import nibabel as nib
 import numpy as np
 
 STEP = 0.5
@@ -54,3 +55,43 @@ def check_surface(page):
         assert 1 <= np.linalg.norm(across, axis=1).sum() / 2 / area < 1.1
         from_corner = np.abs(places / STEP - 0.5 - np.round(places / STEP - 0.5)).max()
         assert from_corner <= 0.451, from_corner
+
+
+# To the right and up in a slice, by the frame of the run: the patient's right is on the left.
+VIEWS = {
+    "RAS": [([-1, 0, 0], [0, 1, 0]), ([-1, 0, 0], [0, 0, 1]), ([0, -1, 0], [0, 0, 1])],
+    "LPS": [([1, 0, 0], [0, -1, 0]), ([1, 0, 0], [0, 0, 1]), ([0, 1, 0], [0, 0, 1])],
+}
+
+
+def check_slices(page):
+    """The slices through a connection show the mask as nibabel reads it: axial, coronal, sagittal."""
+    row = next(at for at in page.listed() if page.edges[at]["origin"] == "candidate")
+    page.click(f"#review-list li[data-row='{row}'] .go")
+    page.rest()
+    mask = nib.load(page.folder.parent / page.record["input"]["path"])
+    inside, inverse = np.asarray(mask.dataobj) > 0, np.linalg.inv(mask.affine)
+    ends = np.array([[float(page.edges[row][f"{end}{axis}_mm"]) for axis in "xyz"] for end in "ab"])
+    script = """return [...document.querySelectorAll('.slices canvas')].map(c => [c.width, [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]])"""
+    seen, views = set(), 0
+    for (n, pixels), (right, up) in zip(page.driver.execute_script(script), VIEWS[page.record["input"]["frame"]]):
+        pixels = np.array(pixels).reshape(n, n, 4)
+        along = (np.arange(n) + 0.5) * 24 / n - 12
+        world = ends.mean(0) + along[None, :, None] * np.array(right) - along[:, None, None] * np.array(up)
+        flip = -1 if page.record["input"]["frame"] == "LPS" else 1
+        voxel = nib.affines.apply_affine(inverse, world * [flip, flip, 1])
+        clear = np.abs(voxel - np.floor(voxel) - 0.5).min(-1) > 0.02
+        at = np.round(voxel).astype(int)
+        held = ((at >= 0) & (at < inside.shape)).all(-1)
+        truth = np.zeros((n, n), bool)
+        truth[held] = inside[tuple(at[held].T)]
+        # Lines, the crosshair and letters lie over the rest.
+        plain = clear & (np.ptp(pixels[..., :3], axis=-1) == 0) & np.isin(pixels[..., 0], (40, 205))
+        if plain.sum() < n * n / 2:
+            # The slice lies between two voxels.
+            continue
+        views += 1
+        wrong = (pixels[..., 0] == 205)[plain] != truth[plain]
+        assert wrong.mean() < 0.005, (right, up, wrong.mean())
+        seen |= set(truth[plain].tolist())
+    assert seen == {True, False} and views > 1, (seen, views)

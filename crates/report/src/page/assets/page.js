@@ -1,11 +1,13 @@
 // Builds the page of a run.
+// Connections less probable than this are drawn only where they are asked for.
+const UNLIKELY = 0.05;
 const tables = data.tables.map(table);
 const vessels = tables[0];
 const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.threshold, vessels, tables.find(t => t.title === "Nodes")) : null;
 const histogram = threshold && new Histogram(threshold);
 const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
 const frame = data.record.input?.frame;
-let scene = null, sheet = null, picked = -1, decisions = null, review = null;
+let scene = null, slices = null, sheet = null, picked = -1, decisions = null, review = null;
 
 // Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
 function pick(row, turn = true, reveal = turn) {
@@ -34,7 +36,8 @@ function showPicked() {
   const image = of === vessels ? imageOf(row) : null;
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
-  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), image, beside,
+  const cuts = beside && slices ? slices.of(row, threshold.rivals(row).filter(other => !(threshold.chance(other) < UNLIKELY)), other => Boolean(threshold.kept[other])) : null;
+  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, image, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
 
@@ -192,7 +195,6 @@ function colouring() {
   return row => colour(row);
 }
 
-const UNLIKELY = 0.05;
 const shownState = { kept: byId("show-kept"), pruned: byId("show-pruned"), undecided: byId("show-undecided"), observed: byId("show-observed") };
 function look(row) {
   if (!threshold) return 0;
@@ -330,7 +332,9 @@ function showScene() {
     return;
   }
   scene = new SceneView(data.scene, vessels, frame, data.segmentation);
+  slices = data.segmentation && threshold ? new Slices(data.segmentation, scene.shape, frame) : null;
   const names = { y: "y", x: "x", z: "z" };
+  byId("sides-note").hidden = frame in ANATOMICAL;
   if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
   listen(scene, {
     pick: row => threshold?.uncertain[row] && row >= 0 ? goTo(row) : pick(row),
