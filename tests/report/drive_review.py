@@ -40,6 +40,12 @@ def check_list(page):
     if page.edges[0]["probability"] == "" and not any(e["probability"] for e in page.edges):
         return
     weights = [consequence(page, row) for row in listed]
+    # review.csv asks the same, with the same figures.
+    asked = list(csv.DictReader(open(page.folder / "review.csv")))
+    assert sorted(int(q["edge"]) for q in asked) == sorted(undecided) and [int(q["rank"]) for q in asked] == list(range(1, len(asked) + 1))
+    gains = {int(q["edge"]): float(q["gain_mm"]) for q in asked}
+    assert all(abs(gains[row] - weight) <= 1e-6 * (1 + weight) for row, weight in zip(listed, weights)), (gains, weights)
+    assert list(gains.values()) == sorted(gains.values(), reverse=True)
     assert all(a >= b * (1 - 1e-5) for a, b in zip(weights, weights[1:])), weights
 
 

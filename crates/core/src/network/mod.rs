@@ -2,6 +2,7 @@
 
 pub mod centerlines;
 pub mod coincident_points;
+pub mod dependents;
 pub mod find_by_name;
 mod frame;
 mod merged_vessels;
@@ -18,6 +19,7 @@ pub mod waveform;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
+pub use dependents::dependents;
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;
 pub use merged_vessels::{Merged, merge};

@@ -10,6 +10,8 @@ pub const EDGES: &str = "edges.csv";
 pub const SUGGESTED_CUTS: &str = "suggested-cuts.csv";
 /// How the vessels at each contact may be paired.
 pub const PAIRINGS: &str = "pairings.csv";
+/// What a person is asked, in this order.
+pub const REVIEW: &str = "review.csv";
 /// What is measured of vessels.
 pub const VESSELS: &str = "vessels.csv";
 /// What is measured of bifurcations.

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::page::{infer_page, write_page};
 use super::run_record::Summary;
 use pictures::{overview, pictures};
-use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
+use tables::{condition_columns, merged_columns, node_columns, pairing_columns, review_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Circuit, pressures};
 use willis_core::network::fragments;
@@ -18,7 +18,7 @@ use willis_io::formats::{
     write_npz, write_swc, write_vtp,
 };
 use willis_io::output::names::{
-    DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, SUGGESTED_CUTS, TOPOLOGY,
+    DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, REVIEW, SUGGESTED_CUTS, TOPOLOGY,
 };
 use willis_io::output::write_file;
 use willis_io::output::write_record;
@@ -53,6 +53,9 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     }
     if !outcome.pairings.is_empty() {
         write_file(&folder.join(PAIRINGS), |out| write_csv(out, &pairing_columns(outcome)))?;
+    }
+    if let Some(columns) = review_columns(outcome) {
+        write_file(&folder.join(REVIEW), |out| write_csv(out, &columns))?;
     }
     // Columns of a large network are not kept for a page that is not made.
     let for_page = (network.vessel_count() <= PAGE_LIMIT).then_some((vessels, kept_nodes));
