@@ -304,6 +304,12 @@ impl Simulation {
         Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
     }
 
+    /// The columns of occlusions.csv, if each vessel was closed in turn.
+    fn occlusions<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        let found = detached(py, || self.solve().map(|run| run.occlusion_table())).map_err(|e| raised(py, &e))?;
+        found.map(|columns| tables::dict(py, columns)).transpose()
+    }
+
     /// The arrays of waveforms.npz, if the flow pulsates.
     fn waveforms<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         let found = detached(py, || self.solve().map(|run| run.waveforms())).map_err(|e| raised(py, &e))?;

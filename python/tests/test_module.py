@@ -283,6 +283,9 @@ def test_transport_is_that_of_the_command(tmp_path):
     circle = "data/circle-of-willis/complete.graphml"
     found = willis.simulate(circle, occlude=["L-ICA I"], transport=True)
     command("simulate", circle, "-o", str(tmp_path / "out"), "--occlude", "L-ICA I", "--transport", "--quiet")
+    assert found.occlusions is None
+    lost = willis.simulate(circle, occlude_each=True).occlusions
+    assert lost["lost_share"].shape == found.edges["edge"].shape and lost["lost_share"].max() <= 1
     for name, table in (("territories", found.territories), ("transit", found.transit)):
         with open(tmp_path / "out" / f"{name}.csv", newline="") as file:
             header, *rows = csv.reader(file)
@@ -322,7 +325,8 @@ def test_measures_are_those_of_the_command():
     run = willis.infer(BROKEN, samples=10, progress=False)
     measured = willis.measure(run)
     assert measured.subjects["length_mm"][0] == pytest.approx(run.topology.edges["length_mm"].sum())
-    assert measured.intervals["low"].shape == (16,)
+    assert measured.intervals["low"].shape == (17,)
+    assert willis.measure(circle, hypoplastic=1.47).subjects["circle_L-PComm_hypoplastic"][0] == 1
     assert willis.measure([circle, BROKEN]).subjects["status"].tolist() == ["ok", "ok"]
 
 

@@ -28,6 +28,9 @@ class Simulation:
         self.territories: Table | None = None if transport is None else Table(transport[0])
         #: When blood arrives, with the columns of transit.csv; None without ``transport``.
         self.transit: Table | None = None if transport is None else Table(transport[1])
+        occlusions = simulation.occlusions()
+        #: What each closed vessel does, with the columns of occlusions.csv; None without ``occlude_each``.
+        self.occlusions: Table | None = None if occlusions is None else Table(occlusions)
         waveforms = simulation.waveforms()
         #: Pressures and flows over a cycle, the arrays of waveforms.npz (vessels, times) and ``time_s``; None without ``pulse``.
         self.waveforms: Table | None = None if waveforms is None else Table(waveforms)
@@ -53,6 +56,7 @@ def simulate(
     flows: Sequence[str] | None = None,
     bc: PathLike | None = None,
     transport: bool = False,
+    occlude_each: bool = False,
     pulse: bool | PathLike | Mapping[str, PathLike] | None = None,
     period: str | None = None,
     pulse_mean: str | None = None,
@@ -69,7 +73,8 @@ def simulate(
 
     ``stenosis`` is the share of the diameter by which vessels, by label or ``edge:ROW``, are narrowed (0.7), or a text of the command
     (``"area:70%"``, ``"70%@mid:10mm"``); ``tortuosity`` the factor by which they are lengthened. With ``transport``, the result has
-    ``territories`` and ``transit``: who feeds what, and when blood arrives. Vessels that no inlet feeds have no flow, or are left out with
+    ``territories`` and ``transit``: who feeds what, and when blood arrives; with ``occlude_each`` it has ``occlusions``: what each vessel means that is
+    closed in turn. Vessels that no inlet feeds have no flow, or are left out with
     ``unfed="drop"``.
 
     With ``pulse`` the flow pulsates, and the result has ``waveforms``: True for a typical shape at every inlet, the path of a table of
@@ -93,6 +98,7 @@ def simulate(
         "bc": bc,
         "outlets": rule,
         "transport": transport,
+        "occlude_each": occlude_each,
         "pulse": Repeated(waves),
         "period": period,
         "pulse_mean": pulse_mean,

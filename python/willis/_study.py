@@ -109,6 +109,9 @@ class Measured:
         self.subjects: Table = table_of(folder / "subjects.csv")
         #: The columns of intervals.csv; without rows where nothing is a run.
         self.intervals: Table = table_of(folder / "intervals.csv")
+        compared = folder / "comparison.csv"
+        #: The columns of comparison.csv; None without ``compare``.
+        self.comparison: Table | None = table_of(compared) if compared.exists() else None
 
     def __repr__(self) -> str:
         return f"<willis.Measured: {len(self.vessels['vessel'])} vessels, {len(self.bifurcations['degree'])} bifurcations>"
@@ -119,10 +122,21 @@ def measure(
     *,
     smoothing: str | float | None = None,
     inlets: Sequence[str | int] | None = None,
+    brain: PathLike | None = None,
+    hypoplastic: str | float | None = None,
+    participants: PathLike | None = None,
+    compare: str | None = None,
+    measures: Sequence[str] | None = None,
+    seed: int = 0,
 ) -> Measured:
     """Measures the vessels of a network, of a run, or of many files: what ``willis measure`` does.
 
-    ``smoothing`` is the length over which courses are smoothed before bends are measured, in mm; by default six radii of each vessel.
+    ``smoothing`` is the length over which courses are smoothed before bends are measured, in mm; by default six radii of each vessel. ``brain`` is a
+    mask in which densities are told, with ``{}`` for an input without its ending; ``hypoplastic`` the diameter below which a segment of the circle is
+    thin, in mm.
+
+    ``participants`` is a table with a row for each subject, ``compare`` the column of it that makes two groups, which then are compared in all
+    ``measures``, columns of ``subjects``.
     """
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -138,7 +152,19 @@ def measure(
             inputs = [folder / "network.graphml"]
         else:
             inputs = [source] if isinstance(source, (str, os.PathLike)) else list(source)
-        made = words({"smoothing": smoothing, "inlet": Repeated(inlets)}, {})
+        made = words(
+            {
+                "smoothing": smoothing,
+                "inlet": Repeated(inlets),
+                "brain": brain,
+                "hypoplastic": hypoplastic,
+                "participants": participants,
+                "compare": compare,
+                "measures": None if measures is None else ",".join(measures),
+                "seed": seed or None,
+            },
+            {},
+        )
         _willis.call(["measure", *[os.fspath(path) for path in inputs], "-o", str(folder / "measured"), *made])
         return Measured(folder / "measured")
 

@@ -1,30 +1,32 @@
 //! `willis measure`: lengths, widths, bends, angles and orders of vessels, and of whole networks, as tables.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use crate::error::{Error, Result};
-use crate::internals::formats::{Column, checksum_of_file, write_csv, write_stacked};
+use crate::error::{Error, Fault, Result};
+use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
 use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::StagedFolder;
-use crate::internals::output::names::{BIFURCATIONS, ENDS, INTERVALS, SUBJECTS, VESSELS};
+use crate::internals::output::names::{BIFURCATIONS, COMPARISON, ENDS, INTERVALS, SUBJECTS, VESSELS};
 use crate::internals::output::write_file;
 use crate::internals::output::write_record;
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
-use crate::{BoundaryOptions, MeasureOptions, Measurement, measure};
+use crate::internals::support::suggestions::did_you_mean;
+use crate::{BoundaryOptions, ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, two_groups};
 use clap::Args;
 use serde_json::{Value, json};
 
-use super::args::boundary_for;
-use super::args::figures::length;
+use super::args::figures::{length, whole};
 use super::args::reading::RunsArgs;
+use super::args::{boundary_for, file_of};
 use super::checkpoint::Follower;
 use super::cohort::{Each, failed};
 use super::command_line::command_line;
 use super::print::{TextTerminal, plural};
 use super::shell::print_json;
 use super::signals::listen;
-use super::subjects::{Inputs, Subject, expand, name_of};
+use super::subjects::{Inputs, Subject, expand, name_of, rows_of_participants};
 
 /// Measure vessels: lengths, radii, bends, bifurcations, orders, and whole networks
 ///
@@ -33,7 +35,8 @@ use super::subjects::{Inputs, Subject, expand, name_of};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   willis measure circle.graphml -o measured
-  willis measure 'cohort/*' -o measured")]
+  willis measure 'cohort/*' -o measured
+  willis measure cohort -o measured --participants participants.tsv --compare group")]
 pub struct MeasureArgs {
     #[command(flatten)]
     runs: RunsArgs,
@@ -44,6 +47,26 @@ pub struct MeasureArgs {
     /// of its radii]
     #[arg(long, value_name = "LENGTH", value_parser = length("smoothing"), hide_short_help = true)]
     smoothing: Option<f64>,
+    /// A mask of the brain, in which densities are told too; in its name {} is INPUT without its ending and {dir} the folder of INPUT
+    #[arg(long, value_name = "MASK", value_hint = clap::ValueHint::FilePath)]
+    brain: Option<PathBuf>,
+    /// The diameter below which a segment of the circle is hypoplastic [default: 1mm]
+    #[arg(long, value_name = "DIAMETER", value_parser = length("hypoplastic"), hide_short_help = true)]
+    hypoplastic: Option<f64>,
+    /// What is known of the subjects: a table (CSV or TSV) with a row for each, named in participant_id or subject, as participants.tsv of BIDS; its columns
+    /// go into subjects.csv
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Comparison")]
+    participants: Option<PathBuf>,
+    /// Compare the two groups that a column of the participants, or of a manifest, makes: comparison.csv
+    #[arg(long, value_name = "COLUMN", help_heading = "Comparison")]
+    compare: Option<String>,
+    /// Only compare these columns of subjects.csv, so that p is corrected for fewer [default: all]
+    #[arg(long, value_name = "COLUMN", value_delimiter = ',', requires = "compare", help_heading = "Comparison")]
+    measures: Vec<String>,
+    /// The seed of permutations and of the topologies that stand for those that are plausible
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true,
+        help_heading = "Comparison", hide_short_help = true)]
+    seed: u64,
     /// Print the row of each subject on standard output too, as JSON
     #[arg(long)]
     json: bool,
@@ -66,6 +89,8 @@ impl MeasureArgs {
             let own = subject.own().join(" ");
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
         }
+        let known = self.covariates(&subjects)?;
+        let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
         let measured = Mutex::new((0..subjects.len()).map(|_| None).collect::<Vec<Option<Measurement>>>());
         let one = |at: usize, terminal: TextTerminal| -> Result<()> {
             let found = self.measure(&subjects[at], terminal)?;
@@ -82,9 +107,11 @@ impl MeasureArgs {
             each.make(|at| one(at, terminal.of_many()), terminal)?
         };
         let measured = measured.into_inner().unwrap_or_else(PoisonError::into_inner);
-        let rows: Vec<CohortRow> =
-            (0..subjects.len()).map(|at| row_of(&subjects[at], measured[at].as_ref(), failures[at].clone())).collect();
-        self.write(&rows, measured.iter().flatten(), force)?;
+        let rows: Vec<CohortRow> = (0..subjects.len())
+            .map(|at| row_of(&subjects[at], &known[at], measured[at].as_ref(), failures[at].clone()))
+            .collect();
+        let comparison = groups.map(|(names, first)| self.comparison(&names, &first, &measured, terminal)).transpose()?;
+        self.write(&rows, measured.iter().flatten(), comparison.as_deref(), force)?;
         if self.json {
             rows.iter().try_for_each(|row| print_json(&row.record()))?;
         }
@@ -94,13 +121,8 @@ impl MeasureArgs {
 
     fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<Measurement> {
         let path = &subject.input;
-        let input = self.runs.reading.read(path, subject.line.clone(), terminal)?;
-        // Beside its plausible topology all that a run finds plausible.
-        let run = path
-            .is_dir()
-            .then(|| self.runs.reading.read_run(path, subject.line.clone(), TextTerminal::new(true, false)))
-            .transpose()?;
-        let found = measure(&subject.name, &input, run.as_ref(), &self.options(path), &mut Follower::new(terminal))?;
+        let input = self.runs.reading.read_run(path, subject.line.clone(), terminal)?;
+        let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
         for note in &found.notes {
             terminal.say("note", note);
         }
@@ -108,11 +130,68 @@ impl MeasureArgs {
     }
 
     fn options(&self, input: &Path) -> MeasureOptions {
-        MeasureOptions { boundary: boundary_for(&self.boundary, input), smoothing: self.smoothing }
+        MeasureOptions {
+            boundary: boundary_for(&self.boundary, input),
+            smoothing: self.smoothing,
+            brain: self.brain.as_ref().map(|name| file_of(name, input)),
+            hypoplastic: self.hypoplastic,
+        }
     }
 
-    /// Writes the tables of all subjects, one below the other, and the record.
-    fn write<'a>(&self, rows: &[CohortRow], measured: impl Iterator<Item = &'a Measurement>, force: bool) -> Result<()> {
+    /// What is known of each subject: what its manifest says, then its participant.
+    fn covariates(&self, subjects: &[Subject]) -> Result<Vec<Covariates>> {
+        let mut known: Vec<Covariates> =
+            subjects.iter().map(|subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone())).collect();
+        let Some(path) = &self.participants else { return Ok(known) };
+        let rows = rows_of_participants(subjects, path)?;
+        let mut of = BTreeMap::new();
+        for (subject, (row, _)) in subjects.iter().zip(&rows) {
+            if let Some(first) = of.insert(*row, &subject.name).filter(|_| self.compare.is_some()) {
+                let found = format!("subjects \"{first}\" and \"{}\" of one participant", subject.name);
+                return Err(Fault::file(found, "expected one subject of each, since groups are compared").in_file(path));
+            }
+        }
+        for (known, (_, said)) in known.iter_mut().zip(rows) {
+            let new: Covariates = said.into_iter().filter(|(name, _)| known.iter().all(|(other, _)| other != name)).collect();
+            known.extend(new);
+        }
+        Ok(known)
+    }
+
+    /// The columns of comparison.csv.
+    fn comparison(
+        &self,
+        names: &[String; 2],
+        first: &[Option<bool>],
+        measured: &[Option<Measurement>],
+        terminal: TextTerminal,
+    ) -> Result<Vec<Column>> {
+        let subjects: Vec<(&Measurement, bool)> =
+            measured.iter().zip(first).filter_map(|(found, first)| Some((found.as_ref()?, (*first)?))).collect();
+        let options = ComparisonOptions { measures: self.measures.clone(), seed: self.seed };
+        let columns = compare_groups(names, &subjects, &options)?;
+        let left_out = measured.len() - subjects.len();
+        let [a, b] = [true, false].map(|group| subjects.iter().filter(|(_, first)| *first == group).count());
+        terminal.say(
+            "compared",
+            format!(
+                "{}: {a} of {}, {b} of {}, {left_out} left out",
+                plural(columns[0].values.len(), "measure"),
+                names[0],
+                names[1]
+            ),
+        );
+        Ok(columns)
+    }
+
+    /// Writes the tables of all subjects, one below the other, the comparison, and the record.
+    fn write<'a>(
+        &self,
+        rows: &[CohortRow],
+        measured: impl Iterator<Item = &'a Measurement>,
+        comparison: Option<&[Column]>,
+        force: bool,
+    ) -> Result<()> {
         let tables: Vec<[Vec<Column>; 4]> = measured.map(Measurement::tables).collect();
         let folder = StagedFolder::new(&self.output, force)?;
         for (at, name) in [VESSELS, BIFURCATIONS, ENDS, INTERVALS].into_iter().enumerate() {
@@ -120,6 +199,9 @@ impl MeasureArgs {
             write_file(&folder.path().join(name), |out| write_stacked(out, &own))?;
         }
         write_file(&folder.path().join(SUBJECTS), |out| write_csv(out, &cohort_columns(rows)))?;
+        if let Some(columns) = comparison {
+            write_file(&folder.path().join(COMPARISON), |out| write_csv(out, columns))?;
+        }
         write_record(&folder.path(), &self.record(rows))?;
         folder.commit()
     }
@@ -128,20 +210,45 @@ impl MeasureArgs {
         json!({
             "willis": env!("CARGO_PKG_VERSION"),
             "command": command_line("again"),
-            "parameters": { "smoothing_mm": self.smoothing.map(millimetres), "boundary": self.boundary },
+            "parameters": {
+                "smoothing_mm": self.smoothing.map(millimetres),
+                "brain": self.brain,
+                "hypoplastic_mm": self.hypoplastic.map(millimetres),
+                "boundary": self.boundary,
+                "participants": self.participants,
+                "compare": self.compare,
+                "measures": self.measures,
+                "seed": self.seed,
+            },
             "subjects": rows.iter().map(CohortRow::record).collect::<Vec<Value>>(),
         })
     }
 }
 
+/// The two groups that a column makes, and of each subject whether it is in the first.
+fn groups(column: &str, known: &[Covariates]) -> Result<([String; 2], Vec<Option<bool>>)> {
+    let names: BTreeSet<&str> = known.iter().flatten().map(|(name, _)| &**name).collect();
+    if !names.contains(column) {
+        let meant = did_you_mean(column, names.iter().copied());
+        let accepted = match names.len() {
+            0 => "goes with `participants`, or a manifest that has the column".to_owned(),
+            _ => format!("{meant}expected one of {}", names.into_iter().collect::<Vec<_>>().join(", ")),
+        };
+        return Err(Error::parameter("compare", column, accepted));
+    }
+    let value = |of: &Covariates| of.iter().find(|(name, _)| name == column).map(|(_, value)| value.clone()).unwrap_or_default();
+    let values: Vec<String> = known.iter().map(value).collect();
+    two_groups(column, &values.iter().map(String::as_str).collect::<Vec<_>>())
+}
+
 /// The row of a subject.
-fn row_of(subject: &Subject, measured: Option<&Measurement>, failure: Option<String>) -> CohortRow {
+fn row_of(subject: &Subject, known: &Covariates, measured: Option<&Measurement>, failure: Option<String>) -> CohortRow {
     CohortRow {
         subject: subject.name.clone(),
         input: subject.input.display().to_string(),
         sha256: measured.map(|found| found.sha256.clone()).or_else(|| checksum_of_file(&subject.input).ok()).unwrap_or_default(),
-        covariates: subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone()),
+        covariates: known.clone(),
         page: None,
-        figures: measured.map(Measurement::figures).ok_or_else(|| failure.unwrap_or_default()),
+        figures: measured.map(Measurement::row).ok_or_else(|| failure.unwrap_or_default()),
     }
 }

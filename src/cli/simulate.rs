@@ -50,6 +50,9 @@ pub struct SimulateArgs {
     /// Follow the blood: territories.csv, who feeds what; transit.csv, when it arrives
     #[arg(long)]
     transport: bool,
+    /// Close each vessel in turn: occlusions.csv, what its loss means
+    #[arg(long)]
+    occlude_each: bool,
     #[command(flatten)]
     pulse: PulseArgs,
     #[command(flatten)]
@@ -104,7 +107,17 @@ impl SimulateArgs {
         let occlusions = occlude.iter().map(|name| (name.clone(), Change::Occlusion));
         let changes = stenosis.iter().cloned().chain(occlusions).chain(tortuosity.iter().cloned()).collect();
         let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
-        Ok((FlowOptions { boundary, viscosity: self.viscosity, transport: self.transport, pulse, unfed: self.unfed }, changes))
+        Ok((
+            FlowOptions {
+                boundary,
+                viscosity: self.viscosity,
+                transport: self.transport,
+                occlude_each: self.occlude_each,
+                pulse,
+                unfed: self.unfed,
+            },
+            changes,
+        ))
     }
 }
 

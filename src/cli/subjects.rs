@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Covariates, ManifestRow, bytes_of, is_there, read_manifest};
+use crate::internals::formats::{Covariates, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;
@@ -270,6 +270,29 @@ fn safe(word: &str) -> String {
     let name: String = word.chars().take(LONGEST).map(plain).collect();
     let name = name.trim_matches('.');
     if name.is_empty() { "subject".to_owned() } else { name.to_owned() }
+}
+
+/// The row of each subject in a table of participants: its number, and what it says of the participant. A subject has the name of its participant, with
+/// or without `sub-`, or one that goes on with `_`, as in BIDS.
+///
+/// # Errors
+///
+/// A table that cannot be read or has no row of a subject.
+pub fn rows_of_participants(subjects: &[Subject], path: &Path) -> Result<Vec<(usize, Covariates)>> {
+    let rows = read_participants(&bytes_of(path)?).map_err(|fault| fault.in_file(path))?;
+    let plain = |name: &str| safe(name.strip_prefix("sub-").unwrap_or(name)).to_lowercase();
+    let known: Vec<String> = rows.iter().map(|(participant, _)| plain(participant)).collect();
+    let of = |subject: &Subject| {
+        let name = plain(&subject.name);
+        let goes_on = |known: &String| name.strip_prefix(&**known).is_some_and(|rest| rest.starts_with('_'));
+        let found = known.iter().position(|known| *known == name).or_else(|| known.iter().position(goes_on));
+        let missing = || {
+            let accepted = "expected a row for every subject, named in participant_id, subject or subject_id";
+            Fault::file(format!("no row of subject \"{}\"", subject.name), accepted).in_file(path)
+        };
+        found.map(|row| (row, rows[row].1.clone())).ok_or_else(missing)
+    };
+    subjects.iter().map(of).collect()
 }
 
 /// What to call the subject of an input, file or folder.

@@ -168,8 +168,15 @@ impl FoundArteries {
         Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
     }
 
-    /// The segments of a `variant` that are thin, in the topology of the vessels `kept`: by their names where the arteries were named, else by
-    /// their vessels.
+    /// The diameter of each segment of [`RING`] in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its
+    /// vessels.
+    pub(crate) fn diameters(&self, network: &Network, kept: &[bool]) -> [Option<f64>; 7] {
+        let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
+        let named = self.named.as_ref().map_or([None; 7], |named| named.diameters);
+        std::array::from_fn(|s| named[s].or(seen[s]))
+    }
+
+    /// The segments of a `variant` that are thin, in the topology of the vessels `kept`.
     pub(crate) fn hypoplastic(
         &self,
         network: &Network,
@@ -177,10 +184,7 @@ impl FoundArteries {
         kept: &[bool],
         phenotypes: &PhenotypeOptions,
     ) -> Vec<Artery> {
-        let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
-        let named = self.named.as_ref().map_or([None; 7], |named| named.diameters);
-        let diameters = std::array::from_fn(|s| named[s].or(seen[s]));
-        let thin = hypoplastic(&diameters, phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
+        let thin = hypoplastic(&self.diameters(network, kept), phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
         RING.into_iter()
             .zip(thin)
             .filter(|(artery, is_thin)| *is_thin && variant.has(*artery))

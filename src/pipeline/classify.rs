@@ -98,12 +98,7 @@ pub fn classify(
     let (topologies, variant, posterior, boundary) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
-        let above = if has_evidence(network) {
-            None
-        } else {
-            let (likelihood, _) = infer(network, &boundary, &options, &mut |done, total| progress.report(done, total))?;
-            Some(decide(Keep::Median, network, &likelihood)?.above_median)
-        };
+        let above = above_median(network, &boundary, &options, progress)?;
         let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref())?;
         let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
@@ -121,6 +116,20 @@ pub fn classify(
     };
     let answer = Answer { found, topologies, variant, posterior, boundary, notes };
     Ok(phenotype(input, network, answer, (outlets, viscosity), phenotypes))
+}
+
+/// Per vessel whether its L is above the median, for topologies that samples vote for; none where there is evidence to draw them by.
+pub(super) fn above_median(
+    network: &Network,
+    boundary: &Boundary,
+    options: &SamplingOptions,
+    progress: &mut dyn Follow,
+) -> Result<Option<Vec<bool>>> {
+    if has_evidence(network) {
+        return Ok(None);
+    }
+    let (likelihood, _) = infer(network, boundary, options, &mut |done, total| progress.report(done, total))?;
+    Ok(Some(decide(Keep::Median, network, &likelihood)?.above_median))
 }
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.

@@ -21,6 +21,8 @@ pub struct FlowOptions {
     pub viscosity: f64,
     /// Whether to follow the blood: who feeds what, and when it arrives.
     pub transport: bool,
+    /// Whether to close each vessel in turn.
+    pub occlude_each: bool,
     /// How the flow pulsates; `None` leaves it steady.
     pub pulse: Option<PulseOptions>,
     /// What becomes of vessels that no inlet feeds.
@@ -30,7 +32,7 @@ pub struct FlowOptions {
 impl Default for FlowOptions {
     fn default() -> Self {
         let boundary = BoundaryOptions::default();
-        Self { boundary, viscosity: BLOOD_VISCOSITY, transport: false, pulse: None, unfed: Unfed::Keep }
+        Self { boundary, viscosity: BLOOD_VISCOSITY, transport: false, occlude_each: false, pulse: None, unfed: Unfed::Keep }
     }
 }
 

@@ -12,6 +12,7 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets, Unfed};
 use willis_core::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use willis_core::network::{Network, vessels_called};
+use willis_core::simulation::closures::{Closure, close_each};
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Change, Perturbation, Simulation};
@@ -19,8 +20,8 @@ use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Column, NamedArray};
 use willis_io::output::atomic::StagedFolder;
 use willis_report::{
-    FlowRecord, ModulationOutcome, Provenance, Simulated, simulated_nodes, simulated_vessels, territory_columns, transit_columns,
-    waveform_arrays, write_modulation, write_simulated,
+    FlowRecord, ModulationOutcome, Provenance, Simulated, occlusion_columns, simulated_nodes, simulated_vessels,
+    territory_columns, transit_columns, waveform_arrays, write_modulation, write_simulated,
 };
 
 /// The flow in a network as it is, and beside it with vessels changed.
@@ -31,6 +32,7 @@ pub struct SimulationRun<'a> {
     simulation: Simulation,
     viscosity: f64,
     transports: Option<Transports>,
+    closures: Option<Vec<Closure>>,
     pulses: Option<(Pulses, Value)>,
 }
 
@@ -73,11 +75,21 @@ pub fn simulate_with<'a>(
     let simulation = willis_core::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
     let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
     let transports = options.transport.then(follow).transpose()?;
+    let close_all = || close_each(network, &boundary, viscosity, &simulation.unperturbed);
+    let closures = options.occlude_each.then(close_all).transpose()?;
     let driven = waves.as_ref().zip(options.pulse.as_ref());
     let pulses = driven
         .map(|(waves, pulse)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation))
         .transpose()?;
-    Ok(SimulationRun { solved: Solved { boundary, ..solved }, perturbations, simulation, viscosity, transports, pulses })
+    Ok(SimulationRun {
+        solved: Solved { boundary, ..solved },
+        perturbations,
+        simulation,
+        viscosity,
+        transports,
+        closures,
+        pulses,
+    })
 }
 
 /// What flow is solved for: the vessels of an input, or those that inlets feed, with their conditions.
@@ -133,7 +145,7 @@ impl SimulationRun<'_> {
 
     /// Everything that the files of the run are made of.
     pub fn simulated(&self) -> Simulated<'_> {
-        let Self { solved, perturbations, simulation, viscosity, transports, pulses } = self;
+        let Self { solved, perturbations, simulation, viscosity, transports, closures, pulses } = self;
         let (viscosity, transports, pulses) = (*viscosity, transports.as_ref(), pulses.as_ref());
         Simulated {
             network: &solved.network,
@@ -142,6 +154,7 @@ impl SimulationRun<'_> {
             result: simulation,
             viscosity,
             transports,
+            closures: closures.as_deref(),
             pulses,
         }
     }
@@ -156,6 +169,11 @@ impl SimulationRun<'_> {
     pub fn transport_tables(&self) -> Option<[Vec<Column>; 2]> {
         let (simulated, transports) = (self.simulated(), self.transports.as_ref()?);
         Some([territory_columns(&simulated, transports), transit_columns(&simulated, transports)])
+    }
+
+    /// What each closed vessel does, as occlusions.csv has it, if that was asked for.
+    pub fn occlusion_table(&self) -> Option<Vec<Column>> {
+        Some(occlusion_columns(&self.simulated(), self.closures.as_ref()?))
     }
 
     /// Pressures and flows over a cycle, as waveforms.npz has them, if the flow pulsates.

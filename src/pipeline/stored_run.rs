@@ -9,8 +9,9 @@ use super::arteries::FoundArteries;
 use super::artery_options::ArterySource;
 use super::options::RunOptions;
 use willis_core::error::{Fault, Result};
-use willis_io::formats::{is_there, open_regular};
-use willis_io::output::names::{GRAPH, LANDMARKS, RECORD};
+use willis_io::formats::tables::reader::TableReader;
+use willis_io::formats::{bytes_of, is_there, open_regular};
+use willis_io::output::names::{EDGES, GRAPH, LANDMARKS, RECORD};
 use willis_io::output::read_json;
 
 /// A run of infer in a folder.
@@ -86,6 +87,28 @@ impl StoredRun {
             named: record.named,
             sha256: record.graph.map(|graph| graph.sha256).unwrap_or_default(),
         })
+    }
+
+    /// Per vessel of the graph whether the run kept it.
+    ///
+    /// # Errors
+    ///
+    /// A table of vessels that cannot be read, or that is not of that graph.
+    pub(crate) fn kept(&self, vessels: usize) -> Result<Vec<bool>> {
+        let file = self.graph.with_file_name(EDGES);
+        let here = |fault: Fault| fault.in_file(&file);
+        let bytes = bytes_of(&file)?;
+        let mut rows = TableReader::ragged(&bytes).map_err(here)?;
+        let column =
+            rows.find(&["kept"]).ok_or_else(|| here(Fault::file("no column kept", "expected it as the run wrote it")))?;
+        let mut kept = Vec::with_capacity(vessels);
+        while let Some(row) = rows.row().map_err(here)? {
+            kept.push(row.text(column) == "1");
+        }
+        if kept.len() != vessels {
+            return Err(here(Fault::file(format!("{} rows", kept.len()), format!("expected one for each of {vessels} vessels"))));
+        }
+        Ok(kept)
     }
 
     /// Refuses a graph that is not the one that was sampled.

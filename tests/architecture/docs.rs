@@ -163,7 +163,7 @@ fn the_pages_of_the_book_do_what_they_say() {
 /// The guides lead to their end in fewer than five commands.
 #[test]
 fn the_guides_are_short() {
-    for name in ["guide-extraction.md", "guide-cohort.md", "guide-matrix.md", "guide-waveforms.md"] {
+    for name in ["guide-extraction.md", "guide-cohort.md", "guide-groups.md", "guide-matrix.md", "guide-waveforms.md"] {
         let blocks = page(name).blocks();
         let commands = blocks.iter().filter(|block| block.kind == "console").flat_map(|block| block.body.lines());
         let commands = commands.filter(|line| line.starts_with("willis ")).count();

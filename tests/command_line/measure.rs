@@ -53,7 +53,7 @@ fn a_run_is_measured_as_networkx_measures_its_topology() {
     done(here.path(), &["measure", "out", "-o", "measured"]);
     let intervals = here.path().join("measured/intervals.csv");
     let rows = table(&intervals).len() - 1;
-    assert_eq!(rows, 16, "a row for every figure of a whole network");
+    assert_eq!(rows, 17, "a row for every figure of a whole network");
     let number = |row, column| cell(&intervals, row, column).parse::<f64>().unwrap_or(f64::NAN);
     for row in 0..rows {
         let [mean, low, high] = ["mean", "low", "high"].map(|column| number(row, column));
@@ -73,6 +73,52 @@ fn a_run_is_measured_as_networkx_measures_its_topology() {
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }
 
+/// Diameters, mm, of the circle of Alastruey et al. 2007, table 1.
+#[test]
+fn a_circle_has_its_published_diameters_and_territories() {
+    let here = folder();
+    for (name, words) in [("usual", &[][..]), ("wide", &["--hypoplastic", "1.47mm"])] {
+        done(here.path(), &[&["measure", &data("circle-of-willis/complete.graphml"), "-o", name], words].concat());
+    }
+    let [usual, wide] = ["usual", "wide"].map(|name| here.path().join(name).join("subjects.csv"));
+    let number = |table: &Path, column: &str| cell(table, 0, column).parse::<f64>().expect(column);
+    for (segment, diameter) in
+        [("L-A1", 2.34), ("R-A1", 2.34), ("AComm", 1.48), ("L-P1", 2.14), ("R-P1", 2.14), ("L-PComm", 1.46)]
+    {
+        let found = number(&usual, &format!("circle_{segment}_diameter_mm"));
+        assert!((found - diameter).abs() < 1e-9, "{segment}: {found}");
+        assert_eq!(number(&usual, &format!("circle_{segment}_hypoplastic")), 0.0);
+        let is_thin = f64::from(u8::from(diameter < 1.47));
+        assert_eq!(number(&wide, &format!("circle_{segment}_hypoplastic")), is_thin, "{segment}");
+    }
+    // M1 is 119 mm long, and the way there leads along 177 mm and 5 mm of carotid.
+    let of_territory = ["length_mm", "from_inlet_mean_mm"].map(|what| number(&usual, &format!("territory_L-M1_{what}")));
+    assert!((of_territory[0] - 119.0).abs() < 1e-9 && (of_territory[1] - (182.0 + 59.5)).abs() < 1e-9, "{of_territory:?}");
+    assert_eq!(number(&usual, "territory_M1_asymmetry"), 0.0);
+}
+
+/// The volume of the vessels is nearly that of their mask, so that they fill the mask as if it were their brain.
+#[test]
+fn a_run_has_its_circle_over_plausible_topologies_and_densities_in_a_mask() {
+    let here = folder();
+    let (mask, landmarks) = (data("scan.nii.gz"), data("scan.landmarks.csv"));
+    done(here.path(), &["infer", &mask, "--landmarks", &landmarks, "-o", "out", "-n", "10", "--dpi", "36"]);
+    done(here.path(), &["measure", "out", "-o", "measured", "--brain", &mask]);
+    let table_of = |name: &str| here.path().join("measured").join(name);
+    let density: f64 = cell(&table_of("subjects.csv"), 0, "volume_density_in_brain").parse().expect("a density");
+    assert!((density - 1.0).abs() < 0.05, "{density}");
+    let intervals = table_of("intervals.csv");
+    let figures: Vec<String> = (0..table(&intervals).len() - 1).map(|row| cell(&intervals, row, "figure")).collect();
+    for wanted in ["circle_L-P1_diameter_mm", "fetal_L-PCA", "territory_L-M1_length_mm", "volume_density_in_brain"] {
+        assert!(figures.iter().any(|figure| figure == wanted), "{wanted}: {figures:?}");
+    }
+    let territories: Vec<String> =
+        (0..table(&table_of("vessels.csv")).len() - 1).map(|row| cell(&table_of("vessels.csv"), row, "territory")).collect();
+    for wanted in ["L-A2", "R-A2", "L-M1", "R-M1", "L-P2", "R-P2"] {
+        assert!(territories.iter().any(|territory| territory == wanted), "{wanted}");
+    }
+}
+
 #[test]
 fn several_inputs_are_one_below_the_other_and_one_that_fails_is_a_row() {
     let here = folder();
@@ -89,6 +135,150 @@ fn several_inputs_are_one_below_the_other_and_one_that_fails_is_a_row() {
     assert_eq!(["a", "b", "c"].map(str::to_owned), [0, 1, 2].map(|row| cell(&subjects, row, "subject")));
     assert_eq!(cell(&subjects, 2, "status"), "failed");
     assert!(table(&here.path().join("out/intervals.csv"))[1..].is_empty());
+}
+
+/// Lines along y, one of these lengths (mm) each, in files `sub-00.swc`, `sub-01.swc` and so on.
+fn lines(here: &Path, lengths: impl Iterator<Item = f64>) {
+    for (at, length) in lengths.enumerate() {
+        let text = format!("1 0 0 0 0 1 -1\n2 0 {length} 0 0 1 1\n");
+        fs::write(here.join(format!("sub-{at:02}.swc")), text).expect("written");
+    }
+}
+
+fn participants(here: &Path, groups: impl Iterator<Item = &'static str>) {
+    let rows: Vec<String> = groups.enumerate().map(|(at, group)| format!("sub-{at:02}\t{}\t{group}\n", 40 + at)).collect();
+    fs::write(here.join("participants.tsv"), format!("participant_id\tage\tgroup\n{}", rows.concat())).expect("written");
+}
+
+/// Every figure by SciPy and NumPy: U for delta, exact permutations, the variance of delta from the matrix of dominance, Holm in two lines.
+const BY_SCIPY: &str = "
+import sys, numpy as np, pandas as pd
+from scipy import stats
+out, exact = sys.argv[1], sys.argv[2] == 'exact'
+subjects, found = pd.read_csv(out + '/subjects.csv'), pd.read_csv(out + '/comparison.csv').set_index('measure')
+assert subjects.age.tolist() == list(range(40, 40 + len(subjects))), 'participants are joined'
+assert 'vessels' not in found.index and 'age' not in found.index, 'what is the same in all says nothing'
+for name, row in found.iterrows():
+    a, b = (subjects[name][subjects.group == g].to_numpy() for g in (row.group_a, row.group_b))
+    assert (row.n_a, row.n_b) == (len(a), len(b))
+    for x, side in ((a, 'a'), (b, 'b')):
+        own = [row[q + '_' + side] for q in ('quartile_1', 'median', 'quartile_3')]
+        assert np.allclose(own, np.quantile(x, [.25, .5, .75])), name
+    delta = lambda x, y: 2 * stats.mannwhitneyu(x, y).statistic / (len(x) * len(y)) - 1
+    assert abs(row.cliffs_delta - delta(a, b)) < 1e-12, name
+    if exact:
+        how = dict(permutation_type='independent', n_resamples=np.inf, alternative='greater')
+        p = stats.permutation_test((a, b), lambda x, y: abs(np.sign(np.subtract.outer(x, y)).mean()) + 1e-13, vectorized=False, **how).pvalue
+        assert abs(row.p - p) < 1e-12, (name, row.p, p)
+    else:
+        p = stats.mannwhitneyu(a, b, method='exact').pvalue
+        assert abs(row.p - p) < 4 * np.sqrt(p * (1 - p) / 9999), (name, row.p, p)
+    d = np.sign(np.subtract.outer(a, b)); n, m, mean = len(a), len(b), d.mean()
+    s2 = (m**2 * ((d.mean(1) - mean)**2).sum() + n**2 * ((d.mean(0) - mean)**2).sum() - ((d - mean)**2).sum()) / (n * m * (n - 1) * (m - 1))
+    s2 = max(s2, (1 - mean**2) / (n * m - 1)); z = stats.norm.ppf(.975)
+    half = z * np.sqrt(s2) * np.sqrt((1 - mean**2)**2 + z**2 * s2)
+    ends = [(mean - mean**3 + sign * half) / (1 - mean**2 + z**2 * s2) for sign in (-1, 1)]
+    assert np.allclose([row.delta_low, row.delta_high], ends), (name, ends)
+    assert row.doubt_share == 0, 'files have no doubt'
+order = found.p.sort_values(kind='stable')
+holm = np.minimum(1, np.maximum.accumulate(order.to_numpy() * np.arange(len(order), 0, -1)))
+assert np.allclose(found.p_holm[order.index], holm)
+assert len(found) > 3
+";
+
+#[test]
+fn groups_are_compared_as_scipy_compares_them() {
+    for (how, size) in [("exact", 5), ("drawn", 12)] {
+        let here = folder();
+        // The groups overlap.
+        lines(
+            here.path(),
+            (0..2 * size).map(|at| 20.0 + f64::from(at * 7 % 17) + 3.0 * f64::from(at % 2) + 0.01 * f64::from(at)),
+        );
+        participants(here.path(), (0..2 * size).map(|at| ["patient", "control"][at as usize % 2]));
+        done(here.path(), &["measure", "*.swc", "-o", "out", "--participants", "participants.tsv", "--compare", "group"]);
+        let table_of = here.path().join("out/comparison.csv");
+        assert_eq!(cell(&table_of, 0, "group_a"), "control", "in the order of their names");
+        let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+            println!("skipped: WILLIS_PYTHON names no Python with SciPy");
+            return;
+        };
+        let checked = Command::new(python).current_dir(here.path()).args(["-c", BY_SCIPY, "out", how]).output().expect("runs");
+        assert!(checked.status.success(), "{how}: {}", String::from_utf8_lossy(&checked.stderr));
+    }
+}
+
+/// Fewer measures are corrected for less; runs bring the doubt about their topologies.
+#[test]
+fn measures_are_chosen_and_doubt_widens_the_interval() {
+    let here = folder();
+    done(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "first", "-n", "10", "--dpi", "36"]);
+    for at in 0..6 {
+        let copy = here.path().join(format!("runs/sub-{at}"));
+        fs::create_dir_all(&copy).expect("made");
+        for file in fs::read_dir(here.path().join("first")).expect("a folder").map(|entry| entry.expect("an entry").path()) {
+            fs::copy(&file, copy.join(file.file_name().expect("a name"))).expect("copied");
+        }
+    }
+    let rows = (0..6).map(|at| format!("sub-{at},{}\n", ["a", "b"][at % 2])).collect::<String>();
+    fs::write(here.path().join("groups.csv"), format!("subject,group\n{rows}")).expect("written");
+    let compare = |output: &str, more: &[&str]| {
+        done(
+            here.path(),
+            &[&["measure", "runs/*", "-o", output, "--participants", "groups.csv", "--compare", "group"], more].concat(),
+        );
+        here.path().join(output).join("comparison.csv")
+    };
+    // One network six times differs in nothing but what is plausible.
+    let one = compare("one", &["--measures", "loops"]);
+    assert_eq!(cell(&one, 0, "p"), cell(&one, 0, "p_holm"));
+    assert_eq!(cell(&one, 0, "median_a"), cell(&one, 0, "median_b"));
+    let number = |column: &str| cell(&one, 0, column).parse::<f64>().expect(column);
+    assert!(number("doubt_share") > 0.0 && number("delta_low") < 0.0 && number("delta_high") > 0.0);
+    assert!(number("p") > 0.05, "{}", number("p"));
+    let again = compare("again", &["--measures", "loops", "--threads", "1"]);
+    assert_eq!(fs::read(&one).expect("a table"), fs::read(&again).expect("a table"));
+    let other = compare("other", &["--measures", "loops", "--seed", "1"]);
+    assert_ne!(fs::read(&one).expect("a table"), fs::read(&other).expect("a table"));
+}
+
+#[test]
+fn groups_that_cannot_be_compared_are_refused() {
+    let here = folder();
+    lines(here.path(), (0..4).map(|at| 20.0 + f64::from(at)));
+    participants(here.path(), ["x", "y", "x", "y"].into_iter());
+    let rows = "participant_id,group\nsub-00,x\nsub-01,y\nsub-02,x\nsub-03,y\n";
+    for (name, text) in [
+        ("three.csv", rows.replace("sub-03,y", "sub-03,z")),
+        ("one.csv", rows.replace("sub-03,y", "sub-03,n/a")),
+        ("short.csv", rows.replace("sub-03,y\n", "")),
+        ("nameless.csv", rows.replace("participant_id", "who")),
+    ] {
+        fs::write(here.path().join(name), text).expect("written");
+    }
+    let base = ["measure", "*.swc", "-o", "out", "--compare"];
+    for (words, wanted) in [
+        (&["group"][..], "--compare group: goes with --participants"),
+        (&["grup", "--participants", "participants.tsv"], "--compare grup: did you mean \"group\"?"),
+        (&["age", "--participants", "participants.tsv"], "found 4: 40, 41, 42, 43"),
+        (&["group", "--participants", "three.csv"], "found 3: x, y, z"),
+        (&["group", "--participants", "one.csv"], "found one of group y"),
+        (&["group", "--participants", "short.csv"], "short.csv: no row of subject \"sub-03\""),
+        (&["group", "--participants", "nameless.csv"], "nameless.csv:1: "),
+        (&["group", "--participants", "absent.csv"], "absent.csv"),
+        (
+            &["group", "--participants", "participants.tsv", "--measures", "lenght_mm"],
+            "--measures \"lenght_mm\": did you mean \"length_mm\"?",
+        ),
+    ] {
+        let done = willis(here.path(), &[&base[..], words].concat());
+        let said = stderr(&done);
+        assert!(
+            done.status.code() == Some(2) && said.lines().last().is_some_and(|last| last.contains(wanted)),
+            "{words:?}: {said}"
+        );
+        assert!(!here.path().join("out").exists(), "{words:?}");
+    }
 }
 
 #[test]
@@ -112,6 +302,9 @@ fn what_cannot_be_measured_is_refused() {
     for (words, wanted) in [
         (&["measure", "a.swc", "-o", "out", "--smoothing", "0"][..], "--smoothing \"0\": expected a positive length"),
         (&["measure", "a.swc", "-o", "out", "--inlet", "7"], "--inlet"),
+        (&["measure", "a.swc", "-o", "out", "--hypoplastic", "0"], "--hypoplastic \"0\": expected a positive length"),
+        (&["measure", "a.swc", "-o", "out", "--brain", "a.swc"], "a.swc: SWC, not an image"),
+        (&["measure", "a.swc", "-o", "out", "--brain", "absent.nii"], "absent.nii"),
         (&["measure", "a.swc", "-o", "out", "--observed"], "--observed"),
         (&["measure", "absent.swc", "-o", "out"], "absent.swc"),
     ] {

@@ -356,3 +356,67 @@ fn a_topology_flows_as_the_table_of_its_run_does() {
         assert!(same, "{id}: {pressure} {expected}");
     }
 }
+
+/// By hand: the wide way has 16 times the conductance of the thin one, and the pressures at the ends are fixed.
+#[test]
+fn each_vessel_is_closed_in_turn() {
+    let here = folder();
+    let said = run(here.path(), &["--occlude-each"]);
+    assert!(said.contains("occluded  each vessel in turn; most is lost without L-ICA I: 94.1 % of the outlets' flow"), "{said}");
+    let (_, column) = table(here.path(), "occlusions.csv");
+    let number = |name: &str| column(name).iter().map(|x| x.parse().unwrap_or(f64::NAN)).collect::<Vec<f64>>();
+    for (row, lost) in [16.0 / 17.0, 16.0 / 17.0, 1.0 / 17.0, 1.0 / 17.0].into_iter().enumerate() {
+        assert!((number("lost_share")[row] - lost).abs() < 1e-9, "{row}");
+        assert!((number("worst_outlet_share_left")[row] - (1.0 - lost)).abs() < 1e-9, "{row}");
+    }
+    assert_eq!(column("worst_outlet"), ["d"; 4]);
+    assert_eq!((column("outlets_unfed"), column("reversed")), (vec!["0".to_owned(); 4], vec!["0".to_owned(); 4]));
+    // No bifurcation has three ends here.
+    assert_eq!(record(here.path())["murray"]["exponent_median"], serde_json::Value::Null);
+}
+
+/// Kirchhoff's law by NumPy for every vessel of a circle that is closed, its outlets at ground.
+const BY_NUMPY: &str = "
+import json, sys, numpy as np, pandas as pd
+edges, nodes, found = (pd.read_csv(f'out/{name}.csv', dtype={'id': str}) for name in ('edges', 'nodes', 'occlusions'))
+fixed = nodes.role.isin(['inlet', 'outlet']).to_numpy()
+level = np.where(nodes.role == 'inlet', nodes.pressure_mmHg, 0.0)
+def state(open_):
+    c = np.where(open_, 60 / edges.resistance_mmHg_s_per_mL, 0)
+    L = np.zeros((len(nodes),) * 2)
+    for a, b, x in zip(edges.node_a, edges.node_b, c):
+        L[[a, b], [a, b]] += x; L[[a, b], [b, a]] -= x
+    p = level.copy()
+    free = ~fixed
+    p[free] = np.linalg.lstsq(L[np.ix_(free, free)], -L[np.ix_(free, fixed)] @ level[fixed], rcond=None)[0]
+    return c * (p[edges.node_a] - p[edges.node_b]), -(L @ p)
+flow, out = state(np.ones(len(edges), bool))
+outlets = (nodes.role == 'outlet').to_numpy()
+for row in range(len(edges)):
+    q, now = state(np.arange(len(edges)) != row)
+    b, a = out[outlets], now[outlets]
+    lost = np.maximum(b - a, 0).sum()
+    one = found.iloc[row]
+    assert abs(one.lost_mL_per_min - lost) < 1e-6 * b.sum(), (row, one, lost)
+    assert abs(one.lost_share - lost / b.sum()) < 1e-6
+    assert one.outlets_unfed == (a < 1e-6 * b).sum(), row
+    if lost > 1e-6 * b.sum():
+        assert abs(one.worst_outlet_share_left - (a / b).min()) < 1e-6, row
+    gain = np.delete(np.abs(q) - np.abs(flow), row).max()
+    assert abs(one.gain_mL_per_min - max(gain, 0)) < 1e-6 * b.sum(), (row, one.gain_mL_per_min, gain)
+assert found.lost_share.max() > .2 and found.outlets_unfed.max() >= 1
+assert json.load(open('out/run.json'))['murray']['bifurcations'] == 10
+";
+
+#[test]
+fn closed_vessels_of_a_circle_are_as_numpy_solves_them() {
+    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+        println!("skipped: WILLIS_PYTHON names no Python with NumPy");
+        return;
+    };
+    let here = folder();
+    let done = willis(here.path(), &["simulate", &data("circle-of-willis/complete.graphml"), "-o", "out", "--occlude-each"]);
+    assert_eq!(done.status.code(), Some(0), "{}", stderr(&done));
+    let checked = std::process::Command::new(python).current_dir(here.path()).args(["-c", BY_NUMPY]).output().expect("runs");
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+}

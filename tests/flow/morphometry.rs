@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
-use willis::internals::morphometry::{MeasuredVessel, Morphometry, Smoothing};
+use willis::internals::morphometry::{MeasuredVessel, Morphometry, Region, Smoothing, Surroundings};
 use willis::internals::network::{Network, RadiusRule, Role, contract};
 use willis::{ReadOptions, read_bytes};
 
@@ -40,7 +40,7 @@ fn curve(steps: usize, at: impl Fn(f64) -> ([f64; 3], f64)) -> Vec<([f64; 3], f6
 /// Blood enters at the node with this id.
 fn measured(network: &Network, inlet: &str) -> Morphometry {
     let role = |node: usize| if network.node(node).id == inlet { Role::Inlet } else { Role::Inner };
-    Morphometry::of(network, role, Smoothing::default())
+    Morphometry::of(network, role, Smoothing::default(), Surroundings::default())
 }
 
 fn one(points: Vec<([f64; 3], f64)>) -> Morphometry {
@@ -178,9 +178,66 @@ fn a_tree_has_its_generations_and_orders() {
     let whole = found.network;
     assert_eq!((whole.vessels, whole.bifurcations, whole.ends, whole.parts, whole.loops), (5, 2, 4, 1, 0));
     let branch = 500.0_f64.sqrt();
-    close(whole.length, (20.0 + 2.0 * branch + 2.0 * 425.0_f64.sqrt()) * MM, 1e-9, "length");
-    close(whole.most_from_inlet, (20.0 + branch + 425.0_f64.sqrt()) * MM, 1e-9, "the longest way");
+    close(whole.whole.length, (20.0 + 2.0 * branch + 2.0 * 425.0_f64.sqrt()) * MM, 1e-9, "length");
+    close(whole.whole.most_from_inlet, (20.0 + branch + 425.0_f64.sqrt()) * MM, 1e-9, "the longest way");
     assert_eq!(found.ends.iter().filter(|end| end.from_inlet == 0.0).count(), 1, "the inlet is an end");
+}
+
+/// Half of a cone lies in a half-space of a stated volume: its length and volume there are those of the frustum.
+#[test]
+fn densities_are_of_what_lies_in_the_region() {
+    let mut swc = Swc::default();
+    swc.line(curve(7, |t| ([40.0 * t, 0.0, 0.0], 2.0 - t)), None);
+    let region = Region { volume: 1e-5, step: 0.05 * MM, holds: Box::new(|place| place[0] < 20.0 * MM) };
+    let around = Surroundings { region: Some(&region), ..Surroundings::default() };
+    let whole = Morphometry::of(&swc.network(), |_| Role::Inner, Smoothing::default(), around).network;
+    let [length, volume, of] = whole.in_region.expect("a region");
+    close(length, 20.0 * MM / 1e-5, 1e-2, "length density");
+    close(volume, PI / 3.0 * 20.0 * (4.0 + 3.0 + 2.25) * MM.powi(3) / 1e-5, 1e-2, "volume density");
+    close(of, 1e-5, 1e-12, "volume of the region");
+}
+
+/// Beyond the artery of a territory all vessels are its own, up to none that a way enters first by another.
+#[test]
+fn what_lies_beyond_an_artery_is_its_territory() {
+    let mut swc = Swc::default();
+    let straight =
+        |from: [f64; 3], to: [f64; 3]| curve(10, move |t| (std::array::from_fn(|k| from[k] + t * (to[k] - from[k])), 1.0));
+    let root = swc.line(straight([0.0; 3], [20.0, 0.0, 0.0]), None);
+    let one = swc.line(straight([20.0, 0.0, 0.0], [40.0, 10.0, 0.0]).into_iter().skip(1), Some(root));
+    swc.line(straight([20.0, 0.0, 0.0], [40.0, -10.0, 0.0]).into_iter().skip(1), Some(root));
+    swc.line(straight([40.0, 10.0, 0.0], [60.0, 15.0, 0.0]).into_iter().skip(1), Some(one));
+    swc.line(straight([40.0, 10.0, 0.0], [60.0, 5.0, 0.0]).into_iter().skip(1), Some(one));
+    let network = swc.network();
+    let ends_at = |row: usize, y: f64| {
+        network.ends(row).iter().any(|n| network.node(*n).position.is_some_and(|p| (p[1] - y * MM).abs() < 1e-9))
+    };
+    let territory: Vec<Option<usize>> = (0..network.vessel_count())
+        .map(|row| if ends_at(row, 10.0) && ends_at(row, 0.0) { Some(0) } else { ends_at(row, 15.0).then_some(1) })
+        .collect();
+    let role = |node: usize| if network.node(node).id == "1" { Role::Inlet } else { Role::Inner };
+    let around = Surroundings { territory: &territory, region: None };
+    let found = Morphometry::of(&network, role, Smoothing::default(), around);
+    let own = found.network.territories;
+    let [side, twig] = [500.0_f64, 425.0].map(f64::sqrt);
+    assert_eq!(own.keys().copied().collect::<Vec<_>>(), [0], "the way to the second enters the first before");
+    close(own[&0].length, (side + 2.0 * twig) * MM, 1e-9, "length");
+    close(own[&0].most_from_inlet, (20.0 + side + twig) * MM, 1e-9, "the longest way");
+    let mean = (side * (20.0 + side / 2.0) + 2.0 * twig * (20.0 + side + twig / 2.0)) / (side + 2.0 * twig);
+    close(own[&0].mean_from_inlet, mean * MM, 1e-9, "the mean way");
+}
+
+/// A vessel of no length at a bifurcation has no direction, and is no reason to end.
+#[test]
+fn a_vessel_of_no_length_is_measured() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    put("edges.csv", "node_a,node_b,length_mm,radius_mm\n0,1,10,1\n1,2,0.001,1\n1,3,10,0.5\n");
+    put("nodes.csv", "node,x_mm,y_mm,z_mm\n0,0,0,0\n1,10,0,0\n2,10,0,0\n3,20,0,0\n");
+    let network = willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network;
+    let found = measured(&network, "0");
+    assert_eq!((found.vessels.len(), found.bifurcations.len()), (3, 1));
+    assert!(found.bifurcations[0].angle.is_nan());
 }
 
 /// Where blood comes from two sides, each point of a ring is reached by the shorter way.
@@ -194,8 +251,8 @@ fn a_ring_has_a_loop_and_no_end() {
     swc.line([turn(0.0)], Some(last));
     let whole = measured(&swc.network(), "none").network;
     assert_eq!((whole.vessels, whole.bifurcations, whole.ends, whole.parts, whole.loops), (1, 0, 0, 1, 1));
-    close(whole.length, 2.0 * PI * 10.0 * MM, 0.001, "length");
-    assert!(whole.most_from_inlet.is_nan(), "nothing says where blood enters");
+    close(whole.whole.length, 2.0 * PI * 10.0 * MM, 0.001, "length");
+    assert!(whole.whole.most_from_inlet.is_nan(), "nothing says where blood enters");
 }
 
 /// A line fills one dimension, a dense grid of lines in a plane two.

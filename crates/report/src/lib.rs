@@ -17,7 +17,7 @@ mod supply;
 
 pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use morphometry::MeasuredSubject;
+pub use morphometry::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
 pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
@@ -27,5 +27,5 @@ pub use simulation::node_columns as simulated_nodes;
 pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};
 pub use simulation::transport::{end_name, territory_columns, transit_columns};
 pub use simulation::vessel_columns as simulated_vessels;
-pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, write_simulated};
+pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, occlusion_columns, write_simulated};
 pub use supply::{supply_columns, supply_json};

@@ -1,16 +1,15 @@
 //! The tables of what is measured: vessels.csv, bifurcations.csv, ends.csv, intervals.csv, and the row of a subject in subjects.csv.
 
-use std::collections::BTreeMap;
+use std::borrow::Cow;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
-use serde_json::{Value, json};
-
-use super::cohort::Figures;
-use willis_core::morphometry::{Morphometry, NetworkFigures};
+use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::geometry::Point;
-use willis_core::support::statistics::{median, weighted_quantile};
+use willis_core::support::statistics::weighted_quantile;
 use willis_io::formats::Column;
+use willis_models::circle_of_willis::{RING, TERRITORIES};
 
 const MM2: f64 = 1e6;
 const MM3: f64 = 1e9;
@@ -54,6 +53,10 @@ impl MeasuredSubject<'_> {
             self.subject(vessels.len()),
             Column::whole("vessel", 0..vessels.len()),
             Column::text("label", vessels.iter().map(|v| v.line.label.clone())),
+            Column::text(
+                "territory",
+                vessels.iter().map(|v| v.territory.map_or_else(String::new, |at| TERRITORIES[at].to_string())),
+            ),
             Column::text("id_a", vessels.iter().map(|v| self.id(v.line.ends[0]))),
             Column::text("id_b", vessels.iter().map(|v| self.id(v.line.ends[1]))),
             Column::whole("degree_a", vessels.iter().map(|v| v.degree[0])),
@@ -121,83 +124,139 @@ impl MeasuredSubject<'_> {
         columns
     }
 
-    /// The columns of intervals.csv: the figures of the whole, as kept and over topologies that were drawn, with their weights.
-    pub fn intervals(&self, plausible: &[(NetworkFigures, f64)]) -> Vec<Column> {
-        let rows = if plausible.is_empty() { &[] } else { &OF_NETWORK[..] };
-        let spreads: Vec<[f64; 3]> = rows
-            .iter()
-            .map(|(_, of)| spread(&plausible.iter().map(|(figures, weight)| (of(figures), *weight)).collect::<Vec<_>>()))
-            .collect();
+    /// The columns of intervals.csv: the figures of the whole, as kept and over topologies that are plausible, with their weights.
+    pub fn intervals(&self, kept: &NamedFigures, plausible: &[(NamedFigures, f64)]) -> Vec<Column> {
+        // What only other topologies have comes last.
+        let mut names: Vec<&str> = if plausible.is_empty() { Vec::new() } else { kept.iter().map(|(name, _)| &**name).collect() };
+        let mut known: HashSet<&str> = names.iter().copied().collect();
+        let mut of: HashMap<&str, Vec<(f64, f64)>> = HashMap::new();
+        for (figures, weight) in plausible {
+            for (name, x) in figures {
+                of.entry(name).or_default().push((*x, *weight));
+                if known.insert(name) {
+                    names.push(name);
+                }
+            }
+        }
+        let value = |name: &str| kept.iter().find(|(other, _)| other == name).map_or(f64::NAN, |(_, x)| finite(*x));
+        let spreads: Vec<[f64; 3]> = names.iter().map(|name| spread(of.get(name).map_or(&[], Vec::as_slice))).collect();
         let end = |name, at: usize| Column::real(name, spreads.iter().map(move |spread| spread[at]));
         vec![
-            self.subject(rows.len()),
-            Column::text("figure", rows.iter().map(|(name, _)| (*name).to_owned())),
-            Column::real("value", rows.iter().map(|(_, of)| finite(of(&self.measured.network)))),
+            self.subject(names.len()),
+            Column::text("figure", names.iter().map(|name| (*name).to_owned())),
+            Column::real("value", names.iter().map(|name| value(name))),
             end("mean", 0),
             end("low", 1),
             end("high", 2),
         ]
     }
+}
 
-    /// The figures of its row in subjects.csv: of the whole, then of every label.
-    pub fn figures(&self) -> Figures {
-        let mut row: Figures = OF_NETWORK.iter().map(|(name, of)| ((*name).into(), number(of(&self.measured.network)))).collect();
-        let murray: Vec<f64> = self.measured.bifurcations.iter().filter_map(|b| b.murray).collect();
-        let middle = median(&murray).unwrap_or(f64::NAN);
-        row.push(("murray_exponent_median".into(), number(middle)));
-        let artery = self.arteries();
-        for (label, [length, diameter]) in &artery {
-            row.push((format!("{label}_length_mm").into(), number(millimetres(*length))));
-            row.push((format!("{label}_diameter_mm").into(), number(millimetres(*diameter))));
-        }
-        for (left, [_, diameter]) in &artery {
-            let Some(name) = left.strip_prefix(SIDES[0]) else { continue };
-            let Some([_, right]) = artery.get(&format!("{}{name}", SIDES[1])) else { continue };
-            row.push((format!("{name}_asymmetry").into(), number(2.0 * (diameter - right) / (diameter + right))));
-        }
-        row
-    }
+/// Figures of a whole network, by the names of their columns.
+pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
 
-    /// By label, the length of the vessels and their mean diameter over it, m.
-    fn arteries(&self) -> BTreeMap<String, [f64; 2]> {
-        let mut found: BTreeMap<String, [f64; 2]> = BTreeMap::new();
-        for vessel in self.measured.vessels.iter().filter(|vessel| !vessel.line.label.is_empty()) {
-            let sums = found.entry(vessel.line.label.clone()).or_default();
-            sums[0] += vessel.line.length;
-            sums[1] += 2.0 * vessel.shape.radius * vessel.line.length;
-        }
-        for sums in found.values_mut() {
-            sums[1] /= sums[0];
-        }
-        found
+/// The segments of [`RING`] and the posterior cerebral arteries in a topology.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CircleFigures {
+    /// The mean diameter of each segment that is there, m.
+    pub diameters: [Option<f64>; 7],
+    /// Whether each segment that is there is hypoplastic.
+    pub hypoplastic: [Option<bool>; 7],
+    /// Whether the left and the right posterior cerebral artery are of fetal type.
+    pub fetal: [bool; 2],
+}
+
+/// All figures of a network: of the whole, by label, by territory, and of its circle where one is known.
+pub fn named_figures(of: &NetworkFigures, circle: Option<&CircleFigures>) -> NamedFigures {
+    let mut row: NamedFigures = OF_NETWORK.iter().map(|(name, figure)| ((*name).into(), figure(of))).collect();
+    if let Some([length, volume, region]) = of.in_region {
+        let densities =
+            [("brain_mm3", MM3 * region), ("length_density_in_brain_per_mm2", length / MM2), ("volume_density_in_brain", volume)];
+        row.extend(densities.map(|(name, x)| (name.into(), x)));
     }
+    for (label, totals) in &of.arteries {
+        row.extend(figures_of(label, totals));
+    }
+    let mut pairs: NamedFigures = asymmetries(&of.arteries, "", |totals| totals.radius);
+    let territories: BTreeMap<String, VesselTotals> =
+        of.territories.iter().map(|(at, totals)| (TERRITORIES[*at].to_string(), *totals)).collect();
+    for (artery, totals) in &territories {
+        row.extend(figures_of(&format!("territory_{artery}"), totals));
+    }
+    pairs.extend(asymmetries(&territories, "territory_", |totals| totals.length));
+    if let Some(circle) = circle {
+        for (at, artery) in RING.iter().enumerate() {
+            let thin = circle.hypoplastic[at].map_or(f64::NAN, |thin| f64::from(u8::from(thin)));
+            let diameter = circle.diameters[at].map_or(f64::NAN, millimetres);
+            row.extend([
+                (format!("circle_{artery}_diameter_mm").into(), diameter),
+                (format!("circle_{artery}_hypoplastic").into(), thin),
+            ]);
+            let opposite = RING.iter().position(|other| *other == artery.opposite()).filter(|other| *other > at);
+            if let Some([left, right]) = opposite.map(|other| [diameter, circle.diameters[other].map_or(f64::NAN, millimetres)]) {
+                let name = artery.to_string();
+                pairs.push((format!("circle_{}_asymmetry", name.trim_start_matches(SIDES[0])).into(), asymmetry(left, right)));
+            }
+        }
+        row.extend(
+            ["fetal_L-PCA", "fetal_R-PCA"].iter().zip(circle.fetal).map(|(name, is)| ((*name).into(), f64::from(u8::from(is)))),
+        );
+    }
+    row.extend(pairs);
+    row
+}
+
+/// The figures of an artery or a territory.
+fn figures_of(name: &str, totals: &VesselTotals) -> [(Cow<'static, str>, f64); 4] {
+    [
+        (format!("{name}_length_mm").into(), millimetres(totals.length)),
+        (format!("{name}_volume_mm3").into(), MM3 * totals.volume),
+        (format!("{name}_diameter_mm").into(), 2.0 * millimetres(totals.radius)),
+        (format!("{name}_from_inlet_mean_mm").into(), millimetres(totals.mean_from_inlet)),
+    ]
+}
+
+/// 2 (L - R)/(L + R).
+fn asymmetry(left: f64, right: f64) -> f64 {
+    2.0 * (left - right) / (left + right)
+}
+
+/// The asymmetry of what is there on both sides.
+fn asymmetries(of: &BTreeMap<String, VesselTotals>, prefix: &str, figure: fn(&VesselTotals) -> f64) -> NamedFigures {
+    let pair = |(name, left): (&String, &VesselTotals)| {
+        let name = name.strip_prefix(SIDES[0])?;
+        let right = of.get(&format!("{}{name}", SIDES[1]))?;
+        Some((format!("{prefix}{name}_asymmetry").into(), asymmetry(figure(left), figure(right))))
+    };
+    of.iter().filter_map(pair).collect()
 }
 
 /// The columns of subjects.csv that are of a whole network.
 type OfNetwork = (&'static str, fn(&NetworkFigures) -> f64);
 
-const OF_NETWORK: [OfNetwork; 16] = [
+const OF_NETWORK: [OfNetwork; 17] = [
     ("vessels", |of| of.vessels as f64),
     ("bifurcations", |of| of.bifurcations as f64),
     ("ends", |of| of.ends as f64),
     ("parts", |of| of.parts as f64),
     ("loops", |of| of.loops as f64),
-    ("length_mm", |of| millimetres(of.length)),
+    ("length_mm", |of| millimetres(of.whole.length)),
     ("longest_part", |of| of.longest_part),
-    ("volume_mm3", |of| MM3 * of.volume),
-    ("surface_mm2", |of| MM2 * of.surface),
-    ("radius_mm", |of| millimetres(of.radius)),
+    ("volume_mm3", |of| MM3 * of.whole.volume),
+    ("surface_mm2", |of| MM2 * of.whole.surface),
+    ("radius_mm", |of| millimetres(of.whole.radius)),
     ("box_mm3", |of| MM3 * of.boxed),
-    ("length_density_per_mm2", |of| of.length / of.boxed / MM2),
-    ("volume_density", |of| of.volume / of.boxed),
+    ("length_density_per_mm2", |of| of.whole.length / of.boxed / MM2),
+    ("volume_density", |of| of.whole.volume / of.boxed),
     ("box_dimension", |of| of.box_dimension),
-    ("from_inlet_mean_mm", |of| millimetres(of.mean_from_inlet)),
-    ("from_inlet_max_mm", |of| millimetres(of.most_from_inlet)),
+    ("from_inlet_mean_mm", |of| millimetres(of.whole.mean_from_inlet)),
+    ("from_inlet_max_mm", |of| millimetres(of.whole.most_from_inlet)),
+    ("murray_exponent_median", |of| of.murray),
 ];
 
 /// The weighted mean, and the weighted quantiles of .025 and .975.
 fn spread(values: &[(f64, f64)]) -> [f64; 3] {
-    let known = || values.iter().copied().filter(|(x, _)| !x.is_nan());
+    let known = || values.iter().copied().filter(|(x, _)| x.is_finite());
     let total: f64 = known().map(|(_, weight)| weight).sum();
     let mean = known().map(|(x, weight)| x * weight).sum::<f64>() / total;
     let quantile = |share| weighted_quantile(known(), share).unwrap_or(f64::NAN);
@@ -206,9 +265,4 @@ fn spread(values: &[(f64, f64)]) -> [f64; 3] {
 
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { f64::NAN }
-}
-
-/// A number of a row; missing where it is none.
-fn number(x: f64) -> Value {
-    json!(finite(x))
 }

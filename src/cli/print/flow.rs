@@ -5,6 +5,7 @@ use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
 use crate::internals::report::page::lead::change;
 use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
+use crate::internals::simulation::closures::Closure;
 use crate::internals::simulation::pulse::Pulse;
 use crate::internals::simulation::pulse::indices::Indices;
 use crate::internals::simulation::transport::Transport;
@@ -26,6 +27,9 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
     let transport = simulated.transports.map(|found| &found.unperturbed);
     say_state(terminal, simulated, (before, transport, simulated.pulses.map(|(found, _)| &found.unperturbed)), "");
+    if let Some(closures) = simulated.closures {
+        say_closures(terminal, network, closures);
+    }
     let Some(after) = &simulated.result.perturbed else { return };
 
     for perturbation in simulated.perturbations {
@@ -48,6 +52,17 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
     say_changes(terminal, network, "collateral", "more flow in", &gained);
     let turned = reversals(before, after, simulated.perturbations);
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
+}
+
+/// The vessel whose loss costs outlets most.
+fn say_closures(terminal: TextTerminal, network: &Network, closures: &[Closure]) {
+    // In single precision, so that rounding does not choose between equal vessels; of these the first.
+    let costs = |(_, closure): &(usize, &Closure)| closure.lost_share as f32;
+    let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
+    if let Some((row, closure)) = most {
+        let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);
+        terminal.say("occluded", format!("each vessel in turn; most is lost without {name}: {lost:.1} % of the outlets' flow"));
+    }
 }
 
 /// What is worth knowing of one state, beside its resilience and inflow.

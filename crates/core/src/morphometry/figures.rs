@@ -1,19 +1,57 @@
-//! What is measured of a network as a whole.
+//! What is measured of a network as a whole, and of its arteries and territories.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
+use super::bifurcations::MeasuredBifurcation;
 use super::orders::InletWays;
 use super::shape::cones;
 use super::vessel_lines::VesselLine;
 use crate::support::geometry::{Point, distance, lerp};
+use crate::support::statistics::median;
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
 const HALVINGS: [i32; 5] = [2, 3, 4, 5, 6];
 
-/// Figures of a whole network, in SI units; no number where there is nothing to measure.
+/// What is known of a network besides its vessels.
+#[derive(Clone, Copy, Default)]
+pub struct Surroundings<'a> {
+    /// Per vessel the territory to which its artery leads; none, and none for all by default, elsewhere.
+    pub territory: &'a [Option<usize>],
+    /// The region to which densities refer, such as the brain.
+    pub region: Option<&'a Region>,
+}
+
+/// A part of space.
+pub struct Region {
+    /// Its volume, m³.
+    pub volume: f64,
+    /// Lines are looked at in steps of this length, m.
+    pub step: f64,
+    /// Whether a place (m) lies inside.
+    pub holds: Box<dyn Fn(Point) -> bool + Send + Sync>,
+}
+
+/// Sums and means over vessels, in SI units; no number where there is nothing to measure.
 #[derive(Debug, Clone, Copy, PartialEq)]
+pub struct VesselTotals {
+    /// The length, m.
+    pub length: f64,
+    /// The volume, m³.
+    pub volume: f64,
+    /// The lateral surface, m².
+    pub surface: f64,
+    /// The mean radius over the length, m.
+    pub radius: f64,
+    /// The mean way from the nearest inlet over the length of those that one leads to, m.
+    pub mean_from_inlet: f64,
+    /// The longest such way to an end of a vessel, m.
+    pub most_from_inlet: f64,
+}
+
+/// Figures of a whole network, in SI units; no number where there is nothing to measure.
+#[derive(Debug, Clone, PartialEq)]
 pub struct NetworkFigures {
     /// Vessels between junctions and ends.
     pub vessels: usize,
@@ -25,67 +63,109 @@ pub struct NetworkFigures {
     pub parts: usize,
     /// Independent loops.
     pub loops: usize,
-    /// The length of all vessels, m.
-    pub length: f64,
-    /// The share of it in the longest part.
+    /// Of all vessels.
+    pub whole: VesselTotals,
+    /// The share of the length in the longest part.
     pub longest_part: f64,
-    /// The volume of all vessels, m³.
-    pub volume: f64,
-    /// Their lateral surface, m².
-    pub surface: f64,
-    /// The mean radius over the length of all vessels, m.
-    pub radius: f64,
     /// The volume of the box around all points, along the axes, m³.
     pub boxed: f64,
     /// The dimension by counting boxes that hold a point of a centerline.
     pub box_dimension: f64,
-    /// The mean way from the nearest inlet over the length of all vessels that one leads to, m.
-    pub mean_from_inlet: f64,
-    /// The longest such way to an end of a vessel, m.
-    pub most_from_inlet: f64,
+    /// The median of Murray's exponents, of the bifurcations that have one.
+    pub murray: f64,
+    /// The length and the volume of vessels per volume of the region, m⁻² and 1, with that volume, m³.
+    pub in_region: Option<[f64; 3]>,
+    /// By label.
+    pub arteries: BTreeMap<String, VesselTotals>,
+    /// By territory.
+    pub territories: BTreeMap<usize, VesselTotals>,
 }
 
-/// Measures the lines of a network; `degree` is that of each node.
-pub fn figures_of(lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> NetworkFigures {
+/// Measures the lines of a network; `degree` is that of each node, `territory` that of each line.
+pub fn figures_of(
+    lines: &[VesselLine],
+    degree: &[usize],
+    ways: &InletWays,
+    bifurcations: &[MeasuredBifurcation],
+    territory: &[Option<usize>],
+    region: Option<&Region>,
+) -> NetworkFigures {
     let mut joined = UnionFind::<usize>::new(degree.len());
     for line in lines {
         joined.union(line.ends[0], line.ends[1]);
     }
     let mut of_part = BTreeMap::<usize, f64>::new();
-    let (mut sums, mut way, mut most) = ([0.0; 4], [0.0; 2], f64::NAN);
-    for line in lines {
+    let (mut arteries, mut territories) = (BTreeMap::new(), BTreeMap::new());
+    for (line, territory) in lines.iter().zip(territory) {
         *of_part.entry(joined.find(line.ends[0])).or_default() += line.length;
-        let [volume, surface] = cones(line);
-        for (sum, x) in sums.iter_mut().zip([line.length, volume, surface, line.length * line.radius()]) {
-            *sum += x;
+        if !line.label.is_empty() {
+            arteries.entry(line.label.clone()).or_insert_with(Vec::new).push(line);
         }
-        let [a, b] = line.ends.map(|node| ways.from_inlet[node]);
-        if a.is_finite() {
-            // Where two ways meet within a line, each of its points has the shorter one.
-            let met = 0.5 * (b - a + line.length);
-            way[0] += met * (a + 0.5 * met) + (line.length - met) * (b + 0.5 * (line.length - met));
-            way[1] += line.length;
-            most = most.max(a).max(b);
+        if let Some(territory) = territory {
+            territories.entry(*territory).or_insert_with(Vec::new).push(line);
         }
     }
+    let whole = VesselTotals::of(lines, ways);
     let nodes = degree.iter().filter(|degree| **degree > 0).count();
-    let [length, volume, surface, weighted] = sums;
+    let exponents: Vec<f64> = bifurcations.iter().filter_map(|b| b.murray).collect();
     NetworkFigures {
         vessels: lines.len(),
         bifurcations: degree.iter().filter(|degree| **degree > 2).count(),
         ends: degree.iter().filter(|degree| **degree == 1).count(),
         parts: of_part.len(),
         loops: lines.len() + of_part.len() - nodes,
-        length,
-        longest_part: of_part.values().copied().fold(0.0, f64::max) / length,
-        volume,
-        surface,
-        radius: weighted / length,
+        whole,
+        longest_part: of_part.values().copied().fold(0.0, f64::max) / whole.length,
         boxed: box_volume(lines),
         box_dimension: box_dimension(lines),
-        mean_from_inlet: way[0] / way[1],
-        most_from_inlet: most,
+        murray: median(&exponents).unwrap_or(f64::NAN),
+        in_region: region.map(|region| densities(lines, region)),
+        arteries: arteries.into_iter().map(|(label, lines)| (label, VesselTotals::of(lines, ways))).collect(),
+        territories: territories.into_iter().map(|(row, lines)| (row, VesselTotals::of(lines, ways))).collect(),
     }
+}
+
+impl VesselTotals {
+    fn of<'a>(lines: impl IntoIterator<Item = &'a VesselLine>, ways: &InletWays) -> Self {
+        let (mut sums, mut way, mut most) = ([0.0; 4], [0.0; 2], f64::NAN);
+        for line in lines {
+            let [volume, surface] = cones(line);
+            for (sum, x) in sums.iter_mut().zip([line.length, volume, surface, line.length * line.radius()]) {
+                *sum += x;
+            }
+            let [a, b] = line.ends.map(|node| ways.from_inlet[node]);
+            if a.is_finite() {
+                // Where two ways meet within a line, each of its points has the shorter one.
+                let met = 0.5 * (b - a + line.length);
+                way[0] += met * (a + 0.5 * met) + (line.length - met) * (b + 0.5 * (line.length - met));
+                way[1] += line.length;
+                most = most.max(a).max(b);
+            }
+        }
+        let [length, volume, surface, weighted] = sums;
+        let (radius, mean_from_inlet) = (weighted / length, way[0] / way[1]);
+        Self { length, volume, surface, radius, mean_from_inlet, most_from_inlet: most }
+    }
+}
+
+/// The length and the volume of lines in a region by its volume, and that volume.
+fn densities(lines: &[VesselLine], region: &Region) -> [f64; 3] {
+    let mut sums = [0.0; 2];
+    for line in lines {
+        for i in 1..line.points.len() {
+            let length = line.at[i] - line.at[i - 1];
+            let steps = (length / region.step).ceil().max(1.0) as usize;
+            for step in 0..steps {
+                let share = (step as f64 + 0.5) / steps as f64;
+                if (region.holds)(lerp(line.points[i - 1], line.points[i], share)) {
+                    let radius = line.radii[i - 1] + share * (line.radii[i] - line.radii[i - 1]);
+                    sums[0] += length / steps as f64;
+                    sums[1] += std::f64::consts::PI * radius * radius * length / steps as f64;
+                }
+            }
+        }
+    }
+    [sums[0] / region.volume, sums[1] / region.volume, region.volume]
 }
 
 /// The least and the largest coordinates of all points.

@@ -10,7 +10,7 @@ mod shape;
 mod vessel_lines;
 
 pub use bifurcations::MeasuredBifurcation;
-pub use figures::NetworkFigures;
+pub use figures::{NetworkFigures, Region, Surroundings, VesselTotals};
 pub use shape::{SMOOTHING, Smoothing, VesselShape};
 pub use vessel_lines::VesselLine;
 
@@ -39,6 +39,8 @@ pub struct MeasuredVessel {
     pub from_inlet: f64,
     /// The product of the probabilities of all connections on that way and within it.
     pub probability: f64,
+    /// The territory that the way to it or beyond it enters first.
+    pub territory: Option<usize>,
 }
 
 /// An end at which no other vessel begins.
@@ -69,11 +71,11 @@ pub struct Morphometry {
 
 impl Morphometry {
     /// Measures a network; `role` says of each node whether blood enters or leaves there.
-    pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing) -> Self {
-        let FromInlets { lines, degree, ways } = FromInlets::of(network, role);
+    pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing, around: Surroundings<'_>) -> Self {
+        let from_inlets = FromInlets::of(network, role);
+        let (bifurcations, territory, figures) = from_inlets.measured(network, around);
+        let FromInlets { lines, degree, ways } = from_inlets;
         let orders = Orders::of(network, &lines, &degree, &ways);
-        let figures = figures_of(&lines, &degree, &ways);
-        let bifurcations = bifurcations(network, &lines, &degree, &ways);
         let mut ends: Vec<MeasuredEnd> = Vec::new();
         for (vessel, line) in lines.iter().enumerate() {
             for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] == 1) {
@@ -89,6 +91,7 @@ impl Morphometry {
             diameter_strahler: orders.diameter_strahler[row],
             from_inlet: ways.from_inlet[line.ends[0]],
             probability: orders.probability[row],
+            territory: territory[row],
             line,
         };
         Self { vessels: lines.into_iter().enumerate().map(measured).collect(), bifurcations, ends, network: figures }
@@ -114,10 +117,23 @@ impl FromInlets {
         }
         Self { lines, degree, ways }
     }
+
+    /// Its bifurcations, the territory of each line, and the whole.
+    fn measured(
+        &self,
+        network: &Network,
+        around: Surroundings<'_>,
+    ) -> (Vec<MeasuredBifurcation>, Vec<Option<usize>>, NetworkFigures) {
+        let Self { lines, degree, ways } = self;
+        let own = |line: &VesselLine| line.pieces.iter().find_map(|row| around.territory.get(*row).copied().flatten());
+        let territory = ways.entered_first(lines.iter().map(own).collect());
+        let bifurcations = bifurcations(network, lines, degree, ways);
+        let figures = figures_of(lines, degree, ways, &bifurcations, &territory, around.region);
+        (bifurcations, territory, figures)
+    }
 }
 
 /// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
-pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role) -> NetworkFigures {
-    let FromInlets { lines, degree, ways } = FromInlets::of(network, role);
-    figures_of(&lines, &degree, &ways)
+pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role, around: Surroundings<'_>) -> NetworkFigures {
+    FromInlets::of(network, role).measured(network, around).2
 }

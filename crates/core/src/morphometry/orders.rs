@@ -52,6 +52,17 @@ impl InletWays {
         Self { from_inlet, arrives_by, leaving, reached }
     }
 
+    /// By line the mark of the first marked line on the way to its end, from those that lines have themselves.
+    pub fn entered_first(&self, mut marks: Vec<Option<usize>>) -> Vec<Option<usize>> {
+        for node in &self.reached {
+            let before = self.arrives_by[*node].and_then(|row| marks[row]);
+            for row in &self.leaving[*node] {
+                marks[*row] = before.or(marks[*row]);
+            }
+        }
+        marks
+    }
+
     /// The lines that a line leads to.
     fn children(&self, lines: &[VesselLine], row: usize) -> &[usize] {
         let end = lines[row].ends[1];

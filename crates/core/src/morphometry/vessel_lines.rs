@@ -40,8 +40,10 @@ impl VesselLine {
     /// The place on the line at a length from its beginning, or from its end, m.
     pub fn place(&self, length: f64, from_end: bool) -> Option<Point> {
         let wanted = if from_end { self.length - length } else { length };
-        let next = self.at.partition_point(|at| *at < wanted).clamp(1, self.points.len().checked_sub(1)?);
-        let [a, b] = [next - 1, next];
+        // A vessel of no length has one point.
+        let last = self.points.len().checked_sub(1)?;
+        let next = self.at.partition_point(|at| *at < wanted).max(1).min(last);
+        let [a, b] = [next.saturating_sub(1), next];
         let step = self.at[b] - self.at[a];
         let share = if step > 0.0 { ((wanted - self.at[a]) / step).clamp(0.0, 1.0) } else { 0.0 };
         Some(lerp(self.points[a], self.points[b], share))

@@ -1,5 +1,6 @@
 //! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
 
+pub mod closures;
 pub mod pulse;
 pub mod transport;
 

@@ -1,8 +1,9 @@
-//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, geometry, elimination orders, suggestions,
+//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, comparisons of groups, geometry, elimination orders, suggestions,
 //! text that may be shown, endings of names, limits of the system.
 
 pub mod boosted_trees;
 pub mod calibration;
+pub mod comparison;
 pub mod elimination;
 pub mod endings;
 pub mod gamma;

@@ -20,6 +20,10 @@ pub const BIFURCATIONS: &str = "bifurcations.csv";
 pub const ENDS: &str = "ends.csv";
 /// How far the figures of whole networks may lie apart.
 pub const INTERVALS: &str = "intervals.csv";
+/// How two groups of subjects differ in what is measured.
+pub const COMPARISON: &str = "comparison.csv";
+/// The same as a picture.
+pub const COMPARISON_PICTURE: &str = "comparison";
 /// What is measured of whole networks, a row each.
 pub const SUBJECTS: &str = "subjects.csv";
 /// The nodes.
@@ -32,6 +36,8 @@ pub const DENSE_LIKELIHOOD: &str = "likelihood.npy";
 pub const LIKELIHOOD: &str = "likelihood.npz";
 /// Who feeds what.
 pub const TERRITORIES: &str = "territories.csv";
+/// What each closed vessel does.
+pub const OCCLUSIONS: &str = "occlusions.csv";
 /// When blood arrives.
 pub const TRANSIT: &str = "transit.csv";
 /// Pressures and flows over a cycle, by time.

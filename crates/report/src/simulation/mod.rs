@@ -17,16 +17,18 @@ use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use simulated::picture_names;
 use transport::{transport_columns, write_transports};
 use willis_core::error::Result;
-use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::morphometry::{Surroundings, network_figures};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Network, RadiusRule};
+use willis_core::simulation::closures::Closure;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
 use willis_io::formats::{
     Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
     write_vtp,
 };
-use willis_io::output::names::{EDGES, NODES, PAGE, TOPOLOGY};
+use willis_io::output::names::{EDGES, NODES, OCCLUSIONS, PAGE, TOPOLOGY};
 use willis_io::output::write_file;
 use willis_io::output::write_record;
 
@@ -56,6 +58,7 @@ pub struct FlowRecord {
     perturbations: Vec<Value>,
     collaterals: Vec<Value>,
     reversed: Vec<Value>,
+    murray: Value,
     #[serde(skip_serializing_if = "Value::is_null")]
     pulse: Value,
     notes: Vec<String>,
@@ -101,10 +104,21 @@ impl FlowRecord {
             perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
             collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
             reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
+            murray: murray(network, boundary, outlets),
             pulse: simulated.pulses.map(|(_, record)| record.clone()).unwrap_or_default(),
             notes: provenance.notes.clone(),
         }
     }
+}
+
+/// The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
+fn murray(network: &Network, boundary: &Boundary, outlets: FoundOutlets) -> Value {
+    let figures = network_figures(network, |node| boundary.roles[node], Surroundings::default());
+    json!({
+        "exponent_median": Some(figures.murray).filter(|k| k.is_finite()),
+        "bifurcations": figures.bifurcations,
+        "exponent_of_outlets": matches!(outlets, FoundOutlets::Murray(_)).then_some(3),
+    })
 }
 
 fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbation) -> Value {
@@ -206,6 +220,10 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
         let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
         figures.push(PagePicture::write("Territories", caption, &territories, folder, dpi)?);
     }
+    if let Some(closures) = simulated.closures {
+        let columns = occlusion_columns(simulated, closures);
+        write_file(&folder.join(OCCLUSIONS), |out| write_csv(out, &columns))?;
+    }
     if let Some((pulses, _)) = simulated.pulses {
         let waveforms = write_pulses(folder, simulated, pulses)?;
         let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
@@ -215,6 +233,35 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
     let page = simulation_page(simulated, record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
+}
+
+/// The columns of occlusions.csv, a row for each vessel that is closed.
+pub fn occlusion_columns(simulated: &Simulated<'_>, closures: &[Closure]) -> Vec<Column> {
+    let network = simulated.network;
+    let names = picture_names(network);
+    let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));
+    let gain = |row: usize| closures[row].takes_over.map_or(0.0, |change| change.gain());
+    vec![
+        Column::whole("edge", 0..closures.len()),
+        Column::text("label", network.vessels().map(|(_, vessel)| vessel.label.clone())),
+        real("flow_mL_per_min", &|row| ml_per_min(simulated.result.unperturbed.vessels[row].flow)),
+        real("inflow_mL_per_min", &|row| ml_per_min(closures[row].inflow)),
+        real("lost_mL_per_min", &|row| ml_per_min(closures[row].lost)),
+        real("lost_share", &|row| closures[row].lost_share),
+        Column::whole("outlets_unfed", closures.iter().map(|closure| closure.unfed)),
+        Column::text(
+            "worst_outlet",
+            closures.iter().map(|closure| closure.worst.map_or_else(String::new, |(node, _)| network.node(node).id.clone())),
+        ),
+        real("worst_outlet_share_left", &|row| closures[row].worst.map_or(f64::NAN, |(_, share)| share)),
+        Column::text(
+            "takes_over",
+            closures.iter().map(|closure| closure.takes_over.map_or_else(String::new, |change| names[change.vessel].clone())),
+        ),
+        real("gain_mL_per_min", &|row| ml_per_min(gain(row))),
+        Column::whole("reversed", closures.iter().map(|closure| closure.reversed)),
+        real("rho_G_W_per_m3", &|row| closures[row].network_resilience),
+    ]
 }
 
 /// The flow of every vessel.

@@ -109,14 +109,14 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     Ok(Some(found))
 }
 
-/// Reads `participants.tsv` of BIDS: what is said of each participant.
+/// Reads `participants.tsv` of BIDS, or a table like it with a column `subject`: what is said of each participant.
 ///
 /// # Errors
 ///
-/// A table without the column `participant_id`, or a row of another length.
+/// A table without the column `participant_id` or `subject`, or a row of another length.
 pub fn read_participants(bytes: &[u8]) -> Result<Vec<(String, Covariates)>, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let id = rows.column(&[NAMES[1]], "the participant of each row")?;
+    let id = rows.column(&[NAMES[1], NAMES[0], NAMES[2]], "the participant of each row")?;
     let columns: Vec<(usize, String)> = rows.header().iter().cloned().enumerate().filter(|(at, _)| *at != id).collect();
     let mut found = Vec::new();
     while let Some(row) = rows.row()? {
