@@ -129,7 +129,7 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         let stated = made.network.frame;
         if stated.is_known() && stated != frame {
             let (given, own) = (frame.name().unwrap_or_default(), stated.name().unwrap_or_default());
-            return Err(Error::parameter("frame", given, format!("the file states {own}")));
+            return Err(Error::parameter("frame", given, format!("the file states its frame, and its positions are in {own}")));
         }
         made.network.frame = frame;
     }

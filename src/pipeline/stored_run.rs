@@ -11,7 +11,7 @@ use super::options::RunOptions;
 use willis_core::error::{Fault, Result};
 use willis_io::formats::tables::reader::TableReader;
 use willis_io::formats::{bytes_of, is_there, open_regular};
-use willis_io::output::names::{EDGES, GRAPH, LANDMARKS, RECORD};
+use willis_io::output::names::{COHORT, EDGES, GRAPH, LANDMARKS, RECORD};
 use willis_io::output::read_json;
 
 /// A run of infer in a folder.
@@ -62,6 +62,9 @@ impl StoredRun {
         const EXPECTED: &str = "expected a folder that willis infer wrote for one occlusion probability";
         let wrong = |found: &str| Fault::file(found, EXPECTED).in_file(folder);
         let path = folder.join(RECORD);
+        if is_there(&folder.join(COHORT)) {
+            return Err(Fault::file("a cohort", "give one of its subjects, which are folders in it").in_file(folder));
+        }
         if !is_there(&path) {
             return Err(wrong("a folder without run.json"));
         }

@@ -57,6 +57,22 @@ fn a_time_that_falls_by_less_than_a_step_is_put_in_order() {
     let said = run(here.path(), &["--pulse", "fallen.csv", "--times", "40"]);
     assert!(said.contains("fallen.csv: line 13: times that fall, by 1.40e-3 s at most, are put in order"), "{said}");
     assert_eq!(column(here.path(), "waveforms.csv", "pressure_mmHg"), wanted);
+    // An inlet file of openBF has no header: a time and a pressure in Pa, or a flow in m³/s.
+    let rows = text.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit())).filter_map(|line| line.split_once(','));
+    let pascals = rows.map(|(t, p)| format!("{t} {}\n", p.trim().parse::<f64>().expect("a number") * 133.322_387_415));
+    let pascals = pascals.collect::<Vec<_>>().concat();
+    fs::write(here.path().join("inlet.dat"), pascals).expect("written");
+    run(here.path(), &["--pulse", "wave.csv", "--times", "40"]);
+    let wanted = column(here.path(), "waveforms.csv", "pressure_mmHg");
+    run(here.path(), &["--pulse", "inlet.dat", "--times", "40"]);
+    for (found, wanted) in column(here.path(), "waveforms.csv", "pressure_mmHg").iter().zip(wanted) {
+        assert!((found - wanted).abs() < 1e-9 * wanted.abs(), "{found} {wanted}");
+    }
+    let published = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/openbf-models/circle_of_willis_inlet.dat");
+    if published.exists() {
+        let said = run(here.path(), &["--pulse", &published.to_string_lossy()]);
+        assert!(said.contains("line 15: times that fall, by 1.38e-3 s at most, are put in order"), "{said}");
+    }
 }
 
 #[test]

@@ -101,6 +101,7 @@ fn a_folder_is_answered_with_a_pattern() {
     assert!(willis(here.path(), &["infer", "scans/*", "-o", "cohort", "-q", "-n", "64"]).status.success());
     no(&["simulate", "cohort", "-o", "out"], "cohort");
     no(&["infer", "cohort", "-o", "out"], "cohort: a cohort; give its subjects, as 'cohort/*'");
+    no(&["convert", "cohort", "out.csv"], "cohort: a cohort; give one of its subjects, which are folders in it");
     no(&["infer", "cohort/a", "-o", "out"], "topology.graphml");
     // As a shell hands it over that expands the pattern itself: what stands beside the subjects is none.
     let all = ["infer", "scans/a.swc", "cohort/cohort.csv", "cohort/cohort.html", "cohort/cohort.json"];

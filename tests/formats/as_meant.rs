@@ -212,6 +212,64 @@ nx.write_graphml(g, sys.argv[1] + "/nx.graphml")
     assert!(nodes.contains("carotid") && nodes.contains("17"), "{nodes}");
 }
 
+/// A class that went through real numbers is whole, a missing one is none, an infinite one an error where its type is a number.
+#[test]
+fn labels_that_went_through_real_numbers_are_names() {
+    let here = folder();
+    let script = r#"
+import sys, numpy as np, networkx as nx, pandas as pd, vtk
+from vtk.util.numpy_support import numpy_to_vtk
+here, nan = sys.argv[1], float("nan")
+for name, labels in [("nx", [16, nan, 3.]), ("inf", [16., float("inf"), 3.])]:
+    g = nx.Graph()
+    for n in range(4):
+        g.add_node(n, x=9. * n, y=0.5, z=0.)
+    for n in range(3):
+        g.add_edge(n, n + 1, radius_mm=1., label=labels[n])
+    nx.write_graphml(g, f"{here}/{name}.graphml")
+table = pd.DataFrame(dict(node_a=[0, 1, 2], node_b=[1, 2, 3], length_mm=9., radius_mm=1., label=[16, None, 3]))
+table.to_csv(f"{here}/pandas.csv", index=False)
+at = np.array([[9. * (n % 2), 9. * (n // 2), .5] for n in range(6)])
+points = pd.DataFrame(dict(fragment=np.arange(6) // 2, x=at[:, 0], y=at[:, 1], z=.5, radius=1, label=[16, 16, None, None, 3, 3]))
+points.to_csv(f"{here}/points.csv", index=False)
+np.savez(f"{here}/numpy.npz", coords=at, edges=np.arange(6).reshape(3, 2), radii=np.ones(6), labels=[16, nan, 3])
+places, cells, data = vtk.vtkPoints(), vtk.vtkCellArray(), vtk.vtkPolyData()
+places.SetData(numpy_to_vtk(at, deep=True))
+for n in range(3):
+    cells.InsertNextCell(2, [2 * n, 2 * n + 1])
+data.SetPoints(places)
+data.SetLines(cells)
+for name, values, to in [("Radius", np.ones(6), data.GetPointData()), ("labels", np.array([16, nan, 3]), data.GetCellData())]:
+    array = numpy_to_vtk(values, deep=True)
+    array.SetName(name)
+    to.AddArray(array)
+for mode in ["Ascii", "Binary"]:
+    writer = vtk.vtkXMLPolyDataWriter()
+    writer.SetInputData(data)
+    writer.SetFileName(f"{here}/{mode}.vtp")
+    writer.SetCompressorTypeToLZ4()
+    getattr(writer, f"SetDataModeTo{mode}")()
+    writer.Write()
+"#;
+    let Some(_) = python(script, &[here.path()]) else { return };
+    for name in ["nx.graphml", "pandas.csv", "points.csv", "numpy.npz", "Ascii.vtp"] {
+        let done = willis(here.path(), &["convert", name, "out.csv", "--force"]);
+        assert!(done.status.success(), "{name}: {}", stderr(&done));
+        let table = fs::read_to_string(here.path().join("out.csv")).expect("a table");
+        let column = table.lines().next().and_then(|header| header.split(',').position(|name| name == "label")).expect("labels");
+        let labels: Vec<&str> = table.lines().skip(1).filter_map(|line| line.split(',').nth(column)).collect();
+        assert_eq!(labels, ["16", "", "3"], "{name}: {table}");
+    }
+    let bytes = |name: &str| fs::read(here.path().join(name)).expect("written");
+    refused(&[("a.graphml", &bytes("inf.graphml"))], &["convert", "a.graphml", "b.csv"], &["a.graphml:", "label inf", "finite"]);
+    // What is not written in digits is packed, and not by zlib.
+    refused(
+        &[("a.vtp", &bytes("Binary.vtp"))],
+        &["convert", "a.vtp", "b.csv"],
+        &["vtkLZ4DataCompressor", "SetCompressorTypeToZLib()"],
+    );
+}
+
 #[test]
 fn swc_of_other_programs() {
     let here = folder();

@@ -367,11 +367,6 @@ fn vtp_faults_name_the_array_and_the_value() {
         ("NumberOfPoints=\"5\"", "NumberOfPoints=\"5e99\"", "v: Piece: NumberOfPoints \"5e99\"; expected a count up to 67108864"),
         ("LittleEndian", "Middle", "v: byte_order \"Middle\"; expected LittleEndian or BigEndian"),
         ("byte_order", "header_type=\"UInt16\" byte_order", "v: header_type \"UInt16\"; expected UInt32 or UInt64"),
-        (
-            "byte_order",
-            "compressor=\"vtkLZ4DataCompressor\" byte_order",
-            "v: compressor vtkLZ4DataCompressor; expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView",
-        ),
         ("\"ascii\">1 2 3 4 5", "\"binary\">!!!!AAAA", "v: array \"Radius\" of PointData: not base64: "),
         (
             "\"ascii\">1 2 3 4 5",

@@ -84,6 +84,12 @@ impl Labels {
         self.of_link[link] = row + 1;
     }
 
+    /// Puts another text in the place of each label; an empty one removes it.
+    pub fn rename(&mut self, of: impl Fn(&str) -> String) {
+        self.names.iter_mut().for_each(|name| *name = of(name));
+        self.row_of = self.names.iter().cloned().zip(0..).collect();
+    }
+
     /// The label of a link; empty if it has none.
     pub fn of(&self, link: usize) -> &str {
         match self.of_link.get(link) {

@@ -1,6 +1,6 @@
 //! What a file holds, and the network that it becomes.
 
-use crate::formats::tables::reader::plural;
+use crate::formats::tables::reader::{is_missing, plural};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::units::millimetres;
@@ -29,7 +29,25 @@ pub struct BuiltNetwork {
     pub notes: Vec<String>,
 }
 
+/// A label as its author meant it: a missing one is none, and a class that went through real numbers (`3.0`, as pandas writes it) is
+/// whole.
+fn label(text: &str) -> String {
+    let whole = text.parse::<f64>().ok().filter(|x| text.contains('.') && x.fract() == 0.0);
+    if is_missing(text) { String::new() } else { whole.map_or_else(|| text.to_owned(), |x| x.to_string()) }
+}
+
 impl Content {
+    /// Makes the labels, of whichever format, what they mean.
+    pub(super) fn settle_labels(&mut self) {
+        match self {
+            Self::Centerlines(lines) => lines.labels.rename(label),
+            Self::Vessels(network) | Self::Graph(network) => {
+                (0..network.vessel_count()).for_each(|row| network.vessel_mut(row).label = label(&network.vessel(row).label));
+                (0..network.node_count()).for_each(|row| network.node_mut(row).label = label(&network.node(row).label));
+            }
+        }
+    }
+
     /// Makes a network of centerlines, or of ready vessels; `default_radius` (m) is for vessels without any radius.
     ///
     /// # Errors

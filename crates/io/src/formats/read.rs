@@ -38,6 +38,7 @@ pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Do
 /// What was read, checked, with the links of the file beside it.
 fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Result<Document> {
     let Document { format, content, notes, .. } = &mut document;
+    content.settle_labels();
     check_extent(content).map_err(|fault| fault.in_file(path))?;
     if let Some(loops) = &options.loops {
         let Content::Centerlines(lines) = content else {

@@ -135,9 +135,13 @@ impl NumpyArray {
 
     /// All values as text; whole numbers too, 0 being none.
     pub(crate) fn texts(&self) -> Result<Vec<String>, Fault> {
-        if self.is_whole() {
-            let name = |x: f64| if x == 0.0 { String::new() } else { x.to_string() };
-            return Ok(self.reals()?.into_iter().map(name).collect());
+        if let ElementKind::Number(_) = self.kind {
+            let numbers = self.reals()?;
+            if let Some(odd) = numbers.iter().find(|x| x.is_infinite() || x.fract().abs() > 0.0) {
+                return Err(self.fault(format!("value {odd}"), "expected names, or whole numbers"));
+            }
+            let name = |x: f64| if x == 0.0 || x.is_nan() { String::new() } else { x.to_string() };
+            return Ok(numbers.into_iter().map(name).collect());
         }
         let letters = |bytes: &[u8]| -> Option<String> {
             let all: Option<String> = match self.kind {

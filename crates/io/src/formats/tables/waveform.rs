@@ -1,4 +1,4 @@
-//! Reads one period of a pressure or a flow: a table with `time_s` and `pressure_mmHg` or `flow_mL_per_min`.
+//! Reads one period of a pressure or a flow: a table with `time_s` and `pressure_mmHg` or `flow_mL_per_min`, or an inlet file of openBF.
 
 use super::reader::{TableReader, columns};
 use willis_core::error::Fault;
@@ -8,6 +8,9 @@ use willis_core::network::waveform::{Quantity, Waveform};
 const PRESSURE: &str = "pressure_mmHg";
 const FLOW: &str = "flow_mL_per_min";
 
+/// The line, the time and the value of a row, in SI units.
+type TimedValue = (usize, f64, f64);
+
 /// Reads a waveform, and what a person should know about it; other columns are left alone. Times that fall by no more than a mean step
 /// between rows are put in order.
 ///
@@ -15,6 +18,27 @@ const FLOW: &str = "flow_mL_per_min";
 ///
 /// No column of times; both a pressure and a flow, or neither; fewer than two rows; a time that falls by more; a number that is not finite.
 pub fn read_waveform(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
+    match inlet_of_openbf(bytes) {
+        Some((quantity, rows)) => in_order(quantity, rows),
+        None => read_table(bytes),
+    }
+}
+
+/// The rows of an inlet file of openBF, which has no header: a time and a flow in m³/s, or a pressure in Pa. No heart gives 1 m³/s, and
+/// no pressure stays below 1 Pa.
+fn inlet_of_openbf(bytes: &[u8]) -> Option<(Quantity, Vec<TimedValue>)> {
+    let mut rows = Vec::new();
+    for (row, line) in std::str::from_utf8(bytes).ok()?.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+        let numbers: Option<Vec<f64>> =
+            line.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
+        let [t, x] = numbers?[..] else { return None };
+        rows.push((row + 1, t, x));
+    }
+    let is_flow = rows.iter().all(|(_, _, x)| x.abs() < 1.0);
+    (!rows.is_empty()).then_some((if is_flow { Quantity::Flow } else { Quantity::Pressure }, rows))
+}
+
+fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let time = rows.column(&["time_s"], "the time of each row")?;
     let quantity = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
@@ -30,8 +54,7 @@ pub fn read_waveform(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> 
         }
     };
     let (quantity, column) = quantity;
-    // The line, the time and the value of each row.
-    let mut read: Vec<(usize, f64, f64)> = Vec::new();
+    let mut read = Vec::new();
     while let Some(row) = rows.row()? {
         let (t, x) = (row.finite(time)?, row.finite(column)?);
         let value = match quantity {
@@ -40,11 +63,16 @@ pub fn read_waveform(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> 
         };
         read.push((row.line, t, value));
     }
+    in_order(quantity, read)
+}
+
+/// The waveform of rows whose times may fall a little.
+fn in_order(quantity: Quantity, mut read: Vec<TimedValue>) -> Result<(Waveform, Option<String>), Fault> {
     let step = match read.as_slice() {
         [(_, first, _), .., (_, last, _)] => (last - first) / (read.len() - 1) as f64,
         _ => 0.0,
     };
-    let falls: Vec<&[(usize, f64, f64)]> = read.windows(2).filter(|pair| pair[1].1 < pair[0].1).collect();
+    let falls: Vec<&[TimedValue]> = read.windows(2).filter(|pair| pair[1].1 < pair[0].1).collect();
     if let Some([(_, before, _), (line, t, _)]) = falls.iter().copied().find(|pair| pair[0].1 - pair[1].1 > step) {
         return Err(Fault::line(*line, format!("time_s {t} after {before}"), "expected times that never fall"));
     }

@@ -20,8 +20,8 @@ pub(crate) struct Arrays<'a> {
     pub(crate) little: bool,
     /// The bytes of a header word: 4 or 8.
     pub(crate) word: usize,
-    /// Whether arrays are compressed by zlib.
-    pub(crate) zlib: bool,
+    /// What compresses the arrays that are not written in digits.
+    pub(crate) compressor: &'a str,
     /// The appended data, after its underscore.
     pub(crate) appended: Option<Source<'a>>,
     /// What they may unpack to, all together.
@@ -34,6 +34,7 @@ enum Numbers {
     Whole(Vec<i64>),
 }
 
+const ZLIB: &str = "vtkZLibDataCompressor";
 const TYPES: &str = "expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64";
 
 impl Arrays<'_> {
@@ -96,6 +97,11 @@ impl Arrays<'_> {
 
     /// The first `limit` bytes of an array that is not written in digits.
     fn bytes(&self, array: &Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
+        if !["", ZLIB].contains(&self.compressor) {
+            let accepted =
+                "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
+            return Err(Fault::file(format!("compressor {}", self.compressor), accepted));
+        }
         let own;
         let source = match array.attribute("format") {
             "binary" => {
@@ -223,7 +229,7 @@ impl<'a> Source<'a> {
 impl Arrays<'_> {
     /// The bytes of an array, the first `limit` of them: some programs write more values than there are points.
     fn decode<'s>(&self, mut source: Source<'s>, limit: usize) -> Result<Cow<'s, [u8]>, String> {
-        if self.zlib { self.inflate(source, limit) } else { self.plain(&mut source, limit) }
+        if self.compressor == ZLIB { self.inflate(source, limit) } else { self.plain(&mut source, limit) }
     }
 
     fn plain<'a>(&self, source: &mut Source<'a>, limit: usize) -> Result<Cow<'a, [u8]>, String> {

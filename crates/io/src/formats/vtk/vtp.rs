@@ -34,16 +34,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         "UInt64" => 8,
         other => return Err(Fault::file(format!("header_type \"{other}\""), "expected UInt32 or UInt64")),
     };
-    let zlib = match root.attribute("compressor") {
-        "" => false,
-        "vtkZLibDataCompressor" => true,
-        other => {
-            let accepted =
-                "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
-            return Err(Fault::file(format!("compressor {other}"), accepted));
-        }
-    };
-    let arrays = Arrays { little, word, zlib, appended, room };
+    let arrays = Arrays { little, word, compressor: root.attribute("compressor"), appended, room };
     let polydata = root.named("PolyData").next();
     let pieces: Vec<&Element> = polydata.into_iter().flat_map(|p| p.named("Piece")).collect();
     let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();

@@ -167,6 +167,9 @@ fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
 
 fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
     let name = |number: &f64| {
+        if number.is_nan() {
+            return String::new();
+        }
         let number = *number as i64;
         let known = CIRCLE.iter().find(|(n, _)| *n == number).filter(|_| circle);
         match known {
@@ -177,7 +180,9 @@ fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
     };
     match &array.values {
         ArrayValues::Texts(texts) => Some(texts.clone()),
-        ArrayValues::Numbers(numbers) if numbers.iter().all(|x| x.fract() == 0.0) => Some(numbers.iter().map(name).collect()),
+        ArrayValues::Numbers(numbers) if numbers.iter().all(|x| x.is_nan() || x.fract() == 0.0) => {
+            Some(numbers.iter().map(name).collect())
+        }
         _ => None,
     }
 }
