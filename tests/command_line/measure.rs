@@ -220,7 +220,8 @@ fn measures_are_chosen_and_doubt_widens_the_interval() {
             fs::copy(&file, copy.join(file.file_name().expect("a name"))).expect("copied");
         }
     }
-    let rows = (0..6).map(|at| format!("sub-{at},{}\n", ["a", "b"][at % 2])).collect::<String>();
+    let rows: Vec<String> = (0..6).map(|at| format!("sub-{at},{}\n", ["a", "b"][at % 2])).collect();
+    let rows = rows.concat();
     fs::write(here.path().join("groups.csv"), format!("subject,group\n{rows}")).expect("written");
     let compare = |output: &str, more: &[&str]| {
         done(

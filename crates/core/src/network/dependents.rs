@@ -18,7 +18,9 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
     };
     let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
     for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| kept[*row]) {
-        ends.into_iter().for_each(|end| at[end].push(row));
+        for end in ends {
+            at[end].push(row);
+        }
     }
     // By node the vessel up to its parent, how deep it lies, and the root of its part; nodes in breadth-first order.
     let (mut up, mut depth, mut root) = (vec![usize::MAX; nodes], vec![0_usize; nodes], vec![usize::MAX; nodes]);
