@@ -187,6 +187,11 @@ def test_the_affine_of_nibabel_states_the_sides(tmp_path):
         assert values.min() >= corners[:, axis].min() - 0.5 and values.max() <= corners[:, axis].max() + 0.5
     assert frame(willis.from_mask(mask, spacing=0.5)) is None
     assert frame(willis.from_mask(mask, spacing=0.5, frame="LPS")) == "LPS"
+    lines = willis.centerlines([[0, 0, 0], [9, 0, 0]], [[0, 1]], [1, 1], frame="LPS")
+    assert frame(lines) == "LPS"
+    graph = pytest.importorskip("networkx").Graph()
+    graph.add_edge(0, 1, radius_mm=1.0, length_mm=9.0)
+    assert frame(willis.from_networkx(graph, frame="RAS")) == "RAS"
     batch, alone = (willis.from_mask(one, spacing=0.5) for one in (mask[None], mask))
     assert same(batch.nodes["x_mm"], alone.nodes["x_mm"])
     for wrong in ({}, {"spacing": 1, "affine": affine}):

@@ -178,6 +178,7 @@ class Network:
 
 
 Source = Union[Network, PathLike]
+Axes = Literal["RAS", "LPS"]
 
 
 def read(
@@ -194,7 +195,7 @@ def read(
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",
     box: Sequence[float] | None = None,
-    frame: Literal["RAS", "LPS"] | None = None,
+    frame: Axes | None = None,
     max_input: int | str = "2GiB",
 ) -> Network:
     """Reads centerlines, a mask or a graph in any format that the command reads, or the folder of a run.
@@ -269,11 +270,12 @@ def centerlines(
     *,
     labels: npt.ArrayLike | None = None,
     lengths: npt.ArrayLike | None = None,
+    frame: Axes | None = None,
 ) -> Network:
     """Centerlines of arrays: points (N, 3) and their radii (N), mm, and edges (M, 2), rows of the points.
 
     ``radii`` (M) with ``lengths`` (M) are those of the edges, each of which is one vessel then. ``labels`` (M) name the edges, ``labels``
-    (N) the points. The same as reading the NPZ of these arrays.
+    (N) the points; ``frame`` says which way the axes point. The same as reading the NPZ of these arrays.
     """
     arrays: dict[str, Any] = {"coords": _numbers("points", points), "edges": _numbers("edges", edges, "biu"), "radii": _numbers("radii", radii)}
     if labels is not None:
@@ -285,10 +287,10 @@ def centerlines(
         arrays[name] = np.asarray(arrays[name], dtype=np.float64)
     packed = io.BytesIO()
     np.savez(packed, **arrays)
-    return read_packed("arrays.npz", packed.getvalue(), [])
+    return read_packed("arrays.npz", packed.getvalue(), words({"frame": frame}, {}))
 
 
-def from_networkx(graph: Any, *, observed: bool = False) -> Network:
+def from_networkx(graph: Any, *, observed: bool = False, frame: Axes | None = None) -> Network:
     """The vessels of a ``networkx`` graph, by the attributes that its GraphML would have.
 
     Nodes have a position: ``x_mm y_mm z_mm``, ``x y z`` or ``pos``, mm. Edges have ``radius_mm`` and ``length_mm``, and may have ``label``,
@@ -322,7 +324,7 @@ def from_networkx(graph: Any, *, observed: bool = False) -> Network:
         number = "double" if all(isinstance(value, (int, float)) for value in given) else "string"
         ElementTree.SubElement(root, "key", {"id": key, "for": kind, "attr.name": name, "attr.type": number})
     root.append(drawn)
-    return read_packed("graph.graphml", ElementTree.tostring(root), ["--observed"] if observed else [])
+    return read_packed("graph.graphml", ElementTree.tostring(root), words({"observed": observed, "frame": frame}, {}))
 
 
 def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -337,7 +339,7 @@ def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
     return out
 
 
-def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None) -> Network:
+def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: Axes | None = None) -> Network:
     """Centerlines of a ``skan.Skeleton`` in three dimensions, whose spacing is in mm.
 
     ``radii`` (N), mm, are those of ``skeleton.coordinates``; without them, the values of the skeleton's image are the radii, as where it
@@ -350,10 +352,11 @@ def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None) -> Network:
     paths = skeleton.paths.tocsr()
     rows = np.split(paths.indices, paths.indptr[1:-1])
     edges = [np.column_stack([row[:-1], row[1:]]) for row in rows]
-    return centerlines(points, np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64), np.asarray(values))
+    pairs = np.concatenate(edges) if edges else np.empty((0, 2), dtype=np.int64)
+    return centerlines(points, pairs, np.asarray(values), frame=frame)
 
 
-def from_vtk(polydata: Any, *, radius_array: str | None = None) -> Network:
+def from_vtk(polydata: Any, *, radius_array: str | None = None, frame: Axes | None = None) -> Network:
     """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTP file of it.
 
     ``radius_array`` is the point array that holds the radii, when it has an unusual name.
@@ -363,7 +366,7 @@ def from_vtk(polydata: Any, *, radius_array: str | None = None) -> Network:
     writer.WriteToOutputStringOn()
     writer.Write()
     packed = writer.GetOutputString().encode("latin-1")
-    return read_packed("lines.vtp", packed, words({"radius_array": radius_array}, {}))
+    return read_packed("lines.vtp", packed, words({"radius_array": radius_array, "frame": frame}, {}))
 
 
 def from_mask(
@@ -371,7 +374,7 @@ def from_mask(
     *,
     spacing: float | Sequence[float] | None = None,
     affine: npt.ArrayLike | None = None,
-    frame: Literal["RAS", "LPS"] | None = None,
+    frame: Axes | None = None,
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",
