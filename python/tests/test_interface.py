@@ -54,7 +54,7 @@ def parameters_of(*functions):
         ("candidates", (willis.read, willis.candidates), {"threads"}),
         ("simulate", (willis.read, willis.simulate), {"threads"}),
         ("modulate", (willis.read, willis.modulate), {"inlet", "outlet", "flow", "bc", "outlets", "vessel"}),
-        ("classify", (willis.read, willis.classify), {"threads"}),
+        ("classify", (willis.read, willis.classify), {"threads", "truth"}),
         ("measure", (willis.read, willis.measure), {"threads", "outlet", "flow", "bc", "outlets"}),
         ("train", (willis.train,), {"threads"}),
     ],

@@ -2,12 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Result;
-use crate::internals::formats::is_there;
-use crate::internals::output::atomic::StagedFolder;
-use crate::internals::output::names::RECORD;
+use crate::error::{Error, Result};
+use crate::internals::circle_of_willis::{Artery, RING, present_segments};
+use crate::internals::formats::{is_there, write_csv};
+use crate::internals::output::atomic::{StagedFile, StagedFolder};
+use crate::internals::output::names::{ACCURACY, RECORD};
+use crate::internals::output::{read_json, write_file};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
+use crate::internals::report::{Segments, accuracy_columns};
 use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
 use clap::Args;
 use serde_json::Value;
@@ -40,6 +43,10 @@ pub struct ClassifyArgs {
     output: PathBuf,
     #[command(flatten)]
     arteries: ArteryArgs,
+    /// The column of a manifest that has the true variants, as their missing segments (complete, or L-PComm, R-P1): accuracy.csv tells how often
+    /// the answer is right
+    #[arg(long, value_name = "COLUMN")]
+    truth: Option<String>,
     /// Print phenotype.json on standard output too; of a cohort, its row of each subject
     #[arg(long)]
     json: bool,
@@ -49,14 +56,24 @@ impl ClassifyArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.runs.reading.refuse_candidates("classify")?;
         let input = match expand(&self.runs.inputs, true)? {
-            Inputs::One(input) => input,
+            Inputs::One(input) if self.truth.is_none() => input,
+            Inputs::One(_) => {
+                let column = self.truth.as_deref().unwrap_or_default();
+                return Err(Error::parameter("truth", column, "goes with a manifest that has the column"));
+            }
             Inputs::Many(subjects) => {
                 let phenotypes = self.arteries.phenotypes.clone();
                 let infer = InferOptions { arteries: self.arteries.source(), phenotypes, ..InferOptions::default() };
                 let options = RunOptions { read: self.runs.reading.shared()?, infer };
                 let parameters = self.runs.reading.compared(options.comparable(&Value::Null));
                 let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
-                return cohort.run(&subjects, &self, terminal);
+                let truths = self.truth.as_ref().map(|column| truths(column, &subjects)).transpose()?;
+                let done = cohort.run(&subjects, &self, terminal);
+                // Of a cohort in which some subjects failed the others count.
+                if let (Some(truths), Ok(()) | Err(Error::Subjects { .. })) = (&truths, &done) {
+                    self.compare(&subjects, truths, terminal)?;
+                }
+                return done;
             }
         };
         StagedFolder::check(&self.output, force)?;
@@ -68,6 +85,23 @@ impl ClassifyArgs {
             print_json(&phenotype.json)?;
         }
         terminal.say("written", self.output.display().to_string());
+        Ok(())
+    }
+
+    /// Writes accuracy.csv beside the table of a cohort.
+    fn compare(&self, subjects: &[Subject], truths: &[Option<Segments>], terminal: TextTerminal) -> Result<()> {
+        let found = |subject: &Subject| -> Option<Segments> {
+            let record: Value = read_json(&self.output.join(&subject.name).join(RECORD), "expected the record of a run").ok()?;
+            let there = |artery: Artery| record["phenotype"]["segments"][artery.to_string()].as_bool();
+            RING.into_iter().map(there).collect::<Option<Vec<bool>>>()?.try_into().ok()
+        };
+        let pairs: Vec<(Segments, Segments)> =
+            subjects.iter().zip(truths).filter_map(|(subject, truth)| Some(((*truth)?, found(subject)?))).collect();
+        let file = StagedFile::new(&self.output.join(ACCURACY), true)?;
+        write_file(&file.path(), |out| write_csv(out, &accuracy_columns(&pairs)))?;
+        file.commit()?;
+        let right = pairs.iter().filter(|(truth, found)| truth == found).count();
+        terminal.say("compared", format!("{right} of {} exact", plural(pairs.len(), "variant")));
         Ok(())
     }
 
@@ -92,6 +126,18 @@ impl ClassifyArgs {
         say_collaterals(terminal, &phenotype.collaterals);
         Ok(phenotype)
     }
+}
+
+/// The true segments of each subject, by a column of their manifest; none where it is empty.
+fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
+    let of = |subject: &Subject| {
+        let said = subject.row.iter().flat_map(|row| &row.covariates).find(|(name, _)| name == column);
+        let missing = || Error::parameter("truth", column, "goes with a manifest that has the column");
+        let (_, text) = said.ok_or_else(missing)?;
+        let wrong = |accepted| subject.fault(Error::parameter(column, format!("\"{text}\""), accepted));
+        (!text.is_empty()).then(|| present_segments(text).map_err(wrong)).transpose()
+    };
+    subjects.iter().map(of).collect()
 }
 
 impl Work for ClassifyArgs {

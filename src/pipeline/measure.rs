@@ -12,7 +12,7 @@ use super::{BoundaryOptions, Follow, Input};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::flow::Boundary;
-use willis_core::morphometry::{Morphometry, Region, SMOOTHING, Smoothing, Surroundings, network_figures};
+use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Network, Role};
 use willis_core::sampling::SamplingOptions;
@@ -136,7 +136,7 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let (part, rows) = network.subgraph(|row| kept[row]);
     let roles = measuring.roles(&kept);
     let territory = measuring.territory_of(&rows);
-    let around = Surroundings { territory: &territory, region: brain.as_ref() };
+    let around = MeasureContext { territory: &territory, region: brain.as_ref() };
     let measured = Morphometry::of(&part, |node| roles[node], options.smoothing(), around);
     let figures = named_figures(&measured.network, measuring.circle(&kept).as_ref());
     let sha256 = input.provenance.sha256.clone();
@@ -169,7 +169,7 @@ impl Measuring<'_> {
     fn figures(&self, kept: &[bool]) -> NamedFigures {
         let (roles, (part, rows)) = (self.roles(kept), self.network.subgraph(|row| kept[row]));
         let territory = self.territory_of(&rows);
-        let around = Surroundings { territory: &territory, region: self.region };
+        let around = MeasureContext { territory: &territory, region: self.region };
         named_figures(&network_figures(&part, |node| roles[node], around), self.circle(kept).as_ref())
     }
 

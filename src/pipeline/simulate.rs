@@ -12,7 +12,7 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets, Unfed};
 use willis_core::modulation::{HypertensionByClass, Modulation, ModulationOptions};
 use willis_core::network::{Network, vessels_called};
-use willis_core::simulation::closures::{Closure, close_each};
+use willis_core::simulation::closures::{ClosedVessel, close_each};
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Change, Perturbation, Simulation};
@@ -32,7 +32,7 @@ pub struct SimulationRun<'a> {
     simulation: Simulation,
     viscosity: f64,
     transports: Option<Transports>,
-    closures: Option<Vec<Closure>>,
+    closures: Option<Vec<ClosedVessel>>,
     pulses: Option<(Pulses, Value)>,
 }
 

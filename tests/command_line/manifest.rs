@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use crate::command::{folder, stderr, willis};
+use crate::command::{data, folder, stderr, willis};
 use crate::refused::contents;
 use serde_json::Value;
 
@@ -170,4 +170,51 @@ fn spacing_auto_is_that_which_is_stated() {
     refused(here, &["infer", "p1/t.swc", "-o", "x", "--spacing", "auto", "--units", "mm"], &["--spacing auto", "--units voxel"]);
     done(here, &["phantom", "cerebral", "-o", "scan.nii", "--spacing", "0.8", "-q"]);
     done(here, &["infer", "scan.nii", "-o", "mask", "-n", "64", "--spacing", "auto"]);
+}
+
+/// Three circles, one of which is said to be another: by hand, 2 of 3 are right; of the two that are said to be complete, one.
+#[test]
+fn a_classification_is_compared_with_the_truth() {
+    let here = folder();
+    let circle = |name: &str| data(&format!("circle-of-willis/{name}.graphml"));
+    let rows = [("a", "complete", "complete"), ("b", "without-L-A1", "L-A1"), ("c", "without-L-PComm", "complete")];
+    let table: String = rows.map(|(subject, name, truth)| format!("{subject},{},\"{truth}\"\n", circle(name))).concat();
+    fs::write(here.path().join("study.csv"), format!("subject,input,truth\n{table}")).expect("written");
+    let done = willis(here.path(), &["classify", "study.csv", "-o", "out", "--truth", "truth"]);
+    let said = stderr(&done);
+    assert_eq!(done.status.code(), Some(0), "{said}");
+    assert!(said.contains("compared  2 of 3 variants exact"), "{said}");
+    let text = fs::read_to_string(here.path().join("out/accuracy.csv")).expect("a table");
+    let row = |what: &str| text.lines().find(|line| line.starts_with(&format!("{what},"))).expect("a row").to_owned();
+    assert_eq!(
+        text.lines().next(),
+        Some(
+            "what,subjects,variants,there_found,there_missed,absent_found,absent_missed,sensitivity,specificity,accuracy,balanced_accuracy"
+        )
+    );
+    assert_eq!(row("L-A1"), "L-A1,3,,2,0,0,1,1,1,1,1");
+    assert!(row("L-PComm").starts_with("L-PComm,3,,2,1,0,0,0.666"), "{}", row("L-PComm"));
+    assert_eq!(row("anterior"), "anterior,3,2,,,,,,,1,1");
+    assert!(row("circle").starts_with("circle,3,2,,,,,,,0.666") && row("circle").ends_with(",0.75"), "{}", row("circle"));
+    assert!(row("posterior").starts_with("posterior,3,1,"), "{}", row("posterior"));
+    fs::write(here.path().join("bad.csv"), format!("subject,input,truth\na,{},L-A9\n", circle("complete"))).expect("written");
+    for (words, wanted) in [
+        (
+            &["classify", "bad.csv", "-o", "new", "--truth", "truth"][..],
+            "bad.csv:2: truth \"L-A9\"; expected complete, or segments of L-A1",
+        ),
+        (
+            &["classify", "study.csv", "-o", "new", "--truth", "variant"],
+            "--truth variant: goes with a manifest that has the column",
+        ),
+        (&["classify", &circle("complete"), "-o", "new", "--truth", "truth"], "--truth truth: goes with a manifest"),
+    ] {
+        let done = willis(here.path(), words);
+        let said = stderr(&done);
+        assert!(
+            done.status.code() == Some(2) && said.lines().last().is_some_and(|last| last.contains(wanted)),
+            "{words:?}: {said}"
+        );
+        assert!(!here.path().join("new").exists(), "{words:?}");
+    }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, trace};
-use willis::internals::morphometry::{MeasuredVessel, Morphometry, Region, Smoothing, Surroundings};
+use willis::internals::morphometry::{MeasureContext, MeasuredVessel, Morphometry, Region, Smoothing};
 use willis::internals::network::{Network, RadiusRule, Role, contract};
 use willis::{ReadOptions, read_bytes};
 
@@ -40,7 +40,7 @@ fn curve(steps: usize, at: impl Fn(f64) -> ([f64; 3], f64)) -> Vec<([f64; 3], f6
 /// Blood enters at the node with this id.
 fn measured(network: &Network, inlet: &str) -> Morphometry {
     let role = |node: usize| if network.node(node).id == inlet { Role::Inlet } else { Role::Inner };
-    Morphometry::of(network, role, Smoothing::default(), Surroundings::default())
+    Morphometry::of(network, role, Smoothing::default(), MeasureContext::default())
 }
 
 fn one(points: Vec<([f64; 3], f64)>) -> Morphometry {
@@ -189,7 +189,7 @@ fn densities_are_of_what_lies_in_the_region() {
     let mut swc = Swc::default();
     swc.line(curve(7, |t| ([40.0 * t, 0.0, 0.0], 2.0 - t)), None);
     let region = Region { volume: 1e-5, step: 0.05 * MM, holds: Box::new(|place| place[0] < 20.0 * MM) };
-    let around = Surroundings { region: Some(&region), ..Surroundings::default() };
+    let around = MeasureContext { region: Some(&region), ..MeasureContext::default() };
     let whole = Morphometry::of(&swc.network(), |_| Role::Inner, Smoothing::default(), around).network;
     let [length, volume, of] = whole.in_region.expect("a region");
     close(length, 20.0 * MM / 1e-5, 1e-2, "length density");
@@ -216,7 +216,7 @@ fn what_lies_beyond_an_artery_is_its_territory() {
         .map(|row| if ends_at(row, 10.0) && ends_at(row, 0.0) { Some(0) } else { ends_at(row, 15.0).then_some(1) })
         .collect();
     let role = |node: usize| if network.node(node).id == "1" { Role::Inlet } else { Role::Inner };
-    let around = Surroundings { territory: &territory, region: None };
+    let around = MeasureContext { territory: &territory, region: None };
     let found = Morphometry::of(&network, role, Smoothing::default(), around);
     let own = found.network.territories;
     let [side, twig] = [500.0_f64, 425.0].map(f64::sqrt);

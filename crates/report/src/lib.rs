@@ -2,6 +2,7 @@
 //!
 //! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
 
+mod accuracy;
 pub mod bids_table;
 pub mod cohort;
 pub mod figures;
@@ -15,6 +16,7 @@ pub mod run_record;
 mod simulation;
 mod supply;
 
+pub use accuracy::{Segments, accuracy_columns};
 pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};

@@ -5,7 +5,7 @@ use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
 use crate::internals::report::page::lead::change;
 use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
-use crate::internals::simulation::closures::Closure;
+use crate::internals::simulation::closures::ClosedVessel;
 use crate::internals::simulation::pulse::Pulse;
 use crate::internals::simulation::pulse::indices::Indices;
 use crate::internals::simulation::transport::Transport;
@@ -55,9 +55,9 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
 }
 
 /// The vessel whose loss costs outlets most.
-fn say_closures(terminal: TextTerminal, network: &Network, closures: &[Closure]) {
+fn say_closures(terminal: TextTerminal, network: &Network, closures: &[ClosedVessel]) {
     // In single precision, so that rounding does not choose between equal vessels; of these the first.
-    let costs = |(_, closure): &(usize, &Closure)| closure.lost_share as f32;
+    let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
     let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
     if let Some((row, closure)) = most {
         let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);

@@ -16,7 +16,7 @@ const HALVINGS: [i32; 5] = [2, 3, 4, 5, 6];
 
 /// What is known of a network besides its vessels.
 #[derive(Clone, Copy, Default)]
-pub struct Surroundings<'a> {
+pub struct MeasureContext<'a> {
     /// Per vessel the territory to which its artery leads; none, and none for all by default, elsewhere.
     pub territory: &'a [Option<usize>],
     /// The region to which densities refer, such as the brain.

@@ -10,7 +10,7 @@ mod shape;
 mod vessel_lines;
 
 pub use bifurcations::MeasuredBifurcation;
-pub use figures::{NetworkFigures, Region, Surroundings, VesselTotals};
+pub use figures::{MeasureContext, NetworkFigures, Region, VesselTotals};
 pub use shape::{SMOOTHING, Smoothing, VesselShape};
 pub use vessel_lines::VesselLine;
 
@@ -71,7 +71,7 @@ pub struct Morphometry {
 
 impl Morphometry {
     /// Measures a network; `role` says of each node whether blood enters or leaves there.
-    pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing, around: Surroundings<'_>) -> Self {
+    pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing, around: MeasureContext<'_>) -> Self {
         let from_inlets = FromInlets::of(network, role);
         let (bifurcations, territory, figures) = from_inlets.measured(network, around);
         let FromInlets { lines, degree, ways } = from_inlets;
@@ -122,7 +122,7 @@ impl FromInlets {
     fn measured(
         &self,
         network: &Network,
-        around: Surroundings<'_>,
+        around: MeasureContext<'_>,
     ) -> (Vec<MeasuredBifurcation>, Vec<Option<usize>>, NetworkFigures) {
         let Self { lines, degree, ways } = self;
         let own = |line: &VesselLine| line.pieces.iter().find_map(|row| around.territory.get(*row).copied().flatten());
@@ -134,6 +134,6 @@ impl FromInlets {
 }
 
 /// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
-pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role, around: Surroundings<'_>) -> NetworkFigures {
+pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role, around: MeasureContext<'_>) -> NetworkFigures {
     FromInlets::of(network, role).measured(network, around).2
 }

@@ -9,7 +9,7 @@ use crate::support::in_order;
 
 /// What becomes of the flow without a vessel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Closure {
+pub struct ClosedVessel {
     /// The total inflow, m³/s.
     pub inflow: f64,
     /// What outlets get less than before, all those together that do, m³/s.
@@ -33,7 +33,7 @@ pub struct Closure {
 /// # Errors
 ///
 /// A conductance that no double can hold; a breakdown of the solver.
-pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before: &State) -> Result<Vec<Closure>> {
+pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before: &State) -> Result<Vec<ClosedVessel>> {
     let at_rest = Tube::at_rest(network, viscosity);
     let outlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet).collect();
     let had = delivered(network, before, &outlets);
@@ -53,7 +53,7 @@ pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before
         let share = |(node, before, after): &(usize, f64, f64)| (*node, if *after > cut { after / before } else { 0.0 });
         // In single precision, so that rounding does not choose between equal outlets.
         let worst = fed().map(share).min_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)));
-        Ok(Closure {
+        Ok(ClosedVessel {
             inflow: after.inflow,
             lost,
             lost_share: if all > 0.0 { lost / all } else { f64::NAN },

@@ -22,8 +22,6 @@ pub const ENDS: &str = "ends.csv";
 pub const INTERVALS: &str = "intervals.csv";
 /// How two groups of subjects differ in what is measured.
 pub const COMPARISON: &str = "comparison.csv";
-/// The same as a picture.
-pub const COMPARISON_PICTURE: &str = "comparison";
 /// What is measured of whole networks, a row each.
 pub const SUBJECTS: &str = "subjects.csv";
 /// The nodes.
@@ -78,6 +76,8 @@ pub const INSTANCES: &str = "samples.npz";
 pub const PHENOTYPE: &str = "phenotype.json";
 /// The Circle of Willis as a row of a table.
 pub const PHENOTYPE_TABLE: &str = "phenotype.csv";
+/// How often a classification of a cohort is right.
+pub const ACCURACY: &str = "accuracy.csv";
 /// What takes over when a feeding artery is lost.
 pub const COLLATERAL: &str = "collateral.csv";
 /// How far runs with different occlusion probabilities agree.

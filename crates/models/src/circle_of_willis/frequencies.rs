@@ -53,14 +53,8 @@ impl VariantFrequencies {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Fault::line(row.line, format!("share {value}"), "expected a number from 0 on"));
             }
-            let index = index_of(&text).map_err(|part| {
-                let ring: Vec<String> = RING.iter().map(ToString::to_string).collect();
-                Fault::line(
-                    row.line,
-                    format!("missing \"{part}\""),
-                    format!("expected complete, or segments of {}", ring.join(", ")),
-                )
-            })?;
+            let index =
+                index_of(&text).map_err(|part| Fault::line(row.line, format!("missing \"{part}\""), segments_accepted()))?;
             table[index] += value;
         }
         let total: f64 = table.iter().sum();
@@ -110,6 +104,21 @@ impl VariantFrequencies {
             weights.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, w)| w).sum::<f64>() / total
         })
     }
+}
+
+/// Which segments of [`RING`] are there where those of a text are missing (`L-A1, R-PComm`, or `complete`).
+///
+/// # Errors
+///
+/// The accepted form.
+pub fn present_segments(missing: &str) -> Result<[bool; 7], String> {
+    let index = index_of(missing).map_err(|_| segments_accepted())?;
+    Ok(std::array::from_fn(|s| index >> s & 1 == 1))
+}
+
+fn segments_accepted() -> String {
+    let ring: Vec<String> = RING.iter().map(ToString::to_string).collect();
+    format!("expected complete, or segments of {}", ring.join(", "))
 }
 
 /// The index of the variant that misses the segments of a text; the part that is no segment otherwise.

@@ -19,7 +19,7 @@ mod variant;
 pub use arteries::{Artery, BodySide, FEEDERS, FENESTRATED, RING, TERRITORIES};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, collaterals};
-pub use frequencies::VariantFrequencies;
+pub use frequencies::{VariantFrequencies, present_segments};
 pub use hypoplasia::{LEAST_DIAMETER, hypoplastic, segment_diameters};
 pub use labels::{LabelScheme, are_topcow_classes, artery_of_label, split_where_labels_change};
 pub use landmarks::in_axes_of;

@@ -19,10 +19,10 @@ use transport::{transport_columns, write_transports};
 use willis_core::error::Result;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::morphometry::{Surroundings, network_figures};
+use willis_core::morphometry::{MeasureContext, network_figures};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Network, RadiusRule};
-use willis_core::simulation::closures::Closure;
+use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
 use willis_io::formats::{
     Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
@@ -113,7 +113,7 @@ impl FlowRecord {
 
 /// The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
 fn murray(network: &Network, boundary: &Boundary, outlets: FoundOutlets) -> Value {
-    let figures = network_figures(network, |node| boundary.roles[node], Surroundings::default());
+    let figures = network_figures(network, |node| boundary.roles[node], MeasureContext::default());
     json!({
         "exponent_median": Some(figures.murray).filter(|k| k.is_finite()),
         "bifurcations": figures.bifurcations,
@@ -236,7 +236,7 @@ pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRe
 }
 
 /// The columns of occlusions.csv, a row for each vessel that is closed.
-pub fn occlusion_columns(simulated: &Simulated<'_>, closures: &[Closure]) -> Vec<Column> {
+pub fn occlusion_columns(simulated: &Simulated<'_>, closures: &[ClosedVessel]) -> Vec<Column> {
     let network = simulated.network;
     let names = picture_names(network);
     let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));

@@ -7,7 +7,7 @@ use serde_json::Value;
 use willis_core::flow::Boundary;
 use willis_core::flow::state::State;
 use willis_core::network::Network;
-use willis_core::simulation::closures::Closure;
+use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Perturbation, Simulation};
@@ -28,7 +28,7 @@ pub struct Simulated<'a> {
     /// Where the blood comes from and when, if it was asked for.
     pub transports: Option<&'a Transports>,
     /// What each closed vessel does, if that was asked for.
-    pub closures: Option<&'a [Closure]>,
+    pub closures: Option<&'a [ClosedVessel]>,
     /// The pulse, if it was asked for, and its record.
     pub pulses: Option<&'a (Pulses, Value)>,
 }
