@@ -30,6 +30,7 @@ fn each_is_named_with_what_to_export_instead() {
                 .to_vec(),
             "contours of SimVascular (.ctgr); expected centerlines",
         ),
+        ("a.mgz", b"\0\0\0\x01\0\0\0\x04".to_vec(), "a volume of FreeSurfer (.mgz); expected NIfTI: convert it with mri_convert"),
         ("a.gt", "⛾ gt\x01\x00".as_bytes().to_vec(), "a graph of graph-tool (.gt); expected GraphML: save it with graph.save("),
     ];
     for (name, bytes, wanted) in cases {
@@ -45,7 +46,9 @@ fn a_model_that_willis_wrote_for_a_solver_is_named() {
         network.add_node(Node { id: id.into(), condition: Some(Condition::Pressure(condition)), ..Node::default() });
     }
     network.add_vessel([0, 1], Vessel::new(0.01, 1e-3, Origin::Observed));
-    let (path, bytes) = converted(&network, &Target::new(Path::new("a.json"), Some("svzerod")).expect("a target")).remove(0);
-    let said = document(&path.display().to_string(), &bytes).map(|_| ()).expect_err("a model");
-    assert!(said.starts_with("a.json: svZeroDSolver JSON, which is only written; expected SWC"), "{said}");
+    for (name, word, called) in [("a.json", "svzerod", "svZeroDSolver JSON"), ("a.yaml", "openbf", "openBF YAML")] {
+        let (path, bytes) = converted(&network, &Target::new(Path::new(name), Some(word)).expect("a target")).remove(0);
+        let said = document(&path.display().to_string(), &bytes).map(|_| ()).expect_err("a model");
+        assert!(said.starts_with(&format!("{name}: {called}, which is only written; expected SWC")), "{said}");
+    }
 }

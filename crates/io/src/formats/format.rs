@@ -15,6 +15,7 @@ use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::options::ReadOptions;
 use super::refused::refused;
+use super::solvers::openbf::is_openbf;
 use super::solvers::svzerod::is_svzerod;
 use super::solvers::{write_openbf, write_svzerod};
 use super::swc::write_swc;
@@ -419,6 +420,9 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     let text = bytes.trim_ascii_start();
     if is_svzerod(text) {
         return Ok(Some(Format::SvZeroD));
+    }
+    if is_openbf(text) {
+        return Ok(Some(Format::OpenBf));
     }
     if text.starts_with(b"{") {
         return Ok(Some(Format::Markups));

@@ -25,6 +25,8 @@ pub(super) fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
         || (head.starts_with(b"\x89HDF") && (is_called("mnc") || has(b"minc-2.0")))
     {
         ("a volume in MINC", "expected NIfTI: convert it with mnc2nii")
+    } else if head.starts_with(&[0, 0, 0, 1]) && (is_called("mgz") || is_called("mgh")) {
+        ("a volume of FreeSurfer (.mgz)", "expected NIfTI: convert it with mri_convert")
     } else if head.starts_with("⛾ gt".as_bytes()) {
         ("a graph of graph-tool (.gt)", "expected GraphML: save it with graph.save(\"name.graphml\")")
     } else {

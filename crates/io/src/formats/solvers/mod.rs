@@ -1,6 +1,6 @@
 //! Writes a network with its conditions for solvers in time: svZeroDSolver (lumped) and openBF (one-dimensional).
 
-mod openbf;
+pub(in crate::formats) mod openbf;
 pub(in crate::formats) mod svzerod;
 
 use std::borrow::Cow;

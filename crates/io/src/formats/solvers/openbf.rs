@@ -14,6 +14,12 @@ const LEAST: f64 = 1e-3;
 /// openBF has equations for a conjunction, a bifurcation and an anastomosis.
 pub(in crate::formats) const MOST_JOINED: usize = 3;
 
+/// Whether a text begins as a model of openBF, which states no positions, so that no network can be made of it.
+pub(crate) fn is_openbf(text: &[u8]) -> bool {
+    let head = &text[..text.len().min(1 << 12)];
+    [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
+}
+
 /// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
 ///
