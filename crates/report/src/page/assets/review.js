@@ -7,6 +7,8 @@ class Review {
     Object.assign(this, { threshold, decisions, vessels, goes });
     this.shown = A_PAGE;
     this.current = -1;
+    // The lines of the list, by row.
+    this.lines = new Map();
     this.words = "";
     this.order = "consequence";
     this.refresh();
@@ -34,12 +36,11 @@ class Review {
 
   // The list knows which connection is selected.
   select(row) {
+    this.lines.get(this.current)?.classList.remove("current");
     this.current = row;
-    for (const line of byId("review-list").children) {
-      const here = Number(line.dataset.row) === row;
-      line.classList.toggle("current", here);
-      if (here) line.scrollIntoView({ block: "nearest" });
-    }
+    const line = this.lines.get(row);
+    line?.classList.add("current");
+    line?.scrollIntoView({ block: "nearest" });
   }
 
   // What a connection is called: by its labels, by those of the vessels that it joins, or by its row.
@@ -99,9 +100,10 @@ class Review {
     this.refresh();
     const list = byId("review-list"), { items, open } = this, { made, history, stored } = this.decisions;
     const here = document.activeElement?.closest?.("#review-list li")?.dataset.row, which = document.activeElement?.className;
-    list.replaceChildren(...[...open.slice(0, this.shown), ...items.slice(open.length)].map(item => this.line(item)));
+    this.lines = new Map([...open.slice(0, this.shown), ...items.slice(open.length)].map(item => [item.row, this.line(item)]));
+    list.replaceChildren(...this.lines.values());
     if (here !== undefined) list.querySelector(`li[data-row="${here}"] .${which}`)?.focus();
-    for (const line of list.children) line.classList.toggle("current", Number(line.dataset.row) === this.current);
+    this.lines.get(this.current)?.classList.add("current");
     const all = this.threshold.counts.undecided, first = byId("review-order").selectedOptions[0].dataset.says;
     byId("review-note").textContent = items.length === 0 ? this.words ? "None has this name." : "Nothing: every connection is decided." :
       open.length === 0 && !this.words ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
