@@ -178,7 +178,7 @@ class Network:
 
 
 Source = Union[Network, PathLike]
-Axes = Literal["RAS", "LPS"]
+_Axes = Union[Literal["RAS"], Literal["LPS"]]
 
 
 def read(
@@ -195,7 +195,7 @@ def read(
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",
     box: Sequence[float] | None = None,
-    frame: Axes | None = None,
+    frame: _Axes | None = None,
     max_input: int | str = "2GiB",
 ) -> Network:
     """Reads centerlines, a mask or a graph in any format that the command reads, or the folder of a run.
@@ -270,7 +270,7 @@ def centerlines(
     *,
     labels: npt.ArrayLike | None = None,
     lengths: npt.ArrayLike | None = None,
-    frame: Axes | None = None,
+    frame: _Axes | None = None,
 ) -> Network:
     """Centerlines of arrays: points (N, 3) and their radii (N), mm, and edges (M, 2), rows of the points.
 
@@ -290,7 +290,7 @@ def centerlines(
     return read_packed("arrays.npz", packed.getvalue(), words({"frame": frame}, {}))
 
 
-def from_networkx(graph: Any, *, observed: bool = False, frame: Axes | None = None) -> Network:
+def from_networkx(graph: Any, *, observed: bool = False, frame: _Axes | None = None) -> Network:
     """The vessels of a ``networkx`` graph, by the attributes that its GraphML would have.
 
     Nodes have a position: ``x_mm y_mm z_mm``, ``x y z`` or ``pos``, mm. Edges have ``radius_mm`` and ``length_mm``, and may have ``label``,
@@ -339,7 +339,7 @@ def _plain(values: Mapping[str, Any]) -> dict[str, Any]:
     return out
 
 
-def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: Axes | None = None) -> Network:
+def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: _Axes | None = None) -> Network:
     """Centerlines of a ``skan.Skeleton`` in three dimensions, whose spacing is in mm.
 
     ``radii`` (N), mm, are those of ``skeleton.coordinates``; without them, the values of the skeleton's image are the radii, as where it
@@ -356,7 +356,7 @@ def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: Axes 
     return centerlines(points, pairs, np.asarray(values), frame=frame)
 
 
-def from_vtk(polydata: Any, *, radius_array: str | None = None, frame: Axes | None = None) -> Network:
+def from_vtk(polydata: Any, *, radius_array: str | None = None, frame: _Axes | None = None) -> Network:
     """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTP file of it.
 
     ``radius_array`` is the point array that holds the radii, when it has an unusual name.
@@ -374,7 +374,7 @@ def from_mask(
     *,
     spacing: float | Sequence[float] | None = None,
     affine: npt.ArrayLike | None = None,
-    frame: Axes | None = None,
+    frame: _Axes | None = None,
     level: float | None = None,
     radius_from: Literal["area", "distance", "inscribed"] = "area",
     cavities: Literal["fill", "keep"] = "fill",

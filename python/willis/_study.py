@@ -13,7 +13,7 @@ from typing import Any, Literal
 from . import _willis
 from ._errors import Note, WillisError
 from ._following import PathLike, say
-from ._network import Axes, Network, Source, Table, defaults_of, network_of, read, read_run
+from ._network import _Axes, Network, Source, Table, defaults_of, network_of, read, read_run
 from ._run import Run, SavedRun, infer, table_of
 from ._words import Repeated, words
 
@@ -87,7 +87,7 @@ class Labelled:
         return f"<willis.Labelled: {len(self.landmarks['label'])} landmarks>"
 
 
-def label(source: PathLike, *, model: PathLike | None = None, frame: Axes | None = None) -> Labelled:
+def label(source: PathLike, *, model: PathLike | None = None, frame: _Axes | None = None) -> Labelled:
     """Names the arteries of a file from their geometry alone: what ``willis label`` does."""
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder, "labelled.graphml")
