@@ -52,11 +52,11 @@ pub mod internals;
 mod pipeline;
 
 pub use pipeline::{
-    ArterySource, BoundaryOptions, ComparisonOptions, ConnectionDecision, Contents, Cut, FlowOptions, Follow, InferOptions,
-    Inference, Input, LabelOptions, Labelled, MeasureOptions, Measurement, ModulationRun, Phenotype, PhenotypeOptions, Prepared,
-    Preset, Prior, PulseMean, PulseOptions, SaveOptions, Silent, SimulationRun, Step, WrittenFiles, candidates, classify,
-    compare_groups, infer, infer_with, label, measure, modulate, modulate_with, prepare, read, read_bytes, read_run, simulate,
-    simulate_with, two_groups, write,
+    ArterySource, BoundaryOptions, ComparisonOptions, ConnectionDecision, Contents, Cut, FlowOptions, Follow, GraphEdit,
+    InferOptions, Inference, Input, LabelOptions, Labelled, MeasureOptions, Measurement, ModulationRun, Phenotype,
+    PhenotypeOptions, Prepared, Preset, Prior, PulseMean, PulseOptions, SaveOptions, Silent, SimulationRun, Step, WrittenFiles,
+    candidates, classify, compare_groups, infer, infer_with, label, measure, modulate, modulate_with, prepare, read, read_bytes,
+    read_run, simulate, simulate_with, two_groups, write,
 };
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};

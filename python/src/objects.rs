@@ -8,10 +8,11 @@ use numpy::{IntoPyArray, PyArray1, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
+use willis::internals::network::Edit;
 use willis::internals::report::Outcome;
 use willis::{
-    BoundaryOptions, Change, ConnectionDecision, FlowOptions, Inference, Input, ModulationOptions, Network, Result,
-    SamplingOptions, SaveOptions, Silent,
+    BoundaryOptions, Change, ConnectionDecision, Error, FlowOptions, GraphEdit, Inference, Input, ModulationOptions, Network,
+    Result, SamplingOptions, SaveOptions, Silent,
 };
 
 use crate::errors::raised;
@@ -234,8 +235,16 @@ impl Run {
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }
 
-    /// The run again with decisions of a person: the rows that were accepted and rejected, by whom, and when.
-    fn decide(&self, py: Python<'_>, accept: Vec<usize>, reject: Vec<usize>, who: &str, when: &str) -> PyResult<Self> {
+    /// The run again with decisions of a person: the rows that were accepted and rejected, the edits as text, by whom, and when.
+    fn decide(
+        &self,
+        py: Python<'_>,
+        accept: Vec<usize>,
+        reject: Vec<usize>,
+        edits: Vec<String>,
+        who: &str,
+        when: &str,
+    ) -> PyResult<Self> {
         let each = accept.into_iter().map(|edge| (edge, true)).chain(reject.into_iter().map(|edge| (edge, false)));
         let made: Vec<ConnectionDecision> = each
             .map(|(edge, accepted)| ConnectionDecision {
@@ -246,7 +255,12 @@ impl Run {
                 ..Default::default()
             })
             .collect();
-        let decided = detached(py, || self.run.with_decisions(&made, &mut Silent));
+        let edit = |text: String| {
+            let edit = Edit::try_from(text.clone()).map_err(|expected| Error::parameter("decisions", text, expected))?;
+            Ok(GraphEdit { edit, who: who.into(), when: when.into(), comment: String::new(), line: 0 })
+        };
+        let edits = edits.into_iter().map(edit).collect::<Result<Vec<GraphEdit>>>().map_err(|e| raised(py, &e))?;
+        let decided = detached(py, || self.run.with_decisions(&made, &edits, &mut Silent));
         decided.map(|run| Self { run }).map_err(|e| raised(py, &e))
     }
 

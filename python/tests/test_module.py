@@ -115,6 +115,25 @@ def test_decisions(tmp_path):
         run.decide(accept=[1], reject=[1])
 
 
+def test_edits(tmp_path):
+    run = willis.infer(BROKEN, samples=64)
+    nodes, edges = run.nodes, run.edges
+    at = np.column_stack([nodes[axis] for axis in ("x_mm", "y_mm", "z_mm")])
+    gap = next(row for row, kept in enumerate(run.kept) if not kept)
+    ends = [at[int(edges[end][gap])] for end in ("node_a", "node_b")]
+    again = run.decide(join=[ends], who="A. Reader")
+    assert len(again.kept) == len(run.kept) + 1 and again.kept[-1] and again.edges["probability"][-1] == 1
+    # A list of the same does the same.
+    places = " + ".join(" ".join(map(repr, map(float, place))) for place in ends)
+    (tmp_path / "decisions.csv").write_text(f"edge,id_a,id_b,decision,places\n,,,join,{places}\n")
+    read = willis.infer(BROKEN, samples=64, decisions=tmp_path / "decisions.csv")
+    np.testing.assert_array_equal(read.edges["likelihood"], again.edges["likelihood"])
+    with pytest.raises(willis.WillisError, match="from the nearest vessel"):
+        run.decide(delete=[(900, 900, 900)])
+    with pytest.raises(willis.WillisError, match="two or more groups"):
+        run.decide(part=[[ends]])
+
+
 def test_errors_say_what_where_and_what_else(tmp_path):
     path = tmp_path / "bad.swc"
     path.write_text("1 0 0 0 0 1 -1\n2 0 1 0 x 1 1\n")

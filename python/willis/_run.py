@@ -24,6 +24,9 @@ from ._following import PathLike, Progress, followed, say
 from ._network import Network, Source, Table, defaults_of, network_of, read
 from ._words import Repeated, words
 
+Place = Sequence[float]
+"""Three numbers of mm."""
+
 
 class Run:
     """What :func:`infer` found: likelihoods, decisions, and the plausible topology."""
@@ -97,15 +100,31 @@ class Run:
         """The same samples decided on by another rule, as ``keep`` of :func:`infer`."""
         return Run(self._run.decided_by(keep))
 
-    def decide(self, accept: Sequence[int] = (), reject: Sequence[int] = (), *, who: str = "") -> Run:
+    def decide(
+        self,
+        accept: Sequence[int] = (),
+        reject: Sequence[int] = (),
+        *,
+        join: Sequence[Sequence[Place]] = (),
+        part: Sequence[Sequence[Sequence[Place]]] = (),
+        delete: Sequence[Place] = (),
+        who: str = "",
+    ) -> Run:
         """The run again with decisions of a person on rows of :attr:`edges`: accepted connections are certain, rejected ones are gone,
         and the probabilities of those beside them follow. ``decisions`` of :func:`infer` takes the list that a page saves.
+
+        Places are three numbers of mm. Each of ``join`` is a pair of places that a vessel connects, each of ``part`` groups of places whose
+        vessels go together while those of different groups only touch, and each of ``delete`` a place on a vessel that is none. A part
+        doubles what two groups share, and a group of one place is cut off. Joins come first, then parts, then what is deleted.
         """
         accepted, rejected = ([int(row) for row in rows] for rows in (accept, reject))
         if min([*accepted, *rejected, 0]) < 0 or len({*accepted, *rejected}) < len(accepted) + len(rejected):
             raise WillisError("decisions: a row that is negative or comes twice; expected each row once", item="decisions")
         when = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
-        return Run(self._run.decide(accepted, rejected, who, when))
+        edits = [f"join {_places(pair)}" for pair in join]
+        edits += ["part " + " | ".join(_places(group) for group in groups) for groups in part]
+        edits += [f"delete {_places([place])}" for place in delete]
+        return Run(self._run.decide(accepted, rejected, edits, who, when))
 
     def save(self, folder: PathLike, *, dpi: int = 150) -> None:
         """Writes the folder that ``willis infer`` writes, byte for byte but for the times in run.json."""
@@ -127,6 +146,10 @@ class Run:
 
     def __reduce__(self) -> tuple[object, ...]:
         return (_run_from_bytes, (self._run.to_bytes(),))
+
+
+def _places(places: Sequence[Place]) -> str:
+    return " + ".join(" ".join(repr(float(x)) for x in place) for place in places)
 
 
 def _run_from_bytes(stored: bytes) -> Run:

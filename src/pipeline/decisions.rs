@@ -5,10 +5,16 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use super::cuts::Contacts;
 use super::source_file::SourceFile;
 use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Evidence, Network, Origin};
-use willis_io::formats::{ListedDecision, read_decisions};
+use willis_core::network::units::millimetres;
+use willis_core::network::{Edit, Evidence, GraphEditor, Network, Origin};
+use willis_core::support::geometry::distance;
+use willis_io::formats::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
+
+/// A connection whose row moved is found again if both its nodes are so near to where they were, mm.
+const MOVED: f64 = 0.5;
 
 /// A decision on one connection.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -28,18 +34,40 @@ pub struct ConnectionDecision {
     pub comment: String,
 }
 
+/// An edit of the graph by a person.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GraphEdit {
+    /// What is changed.
+    pub edit: Edit,
+    /// Who decided; may be empty.
+    #[serde(default)]
+    pub who: String,
+    /// When; may be empty.
+    #[serde(default)]
+    pub when: String,
+    /// What was said of it; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub comment: String,
+    /// The line of the file that it is on; 0 where it is from a program.
+    #[serde(skip)]
+    pub line: usize,
+}
+
 /// What a person decided, as run.json has it.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub(crate) struct Decided {
     /// The file that holds it; none where it was decided in a program.
     #[serde(flatten)]
-    source: Option<SourceFile>,
+    pub(super) source: Option<SourceFile>,
     pub(super) made: Vec<ConnectionDecision>,
+    /// Edits, in their order; they come after what is decided on connections.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) edits: Vec<GraphEdit>,
 }
 
 /// The decisions that a file lists.
 pub(super) struct DecisionList {
-    listed: Vec<ListedDecision>,
+    listed: ListedDecisions,
     source: SourceFile,
 }
 
@@ -50,22 +78,43 @@ impl DecisionList {
         Ok(Self { listed: read_decisions(&bytes).map_err(|fault| fault.in_file(path))?, source })
     }
 
-    /// The decisions on a graph that was built of the input with this SHA-256.
+    /// The decisions on a graph that was built of the input with this SHA-256. A connection that has another row here is found again by the
+    /// places of its nodes, where the list has them.
     ///
     /// # Errors
     ///
     /// A file that was made for another input or another graph.
     pub(super) fn on(self, graph: &Network, input_sha256: &str) -> Result<Decided> {
         let Self { listed, source } = self;
-        for decision in &listed {
-            check(decision, graph, input_sha256).map_err(|fault| fault.in_file(&source.path))?;
+        let mut made: Vec<ConnectionDecision> = Vec::new();
+        for decision in listed.connections {
+            let places = decision.places.filter(|_| decision.input.is_empty() || decision.input == input_sha256);
+            let row = check(&decision, graph, input_sha256).map(|()| decision.edge);
+            let row = row.or_else(|fault| places.and_then(|at| moved(graph, at)).ok_or(fault));
+            let edge = row.map_err(|fault| fault.in_file(&source.path))?;
+            let ListedDecision { line, accepted, who, when, comment, .. } = decision;
+            if made.iter().any(|other| other.edge == edge) {
+                let fault = Fault::line(line, format!("edge {edge} comes again, by its places"), "expected one decision an edge");
+                return Err(fault.in_file(&source.path));
+            }
+            made.push(ConnectionDecision { edge, accepted, who, when, comment });
         }
-        let made = listed.into_iter().map(|d| {
-            let ListedDecision { edge, accepted, who, when, comment, .. } = d;
-            ConnectionDecision { edge, accepted, who, when, comment }
-        });
-        Ok(Decided { made: made.collect(), source: Some(source) })
+        let edit = |listed: ListedEdit| {
+            let ListedEdit { line, edit, who, when, comment } = listed;
+            GraphEdit { edit, who, when, comment, line }
+        };
+        Ok(Decided { made, edits: listed.edits.into_iter().map(edit).collect(), source: Some(source) })
     }
+}
+
+/// The row of the candidate or contact whose nodes are nearest to these places (mm), in either order; `None` where one is too far.
+fn moved(graph: &Network, places: [[f64; 3]; 2]) -> Option<usize> {
+    let away =
+        |node: usize, place: [f64; 3]| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at.map(millimetres), place));
+    let worst = |[a, b]: [usize; 2]| away(a, places[0]).max(away(b, places[1])).min(away(b, places[0]).max(away(a, places[1])));
+    let open = graph.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin != Origin::Observed);
+    let near = open.map(|(row, (ends, _))| (worst(ends), row)).filter(|(away, _)| *away <= MOVED);
+    near.min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1))).map(|(_, row)| row)
 }
 
 /// Refuses a decision on another graph than this.
@@ -159,13 +208,32 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
 }
 
 /// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
-/// so from then on the vessels' own priors count, which are set to 1.
-pub(super) fn decide_on(graph: &mut Network, made: &[ConnectionDecision], uniform_prior: bool) -> Result<bool> {
-    let any = made.iter().any(|d| d.accepted.is_some());
+/// so from then on the vessels' own priors count, which are set to 1. Pairings follow vessels that an edit divides.
+///
+/// # Errors
+///
+/// A row that is no candidate and no contact; an edit whose places mean nothing here.
+pub(super) fn decide_on(graph: &mut Network, contacts: &mut Contacts, decided: &Decided, uniform_prior: bool) -> Result<bool> {
+    let Decided { made, edits, source } = decided;
+    let any = made.iter().any(|d| d.accepted.is_some()) || !edits.is_empty();
     if uniform_prior && any {
         (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
     }
     apply(graph, made)?;
+    if !edits.is_empty() {
+        let mut editor = GraphEditor::new(std::mem::take(graph));
+        for GraphEdit { edit, line, .. } in edits {
+            editor.edit(edit).map_err(|why| match source {
+                Some(source) if *line > 0 => Fault::line(*line, edit.to_string(), why).in_file(&source.path),
+                _ => Error::parameter("decisions", edit.to_string(), why),
+            })?;
+        }
+        let (joined, divided) = (editor.joined.clone(), editor.divided.clone());
+        *graph = editor.finish();
+        let joins = joined.into_iter().map(|edge| ConnectionDecision { edge, accepted: Some(true), ..Default::default() });
+        apply(graph, &joins.collect::<Vec<ConnectionDecision>>())?;
+        contacts.pairings.iter_mut().for_each(|pairings| pairings.follow(graph, &divided));
+    }
     Ok(uniform_prior && !any)
 }
 

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::decisions::{ConnectionDecision, decide_on};
+use super::decisions::{ConnectionDecision, Decided, GraphEdit, decide_on};
 use super::options::SaveOptions;
 use super::prepared::Prepared;
 use super::progress::{Follow, Step};
@@ -253,21 +253,24 @@ impl Inference {
         Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
     }
 
-    /// The run again with decisions of a person: accepted connections are certain, rejected ones are gone, and those beside them follow.
-    /// Decisions that the run was made with stay.
+    /// The run again with decisions of a person: accepted connections are certain, rejected ones are gone, those beside them follow, and then
+    /// the graph is edited. Decisions that the run was made with stay.
     ///
     /// # Errors
     ///
-    /// A row that is no candidate and no contact, or was decided on before; as [`infer`](crate::infer).
-    pub fn with_decisions(&self, made: &[ConnectionDecision], progress: &mut dyn Follow) -> Result<Self> {
+    /// A row that is no candidate and no contact, or was decided on before; an edit whose places mean nothing here; as
+    /// [`infer`](crate::infer).
+    pub fn with_decisions(&self, made: &[ConnectionDecision], edits: &[GraphEdit], progress: &mut dyn Follow) -> Result<Self> {
         let mut prepared = Prepared::clone(&self.prepared);
         let mut decided = prepared.records.decisions.take().unwrap_or_default();
         decided.made.retain(|old| old.accepted.is_some() || made.iter().all(|new| new.edge != old.edge));
         if let Some(again) = made.iter().find(|new| decided.made.iter().any(|old| old.edge == new.edge)) {
             return Err(Error::parameter("decisions", again.edge, "was decided on before; expected another connection"));
         }
-        prepared.uniform_prior = decide_on(&mut prepared.graph, made, prepared.uniform_prior)?;
+        let new = Decided { made: made.to_vec(), edits: edits.to_vec(), ..Decided::default() };
+        prepared.uniform_prior = decide_on(&mut prepared.graph, &mut prepared.contacts, &new, prepared.uniform_prior)?;
         decided.made.extend_from_slice(made);
+        decided.edits.extend_from_slice(edits);
         prepared.records.decisions = Some(decided);
         Arc::new(prepared).sample(&self.sampling, progress)
     }

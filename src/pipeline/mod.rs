@@ -30,7 +30,7 @@ pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use compare::{ComparisonOptions, compare_groups, two_groups};
 pub use cuts::Cut;
-pub use decisions::ConnectionDecision;
+pub use decisions::{ConnectionDecision, GraphEdit};
 pub use flow_options::{FlowOptions, PulseMean, PulseOptions};
 pub use inference::Inference;
 pub use input::{Contents, Input, read, read_bytes, read_run};

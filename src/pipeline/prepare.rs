@@ -45,10 +45,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let given = options.boundary.given(&vessels, notes.follow)?;
     let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
     let opened = CutGraph::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
-    let (mut graph, mut uniform_prior) = (opened.graph, loaded.prior.is_uniform());
+    let (mut graph, mut contacts, mut uniform_prior) = (opened.graph, opened.contacts, loaded.prior.is_uniform());
     let decided = loaded.decisions.take().map(|list| list.on(&graph, &input.provenance.sha256)).transpose()?;
     if let Some(decided) = &decided {
-        uniform_prior = decide_on(&mut graph, &decided.made, uniform_prior)?;
+        uniform_prior = decide_on(&mut graph, &mut contacts, decided, uniform_prior)?;
     }
     let arteries = early.arteries(&graph, &loaded)?;
     let boundary = loaded.boundary(&graph, &given, arteries.as_ref(), notes.follow)?;
@@ -75,7 +75,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
             image: loaded.image.map(|image| image.record(built.unseen)),
             decisions: decided,
         },
-        contacts: opened.contacts,
+        contacts,
         uniform_prior,
         candidates: loaded.is_fragments.then_some(loaded.building),
         options: RunOptions { read: input.options, infer: InferOptions { arteries: loaded.arteries, ..options.clone() } },

@@ -89,7 +89,7 @@ fn a_list_for_another_input_or_graph_is_refused_by_line_and_edge() {
 fn a_list_is_read_and_what_is_wrong_is_named() {
     let list =
         b"edge,id_a,id_b,decision,probability,who,when\n7,1,2:3,accept,0.5,\"Doe, J\",2026-01-02T03:04:05Z\n9,4,5,reject,,,\n11,8,9,unsure,,,\n";
-    let read = read_decisions(list).expect("a list");
+    let read = read_decisions(list).expect("a list").connections;
     assert_eq!((read[0].edge, read[0].accepted, &*read[0].ids[1], &*read[0].who), (7, Some(true), "2:3", "Doe, J"));
     assert_eq!((read[1].edge, read[1].accepted, read[1].line), (9, Some(false), 3));
     assert_eq!(read[2].accepted, None);
@@ -98,6 +98,9 @@ fn a_list_is_read_and_what_is_wrong_is_named() {
         ("edge,id_a,id_b,decision\n1,a,b,perhaps\n", "\"perhaps\""),
         ("edge,id_a,id_b,decision\n-1,a,b,accept\n", "edge \"-1\""),
         ("edge,id_a,id_b,decision\n1,a,b,accept\n1,a,b,reject\n", "comes again"),
+        ("edge,id_a,id_b,decision,places\n,,,part,1 2 3\n", "two or more groups"),
+        ("edge,id_a,id_b,decision,places\n,,,delete,\n", "finite numbers"),
+        ("edge,id_a,id_b,decision,places\n1,a,b,accept,1 2 3\n", "two nodes"),
     ] {
         let fault = read_decisions(text.as_bytes()).expect_err(text);
         let said = fault.in_file("a.csv".as_ref()).to_string();
@@ -159,4 +162,52 @@ fn what_was_rejected_joins_no_parts() {
     assert_eq!(reconnected(&graph, RECONNECT), [true, true, true]);
     apply(&mut graph, &[decision(2, false)]).expect("applied");
     assert_eq!(reconnected(&graph, RECONNECT), [true, true, false]);
+}
+
+/// The files of a run that hold no times and no names of folders.
+fn answer(folder: &Path) -> Vec<Vec<u8>> {
+    ["edges.csv", "nodes.csv", "topology.graphml"].map(|name| fs::read(folder.join(name)).expect(name)).to_vec()
+}
+
+#[test]
+fn edits_are_made_kept_and_replayed_to_the_same_bytes() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "plain", &[]);
+    let (edges, nodes) = (table(&here.join("plain/edges.csv")), table(&here.join("plain/nodes.csv")));
+    let place = |node: &str| {
+        let node = &nodes[node.parse::<usize>().expect("a row")];
+        ["x_mm", "y_mm", "z_mm"].map(|axis| node[axis].clone()).join(" ")
+    };
+    let ends = |row: usize| ["node_a", "node_b"].map(|name| place(&edges[row][name])).join(" + ");
+    let candidate = edges.iter().position(|row| row["origin"] == "candidate" && row["kept"] == "0").expect("one");
+    let observed = edges.iter().position(|row| row["origin"] == "observed").expect("one");
+    // The row of the candidate is another one in the list, and its places tell which.
+    let text = format!(
+        "edge,id_a,id_b,decision,who,when,places\n999,x,y,accept,A. Reader,now,{}\n,,,delete,A. Reader,now,{}\n",
+        ends(candidate),
+        ends(observed).split(" + ").next().expect("a place")
+    );
+    fs::write(here.join("decisions.csv"), &text).expect("written");
+    infer(here, "edited", &["--decisions", "decisions.csv"]);
+    infer(here, "again", &["--decisions", "decisions.csv"]);
+    assert_eq!(answer(&here.join("edited")), answer(&here.join("again")));
+    let after = table(&here.join("edited/edges.csv"));
+    assert_eq!((&*after[candidate]["kept"], &*after[candidate]["probability"]), ("1", "1"));
+    let gone = (0..edges.len()).filter(|row| edges[*row]["origin"] == "observed" && after[*row]["kept"] == "0");
+    assert_eq!(gone.count(), 1);
+    let record: serde_json::Value =
+        serde_json::from_slice(&fs::read(here.join("edited/run.json")).expect("a record")).expect("JSON");
+    let edit = &record["parameters"]["decisions"]["edits"][0];
+    assert!(edit["edit"].as_str().is_some_and(|text| text.starts_with("delete ")) && edit["who"] == "A. Reader", "{edit}");
+
+    // Taken back, nothing is left of it; what means nothing here is named by its line.
+    fs::write(here.join("decisions.csv"), text.lines().next().expect("a head").to_owned() + "\n").expect("written");
+    infer(here, "back", &["--decisions", "decisions.csv"]);
+    assert_eq!(answer(&here.join("plain")), answer(&here.join("back")));
+    fs::write(here.join("decisions.csv"), "edge,id_a,id_b,decision,places\n,,,delete,900 900 900\n").expect("written");
+    let output = willis(here, &["infer", &data("broken-circle-of-willis.swc"), "-o", "no", "-q", "--decisions", "decisions.csv"]);
+    let said = stderr(&output);
+    assert_eq!((output.status.code(), said.lines().count(), here.join("no").exists()), (Some(2), 1, false), "{said}");
+    assert!(said.contains("decisions.csv:2: delete 900 900 900"), "{said}");
 }

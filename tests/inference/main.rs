@@ -15,6 +15,7 @@ mod vessels;
 
 mod answer;
 mod determinism;
+mod edits;
 mod exact;
 mod found_conditions;
 mod front_door;

@@ -46,7 +46,7 @@ pub use read::{bytes_of, read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{write_openbf, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
-pub use tables::decisions::{ListedDecision, read_decisions};
+pub use tables::decisions::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, axis, condition_columns, found_column, graph_columns, graph_columns_with, node_columns, stated_columns,
     vessel_columns, wall_columns, windkessel_columns,

@@ -3,7 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::partition::numbered;
-use willis_core::support::geometry::Point;
+use willis_core::network::Network;
+use willis_core::support::geometry::{Point, distance};
 
 /// The vessels that end at a place where vessels touch, and the ways to pair them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -43,5 +44,19 @@ impl Pairings {
             own.map(|(vessel, _)| vessel.to_string()).collect::<Vec<String>>().join("+")
         };
         (0..count).map(block).collect::<Vec<String>>().join(" | ")
+    }
+
+    /// The vessels at this place once some were divided: of both parts the nearer one. `divided` are pairs of rows.
+    pub fn follow(&mut self, graph: &Network, divided: &[[usize; 2]]) {
+        let away = |row: usize| {
+            let ends =
+                graph.ends(row).map(|node| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at, self.position)));
+            ends[0].min(ends[1])
+        };
+        for [row, other] in divided {
+            if away(*other) < away(*row) {
+                self.vessels.iter_mut().filter(|vessel| *vessel == row).for_each(|vessel| *vessel = *other);
+            }
+        }
     }
 }

@@ -2,9 +2,10 @@
 
 use crate::formats::tables::reader::TableReader;
 use willis_core::error::Fault;
+use willis_core::network::Edit;
 
 /// A decision in a list.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct ListedDecision {
     /// Its line, counted from 1.
     pub line: usize,
@@ -22,44 +23,96 @@ pub struct ListedDecision {
     pub comment: String,
     /// The SHA-256 of the input of the run that was looked at; empty where the list does not say.
     pub input: String,
+    /// The places of its two nodes, mm, where the list says them.
+    pub places: Option<[[f64; 3]; 2]>,
 }
 
-/// Reads the columns `edge,id_a,id_b,decision` (`accept`, `reject` or `unsure`), and where they are there `who`, `when`, `comment` and `input_sha256`.
+/// An edit in a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedEdit {
+    /// Its line, counted from 1.
+    pub line: usize,
+    /// What is changed.
+    pub edit: Edit,
+    /// Who decided; empty where the list does not say.
+    pub who: String,
+    /// When; empty where the list does not say.
+    pub when: String,
+    /// What was said of it; empty where the list does not say.
+    pub comment: String,
+}
+
+/// What a list has.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ListedDecisions {
+    /// The decisions on connections.
+    pub connections: Vec<ListedDecision>,
+    /// The edits, in their order.
+    pub edits: Vec<ListedEdit>,
+}
+
+/// Reads the columns `edge,id_a,id_b,decision` (`accept`, `reject` or `unsure`; or an edit: `join`, `part` or `delete`, with its `places`
+/// and without an edge), and where they are there `places`, `who`, `when`, `comment` and `input_sha256`. `places` of a connection are those
+/// of its two nodes, `x y z + x y z` in mm.
 ///
 /// # Errors
 ///
-/// A missing column, an `edge` that is no row, a decision that is none of the words, a connection that comes twice.
-pub fn read_decisions(bytes: &[u8]) -> Result<Vec<ListedDecision>, Fault> {
+/// A missing column, an `edge` that is no row, a decision that is none of the words, places that are none, a connection that comes twice.
+pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     const WHAT: &str = "edge,id_a,id_b,decision";
     let mut rows = TableReader::open(bytes)?;
     let [edge, a, b, decision] = ["edge", "id_a", "id_b", "decision"].map(|name| rows.column(&[name], WHAT));
     let (edge, a, b, decision) = (edge?, a?, b?, decision?);
-    let [who, when, comment, input] = ["who", "when", "comment", "input_sha256"].map(|name| rows.find(&[name]));
-    let mut all: Vec<ListedDecision> = Vec::new();
+    let [who, when, comment, input, places] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
+    let mut all = ListedDecisions::default();
     while let Some(row) = rows.row()? {
+        let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
+        let (word, line, who, when, comment) = (row.text(decision), row.line, text(who), text(when), text(comment));
+        let placed = text(places);
+        if Edit::WORDS.contains(&word) {
+            let edit =
+                Edit::parse(word, &placed).map_err(|expected| Fault::line(line, format!("{word} \"{placed}\""), expected))?;
+            all.edits.push(ListedEdit { line, edit, who, when, comment });
+            continue;
+        }
         let number = row.text(edge).parse().map_err(|_| {
-            Fault::line(row.line, format!("edge \"{}\"", row.text(edge)), "expected the row of a vessel in edges.csv, from 0")
+            Fault::line(line, format!("edge \"{}\"", row.text(edge)), "expected the row of a vessel in edges.csv, from 0")
         })?;
-        let accepted = match row.text(decision) {
+        let accepted = match word {
             "accept" => Some(true),
             "reject" => Some(false),
             "unsure" => None,
-            other => return Err(Fault::line(row.line, format!("decision \"{other}\""), "expected accept, reject or unsure")),
+            other => {
+                let found = format!("decision \"{other}\"");
+                return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
+            }
         };
-        if let Some(first) = all.iter().find(|d| d.edge == number) {
+        if let Some(first) = all.connections.iter().find(|d| d.edge == number) {
             let found = format!("edge {number} comes again, after line {}", first.line);
-            return Err(Fault::line(row.line, found, "expected one decision an edge"));
+            return Err(Fault::line(line, found, "expected one decision an edge"));
         }
-        let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
-        all.push(ListedDecision {
-            line: row.line,
+        let places = match Edit::parse("join", &placed) {
+            _ if placed.is_empty() => None,
+            Ok(Edit::Join(ends)) => Some(ends),
+            _ => {
+                return Err(Fault::line(
+                    line,
+                    format!("places \"{placed}\""),
+                    "expected those of its two nodes, as in 1 2 3 + 4 5 6",
+                ));
+            }
+        };
+        let ids = [a, b].map(|column| row.text(column).to_owned());
+        all.connections.push(ListedDecision {
+            line,
             edge: number,
-            ids: [a, b].map(|column| row.text(column).to_owned()),
+            ids,
             accepted,
-            who: text(who),
-            when: text(when),
-            comment: text(comment),
+            who,
+            when,
+            comment,
             input: text(input),
+            places,
         });
     }
     Ok(all)

@@ -4,7 +4,8 @@ class Decisions {
   // `changed` is called after each change.
   constructor(threshold, vessels, nodes, changed) {
     Object.assign(this, { threshold, vessels, changed });
-    const id = nodes?.find("id");
+    const id = nodes?.find("id"), axes = ["x_mm", "y_mm", "z_mm"].map(name => nodes?.find(name));
+    this.placeOf = node => axes.every(Boolean) ? axes.map(axis => axis.at(node)).join(" ") : "";
     this.idOf = node => String(id ? id.at(node) : node);
     // By row `{decision, when, who, comment}`, in the order of the decisions.
     this.made = new Map();
@@ -15,6 +16,8 @@ class Decisions {
     for (const { edge, accepted, when, who, comment } of data.record.parameters?.decisions?.made || []) {
       this.made.set(edge, { decision: accepted === null ? "unsure" : accepted ? "accept" : "reject", when, who, comment: comment || "" });
     }
+    // Edits of the graph are kept as they are: `{decision, places, when, who, comment}`.
+    this.edits = (data.record.parameters?.decisions?.edits || []).map(({ edit, ...of }) => ({ decision: edit.split(" ")[0], places: edit.slice(edit.indexOf(" ") + 1), ...of }));
     const { input, graph } = data.record;
     this.key = `willis ${input?.sha256} ${graph?.sha256 ?? ""}`;
     this.restored = this.restore();
@@ -100,9 +103,11 @@ class Decisions {
     };
     const line = ([row, of]) => {
       const p = this.threshold.probability?.[row];
-      return [row, ...this.idsOf(row), of.decision || "unsure", Number.isNaN(p) ? "" : p ?? "", of.who || who, of.when, of.comment, data.record.input.sha256].map(cell).join(",");
+      const places = ["node_a", "node_b"].map(name => this.placeOf(this.vessels.find(name).at(row)));
+      return [row, ...this.idsOf(row), of.decision || "unsure", Number.isNaN(p) ? "" : p ?? "", of.who || who, of.when, of.comment, data.record.input.sha256, places.every(Boolean) ? places.join(" + ") : ""].map(cell).join(",");
     };
-    return ["edge,id_a,id_b,decision,probability,who,when,comment,input_sha256", ...[...this.made].sort(([a], [b]) => a - b).map(line)].join("\n") + "\n";
+    const edit = of => ["", "", "", of.decision, "", of.who || who, of.when, of.comment ?? "", data.record.input.sha256, of.places].map(cell).join(",");
+    return ["edge,id_a,id_b,decision,probability,who,when,comment,input_sha256,places", ...[...this.made].sort(([a], [b]) => a - b).map(line), ...this.edits.map(edit)].join("\n") + "\n";
   }
 
   idsOf(row) {
@@ -120,19 +125,21 @@ class Decisions {
   load(text) {
     const [head, ...lines] = rowsOf(text), at = name => head.indexOf(name), needs = ["edge", "id_a", "id_b", "decision"];
     for (const name of needs) if (at(name) < 0) throw new Error(`there is no column ${name}; expected ${needs.join(",")}`);
-    const changes = new Map();
+    const changes = new Map(), edits = [];
     lines.forEach((cells, i) => {
       const fault = what => { throw new Error(`row ${i + 1}: ${what}`); };
       const cell = name => at(name) < 0 ? "" : cells[at(name)] ?? "", row = Number(cell("edge")), decision = cell("decision");
       if (cell("input_sha256") && cell("input_sha256") !== data.record.input.sha256) fault("it was decided on another input");
+      if (["join", "part", "delete"].includes(decision)) return edits.push({ decision, places: cell("places"), who: cell("who"), when: cell("when"), comment: cell("comment") });
       if (!/^\d+$/.test(cell("edge")) || !this.threshold.uncertain[row]) fault(`edge "${cell("edge")}" is no connection that can be decided here`);
       const ids = this.idsOf(row);
       if (ids[0] !== cell("id_a") || ids[1] !== cell("id_b")) fault(`edge ${row} joins ${cell("id_a")} to ${cell("id_b")} in the list, and ${ids.join(" to ")} here`);
       if (!["accept", "reject", "unsure"].includes(decision)) fault(`decision "${decision}"; expected accept, reject or unsure`);
       changes.set(row, { decision, who: cell("who"), when: cell("when"), comment: cell("comment") });
     });
+    if (edits.length) this.edits = edits;
     if (changes.size) this.put([...changes]);
-    return changes.size;
+    return changes.size + edits.length;
   }
 }
 

@@ -1,0 +1,468 @@
+//! What a person changes of a graph by places in mm: two places joined, vessels that meet parted, a vessel deleted.
+//!
+//! Rows stay: a vessel that is divided keeps the part at its first node, the other part and all that is new come last, and what is deleted
+//! is a candidate with P = 0 from then on.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+use serde::{Deserialize, Serialize};
+
+use super::path_places::length_of;
+use super::paths::ShortestPaths;
+use super::units::millimetres;
+use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use crate::support::geometry::{Point, distance, lerp};
+
+/// A place further from every vessel, and outside its lumen, means none, m.
+const REACH: f64 = 0.002;
+/// A place so near the end of a vessel is the end, m.
+const AT_END: f64 = 1e-5;
+/// A join is no shorter than this share of its radius: a resistance must not be nothing.
+const SHORTEST: f64 = 0.05;
+
+/// A place, mm.
+type Place = [f64; 3];
+
+/// A change of a graph, by places in mm; as text `join 1 2 3 + 4 5 6`, `part 1 2 3 + 4 5 6 | 7 8 9 + 10 11 12`, `delete 1 2 3`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Edit {
+    /// A vessel goes from one place to the other.
+    Join([Place; 2]),
+    /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places. What
+    /// two groups share is doubled; what joins them and is of none is deleted. Groups of one place cut a vessel off.
+    Part(Vec<Vec<Place>>),
+    /// The vessel at the place is none.
+    Delete(Place),
+}
+
+impl Edit {
+    /// The words of the edits.
+    pub const WORDS: [&'static str; 3] = ["join", "part", "delete"];
+
+    /// An edit by its word and its places: `+` between places, `|` between groups.
+    ///
+    /// # Errors
+    ///
+    /// Another word, or other places than it takes: what is expected.
+    pub fn parse(word: &str, places: &str) -> Result<Self, &'static str> {
+        const POINT: &str = "expected places of three finite numbers of mm, with + between places and | between groups";
+        let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<Place>>>();
+        let groups: Vec<Vec<Place>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
+        match (word, &groups[..]) {
+            ("join", [pair]) => <[Place; 2]>::try_from(&pair[..]).map(Self::Join).map_err(|_| "expected two places to join"),
+            ("join", _) => Err("expected two places to join"),
+            ("delete", [one]) if one.len() == 1 => Ok(Self::Delete(one[0])),
+            ("delete", _) => Err("expected one place on the vessel to delete"),
+            ("part", [_, _, ..]) => Ok(Self::Part(groups)),
+            ("part", _) => Err("expected two or more groups of places, with | between them"),
+            _ => Err("expected join, part or delete"),
+        }
+    }
+
+    /// Its word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Join(_) => "join",
+            Self::Part(_) => "part",
+            Self::Delete(_) => "delete",
+        }
+    }
+
+    /// Its places as text.
+    pub fn places(&self) -> String {
+        match self {
+            Self::Join(pair) => text_of(pair),
+            Self::Part(groups) => groups.iter().map(|group| text_of(group)).collect::<Vec<String>>().join(" | "),
+            Self::Delete(place) => text_of(&[*place]),
+        }
+    }
+}
+
+/// Three finite numbers.
+fn place(text: &str) -> Option<Place> {
+    let numbers: Vec<f64> =
+        text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect::<Option<_>>()?;
+    numbers.try_into().ok()
+}
+
+fn text_of(places: &[Place]) -> String {
+    places.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<String>>().join(" + ")
+}
+
+impl fmt::Display for Edit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.word(), self.places())
+    }
+}
+
+impl From<Edit> for String {
+    fn from(edit: Edit) -> Self {
+        edit.to_string()
+    }
+}
+
+impl TryFrom<String> for Edit {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        let (word, places) = text.split_once(' ').unwrap_or((&text, ""));
+        Self::parse(word, places)
+    }
+}
+
+/// A graph that is being edited.
+pub struct GraphEditor {
+    graph: Network,
+    nodes: Vec<Node>,
+    vessels: Vec<([usize; 2], Vessel)>,
+    ids: BTreeSet<String>,
+    has_evidence: bool,
+    /// Rows of the joins.
+    pub joined: Vec<usize>,
+    /// Per vessel that was divided its row and that of its other part, in this order.
+    pub divided: Vec<[usize; 2]>,
+}
+
+/// The part of a graph that a group of places needs.
+#[derive(Default)]
+struct Tree {
+    nodes: BTreeSet<usize>,
+    vessels: BTreeSet<usize>,
+}
+
+impl GraphEditor {
+    /// The editor of a graph.
+    pub fn new(graph: Network) -> Self {
+        let frame = graph.frame;
+        let has_evidence = graph.vessels().any(|(_, vessel)| vessel.evidence.is_some());
+        let (nodes, vessels) = graph.into_parts();
+        let (nodes, vessels): (Vec<Node>, Vec<_>) = (nodes.collect(), vessels.collect());
+        let ids = nodes.iter().map(|node| node.id.clone()).collect();
+        let graph = Network { frame, ..Network::default() };
+        Self { graph, nodes, vessels, ids, has_evidence, joined: Vec::new(), divided: Vec::new() }
+    }
+
+    /// The graph as it is now.
+    pub fn finish(mut self) -> Network {
+        for node in self.nodes {
+            self.graph.add_node(node);
+        }
+        for (ends, vessel) in self.vessels {
+            self.graph.add_vessel(ends, vessel);
+        }
+        self.graph
+    }
+
+    /// Makes an edit.
+    ///
+    /// # Errors
+    ///
+    /// Why it cannot be: a place that no vessel is at, places of a group that nothing connects. Then the graph is of no more use.
+    pub fn edit(&mut self, edit: &Edit) -> Result<(), String> {
+        match edit {
+            Edit::Join(pair) => self.join(*pair),
+            Edit::Part(groups) => self.part(groups),
+            Edit::Delete(place) => {
+                let (row, _) = self.nearest(*place)?;
+                self.delete(row);
+                Ok(())
+            }
+        }
+    }
+
+    /// Whether a vessel is there as far as anyone knows: observed, certain, or a contact that was not rejected.
+    fn is_there(&self, row: usize) -> bool {
+        let vessel = &self.vessels[row].1;
+        match vessel.origin {
+            Origin::Observed => true,
+            Origin::Contact => vessel.certain || vessel.prior > 0.0,
+            Origin::Candidate => vessel.certain,
+        }
+    }
+
+    fn at(&self, node: usize) -> Point {
+        self.nodes[node].position.unwrap_or_default()
+    }
+
+    /// The course of a vessel: its path, or its two nodes.
+    fn course(&self, row: usize) -> Vec<PathPoint> {
+        let (ends, vessel) = &self.vessels[row];
+        if vessel.path.len() > 1 {
+            return vessel.path.clone();
+        }
+        ends.map(|node| PathPoint { position: self.at(node), radius: vessel.radius, id: None }).to_vec()
+    }
+
+    /// The vessel nearest to a place, and where on it: the stretch of its course, and the share of that.
+    fn nearest(&self, place: Place) -> Result<(usize, (usize, f64)), String> {
+        let at = place.map(|x| x * 1e-3);
+        let mut best: Option<(f64, usize, (usize, f64))> = None;
+        for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
+            let ([a, b], vessel) = &self.vessels[row];
+            let mut look = |stretch: usize, from: Point, to: Point| {
+                let (share, away) = onto(at, from, to);
+                if best.is_none_or(|(least, ..)| away < least) {
+                    best = Some((away, row, (stretch, share)));
+                }
+            };
+            if vessel.path.len() > 1 {
+                vessel.path.windows(2).enumerate().for_each(|(at, w)| look(at, w[0].position, w[1].position));
+            } else {
+                look(0, self.at(*a), self.at(*b));
+            }
+        }
+        let (away, row, on) = best.ok_or("the graph has no vessel")?;
+        if self.nodes.iter().any(|node| node.position.is_none()) {
+            return Err("the nodes have no coordinates".to_owned());
+        }
+        if away > REACH.max(self.vessels[row].1.radius) {
+            let [away, reach] = [away, REACH].map(millimetres);
+            return Err(format!(
+                "{} is {away:.1} mm from the nearest vessel; expected a place within {reach} mm of one",
+                text_of(&[place])
+            ));
+        }
+        Ok((row, on))
+    }
+
+    /// The node at a place: an end of the nearest vessel, or a new one that divides it.
+    fn node_at(&mut self, place: Place) -> Result<usize, String> {
+        let (row, (stretch, share)) = self.nearest(place)?;
+        let course = self.course(row);
+        let (from, to) = (course[stretch], course[stretch + 1]);
+        let middle = PathPoint {
+            position: lerp(from.position, to.position, share),
+            radius: from.radius + share * (to.radius - from.radius),
+            id: None,
+        };
+        let parts = [[&course[..=stretch], &[middle]].concat(), [&[middle], &course[stretch + 1..]].concat()];
+        let [first, second] = [0, 1].map(|part| length_of(&parts[part]));
+        let (ends, vessel) = &self.vessels[row];
+        let nearer = ends[usize::from(second < first)];
+        if first.min(second) <= AT_END || vessel.origin != Origin::Observed {
+            return Ok(nearer);
+        }
+        let id = self.free_id(&self.nodes[ends[0]].id.clone());
+        let node = self.nodes.len();
+        self.nodes.push(Node { id, position: Some(middle.position), radius: Some(middle.radius), ..Node::default() });
+        let (ends, vessel) = &mut self.vessels[row];
+        let share = [first, second].map(|length| length / (first + second));
+        let has_path = !vessel.path.is_empty();
+        let [kept, other] = parts.map(|mut path| {
+            path.dedup_by(|a, b| distance(a.position, b.position) == 0.0);
+            if has_path { path } else { Vec::new() }
+        });
+        let part = |share: f64, path: Vec<PathPoint>| Vessel {
+            length: share * vessel.length,
+            resistance: vessel.resistance.map(|whole| share * whole),
+            path,
+            ..vessel.clone()
+        };
+        let (kept, other) = (part(share[0], kept), part(share[1], other));
+        let far = std::mem::replace(&mut ends[1], node);
+        *vessel = kept;
+        self.divided.push([row, self.vessels.len()]);
+        self.vessels.push(([node, far], other));
+        Ok(node)
+    }
+
+    /// An id that no node has.
+    fn free_id(&mut self, like: &str) -> String {
+        let mut number = 1;
+        loop {
+            let id = format!("{like}.{number}");
+            if self.ids.insert(id.clone()) {
+                return id;
+            }
+            number += 1;
+        }
+    }
+
+    fn join(&mut self, pair: [Place; 2]) -> Result<(), String> {
+        let ends = [self.node_at(pair[0])?, self.node_at(pair[1])?];
+        if ends[0] == ends[1] {
+            return Err("both places are one; expected two".to_owned());
+        }
+        let radius = ends.map(|end| self.radius_at(end));
+        let radius = f64::midpoint(radius[0], radius[1]);
+        let length = distance(self.at(ends[0]), self.at(ends[1])).max(SHORTEST * radius);
+        let evidence = self.has_evidence.then(|| Evidence::undirected(1.0));
+        self.joined.push(self.vessels.len());
+        self.vessels.push((ends, Vessel { evidence, ..Vessel::new(length, radius, Origin::Candidate) }));
+        Ok(())
+    }
+
+    /// The mean radius of the vessels at a node, m.
+    fn radius_at(&self, node: usize) -> f64 {
+        let there = self.vessels.iter().enumerate().filter(|(row, (ends, _))| self.is_there(*row) && ends.contains(&node));
+        let radii: Vec<f64> = there.map(|(_, (ends, vessel))| vessel.end_radius(ends[1] == node)).collect();
+        radii.iter().sum::<f64>() / radii.len().max(1) as f64
+    }
+
+    /// Its row stays, of a candidate that is not there.
+    fn delete(&mut self, row: usize) {
+        let nothing = self.has_evidence.then(|| Evidence { attached: [0.0; 2], ..Evidence::undirected(0.0) });
+        let vessel = &mut self.vessels[row].1;
+        (vessel.origin, vessel.certain, vessel.prior, vessel.evidence) = (Origin::Candidate, false, 0.0, nothing);
+    }
+
+    /// It is one vessel there.
+    fn keep(&mut self, row: usize) {
+        let has_evidence = self.has_evidence;
+        let vessel = &mut self.vessels[row].1;
+        if vessel.origin != Origin::Observed {
+            (vessel.certain, vessel.prior) = (true, 1.0);
+            vessel.evidence = has_evidence.then(|| Evidence::undirected(1.0));
+        }
+    }
+
+    fn part(&mut self, groups: &[Vec<Place>]) -> Result<(), String> {
+        let mut nodes: Vec<Vec<usize>> = Vec::new();
+        for group in groups {
+            nodes.push(group.iter().map(|place| self.node_at(*place)).collect::<Result<_, String>>()?);
+        }
+        let mut seen = BTreeSet::new();
+        for (place, node) in groups.iter().flatten().zip(nodes.iter().flatten()) {
+            if !seen.insert(*node) {
+                return Err(format!(
+                    "two places are at one node, the second {}; expected each on a vessel of its own",
+                    text_of(&[*place])
+                ));
+            }
+        }
+        let trees: Vec<Tree> = nodes.iter().map(|own| self.tree(own, &seen)).collect::<Result<_, String>>()?;
+        let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
+        for (group, tree) in trees.iter().enumerate() {
+            tree.vessels.iter().for_each(|row| self.keep(*row));
+            for node in &tree.nodes {
+                group_of.entry(*node).or_insert(group);
+            }
+        }
+        self.cut(&trees, &group_of, &seen);
+        self.double(&trees, &group_of);
+        Ok(())
+    }
+
+    /// The edges at a node, of the vessels that `counts` admits.
+    fn edges(&self, counts: impl Fn(usize) -> bool) -> Vec<Vec<(usize, usize, f64)>> {
+        let mut edges = vec![Vec::new(); self.nodes.len()];
+        for (row, ([a, b], vessel)) in self.vessels.iter().enumerate().filter(|(row, _)| counts(*row)) {
+            edges[*a].push((row, *b, vessel.length));
+            edges[*b].push((row, *a, vessel.length));
+        }
+        edges
+    }
+
+    /// The shortest ways that join the nodes of a group, each to the nearest node of those before it; none through a place of another group.
+    fn tree(&self, own: &[usize], places: &BTreeSet<usize>) -> Result<Tree, String> {
+        let edges = self.edges(|row| self.is_there(row));
+        let mut tree = Tree { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
+        let mut paths = ShortestPaths::new(self.nodes.len());
+        for goal in &own[1..] {
+            let sources: Vec<usize> = tree.nodes.iter().copied().collect();
+            let open = |node: usize| own.contains(&node) || !places.contains(&node);
+            let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| open(*to)).collect::<Vec<_>>();
+            paths.search(&sources, f64::INFINITY, next, |_, node| node != *goal);
+            if paths.lengths()[*goal].is_infinite() {
+                let [a, b] = [own[0], *goal].map(|node| self.at(node).map(millimetres));
+                return Err(format!(
+                    "no vessel leads from {} to {} past the other places; join them first",
+                    text_of(&[a]),
+                    text_of(&[b])
+                ));
+            }
+            let (nodes, vessels) = paths.path_to(*goal);
+            tree.nodes.extend(nodes);
+            tree.vessels.extend(vessels);
+        }
+        Ok(tree)
+    }
+
+    /// Deletes what joins two groups within the ball around the places: of a way a contact, or else the vessel nearest to the centre.
+    fn cut(&mut self, trees: &[Tree], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>) {
+        let count = places.len() as f64;
+        let centre = places.iter().fold([0.0; 3], |sum, node| {
+            let at = self.at(*node);
+            [0, 1, 2].map(|axis| sum[axis] + at[axis] / count)
+        });
+        let ball = places.iter().map(|node| distance(centre, self.at(*node))).fold(0.0, f64::max) * (1.0 + 1e-9);
+        let inside = |node: usize| distance(centre, self.at(node)) <= ball;
+        let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
+        let within = |(ends, _): &([usize; 2], Vessel)| ends.iter().all(|node| inside(*node));
+        let mut open: BTreeSet<usize> =
+            (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
+        let between = |ends: &[usize; 2]| matches!(ends.map(|node| group_of.get(&node)), [Some(a), Some(b)] if a != b);
+        for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {
+            open.remove(&row);
+            self.delete(row);
+        }
+        open.retain(|row| self.is_there(*row));
+        let mut paths = ShortestPaths::new(self.nodes.len());
+        for group in 0..trees.len() {
+            let own: Vec<usize> = group_of.iter().filter(|(_, of)| **of == group).map(|(node, _)| *node).collect();
+            loop {
+                let edges = self.edges(|row| open.contains(&row));
+                let mut other = None;
+                paths.search(
+                    &own,
+                    f64::INFINITY,
+                    |node| edges[node].iter().copied(),
+                    |_, node| {
+                        other = group_of.get(&node).filter(|of| **of != group).map(|_| node);
+                        other.is_none()
+                    },
+                );
+                let Some(goal) = other else { break };
+                let from_centre = |row: usize| distance(centre, self.middle_of(row));
+                let rank = |row: &usize| (self.vessels[*row].1.origin != Origin::Contact, from_centre(*row));
+                let way = paths.path_to(goal).1;
+                let Some(row) = way.into_iter().min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(a.cmp(b))) else { break };
+                open.remove(&row);
+                self.delete(row);
+            }
+        }
+    }
+
+    fn middle_of(&self, row: usize) -> Point {
+        let course = self.course(row);
+        let middle = course.len() / 2;
+        lerp(course[middle - 1].position, course[middle].position, if course.len() == 2 { 0.5 } else { 1.0 })
+    }
+
+    /// Gives each group nodes and vessels of its own, copies of what an earlier one has.
+    fn double(&mut self, trees: &[Tree], group_of: &BTreeMap<usize, usize>) {
+        // Rows that a group has, with their nodes as they were.
+        let mut taken: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
+        for (group, tree) in trees.iter().enumerate() {
+            let mut own: BTreeMap<usize, usize> = BTreeMap::new();
+            for node in tree.nodes.iter().filter(|node| group_of[node] != group) {
+                let id = self.free_id(&self.nodes[*node].id.clone());
+                let Node { position, radius, .. } = self.nodes[*node];
+                own.insert(*node, self.nodes.len());
+                self.nodes.push(Node { id, position, radius, ..Node::default() });
+            }
+            let here = |ends: [usize; 2]| ends.map(|node| own.get(&node).copied().unwrap_or(node));
+            for row in &tree.vessels {
+                let (ends, vessel) = &self.vessels[*row];
+                if let Some(ends) = taken.get(row) {
+                    let copy = (here(*ends), vessel.clone());
+                    self.vessels.push(copy);
+                } else {
+                    taken.insert(*row, *ends);
+                    self.vessels[*row].0 = here(*ends);
+                }
+            }
+        }
+    }
+}
+
+/// How far along a stretch the point of it lies that is nearest to a place, as a share, and how far away it is, m.
+fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
+    let along = [0, 1, 2].map(|axis| to[axis] - from[axis]);
+    let square: f64 = along.iter().map(|x| x * x).sum();
+    let dot: f64 = (0..3).map(|axis| along[axis] * (at[axis] - from[axis])).sum();
+    let share = if square > 0.0 { (dot / square).clamp(0.0, 1.0) } else { 0.0 };
+    (share, distance(at, lerp(from, to, share)))
+}

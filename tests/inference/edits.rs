@@ -1,0 +1,136 @@
+//! Edits of a graph by places: each on a graph drawn by hand, whose right answer can be counted.
+
+use willis::internals::network::{Edit, Evidence, GraphEditor, Network, Node, Origin, Vessel, fragments};
+
+/// A network of straight vessels between nodes at these places (mm), with radii of 0.5 mm.
+fn drawn(places: &[[f64; 3]], vessels: &[[usize; 2]]) -> Network {
+    let mut graph = Network::new();
+    for (id, place) in places.iter().enumerate() {
+        graph.add_node(Node { id: id.to_string(), position: Some(place.map(|x| 1e-3 * x)), ..Node::default() });
+    }
+    for ends in vessels {
+        let [a, b] = ends.map(|node| places[node]);
+        let length = (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt();
+        graph.add_vessel(*ends, Vessel::new(1e-3 * length, 5e-4, Origin::Observed));
+    }
+    graph
+}
+
+fn edited(graph: Network, text: &str) -> Result<Network, String> {
+    let mut editor = GraphEditor::new(graph);
+    editor.edit(&Edit::try_from(text.to_owned())?)?;
+    Ok(editor.finish())
+}
+
+fn is_there(vessel: &Vessel) -> bool {
+    vessel.origin == Origin::Observed || vessel.certain
+}
+
+/// Which of some nodes are connected by what is there: per node the first node of its part.
+fn parts(graph: &Network, nodes: &[usize]) -> Vec<usize> {
+    let of = fragments(graph, |_, vessel| is_there(vessel)).of_node;
+    nodes.iter().map(|node| *nodes.iter().find(|other| of[**other] == of[*node]).expect("itself")).collect()
+}
+
+/// The length of what is there, mm.
+fn length(graph: &Network) -> f64 {
+    1e3 * graph.vessels().filter(|(_, vessel)| is_there(vessel)).map(|(_, vessel)| vessel.length).sum::<f64>()
+}
+
+/// Two vessels, 0 to 2 and 1 to 3, that share the stretch of 2 mm from 4 to 5.
+fn crossing() -> Network {
+    let places = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [12.0, 1.0, 0.0], [12.0, -1.0, 0.0], [5.0, 0.0, 0.0], [7.0, 0.0, 0.0]];
+    drawn(&places, &[[0, 4], [1, 4], [4, 5], [5, 2], [5, 3]])
+}
+
+#[test]
+fn a_stretch_of_two_vessels_is_doubled() {
+    let before = length(&crossing());
+    let straight = edited(crossing(), "part 2.5 0.5 0 + 9.5 0.5 0 | 2.5 -0.5 0 + 9.5 -0.5 0").expect("edited");
+    assert_eq!(parts(&straight, &[0, 1, 2, 3]), [0, 1, 0, 1]);
+    let crossed = edited(crossing(), "part 2.5 0.5 0 + 9.5 -0.5 0 | 2.5 -0.5 0 + 9.5 0.5 0").expect("edited");
+    assert_eq!(parts(&crossed, &[0, 1, 2, 3]), [0, 1, 1, 0]);
+    for graph in [straight, crossed] {
+        // Four legs are divided, and one stretch comes twice.
+        assert_eq!((graph.vessel_count(), graph.node_count()), (10, 6 + 4 + 2));
+        assert!((length(&graph) - before - 2.0).abs() < 1e-9);
+        for (row, node) in [(0, 0), (1, 1)] {
+            assert_eq!(graph.ends(row)[0], node, "a row keeps its first node");
+        }
+    }
+}
+
+#[test]
+fn a_group_of_three_keeps_its_junction_and_one_place_is_cut_off() {
+    let fork = drawn(&[[0.0, 0.0, 0.0], [8.0, 3.0, 0.0], [8.0, -3.0, 0.0], [4.0, 0.0, 0.0]], &[[0, 3], [3, 1], [3, 2]]);
+    let cut = edited(fork.clone(), "part 6 1.5 0 + 2 0 0 | 6 -1.5 0").expect("edited");
+    assert_eq!(parts(&cut, &[0, 1, 2]), [0, 0, 2]);
+    assert!((length(&fork) - length(&cut) - 2.5).abs() < 1e-9, "the way from the junction to the place is gone");
+    let five = [[-4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [4.0, -4.0, 0.0], [0.0, 4.0, 0.0], [0.0, -4.0, 0.0], [0.0, 0.0, 0.0]];
+    let star = drawn(&five, &[[0, 5], [1, 5], [2, 5], [3, 5], [4, 5]]);
+    let parted = edited(star, "part -2 0 0 + 2 2 0 + 2 -2 0 | 0 2 0 + 0 -2 0").expect("edited");
+    assert_eq!(parts(&parted, &[0, 1, 2, 3, 4]), [0, 0, 0, 3, 3]);
+}
+
+#[test]
+fn rungs_between_two_rails_go() {
+    let mut places: Vec<[f64; 3]> = Vec::new();
+    for x in [0.0, 4.0, 5.0, 6.0, 10.0] {
+        places.extend([[x, 0.5, 0.0], [x, -0.5, 0.0]]);
+    }
+    let rails = (0..8).map(|node| [node, node + 2]);
+    let vessels: Vec<[usize; 2]> = rails.chain([[2, 3], [4, 5], [6, 7]]).collect();
+    let parted = edited(drawn(&places, &vessels), "part 2 0.5 0 + 8 0.5 0 | 2 -0.5 0 + 8 -0.5 0").expect("edited");
+    assert_eq!(parts(&parted, &[0, 8, 1, 9]), [0, 0, 1, 1]);
+    assert!((length(&parted) - 20.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_contact_on_the_way_is_one_vessel_for_each_group() {
+    let places = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [4.0, 0.0, 0.0], [4.5, 0.0, 0.0], [8.0, 1.0, 0.0], [8.0, -1.0, 0.0]];
+    let mut graph = drawn(&places, &[[0, 2], [1, 2], [3, 4], [3, 5]]);
+    let contact = Vessel { prior: 0.3, evidence: Some(Evidence::undirected(0.3)), ..Vessel::new(5e-4, 5e-4, Origin::Contact) };
+    graph.add_vessel([2, 3], contact);
+    let parted = edited(graph.clone(), "part 2 0.5 0 + 6 0.5 0 | 2 -0.5 0 + 6 -0.5 0").expect("edited");
+    assert_eq!(parts(&parted, &[0, 1, 4, 5]), [0, 1, 0, 1]);
+    let contacts = parted.vessels().filter(|(_, v)| v.origin == Origin::Contact && v.certain && v.prior >= 1.0);
+    assert_eq!(contacts.count(), 2);
+    let apart = edited(graph, "part 2 0.5 0 + 2 -0.5 0 | 6 0.5 0 + 6 -0.5 0").expect("edited");
+    let rejected = apart.vessel(4);
+    assert_eq!((rejected.prior, rejected.certain, rejected.evidence.map(|e| e.probability)), (0.0, false, Some(0.0)));
+}
+
+#[test]
+fn a_join_divides_what_it_ends_on_and_a_deleted_vessel_keeps_its_row() {
+    let two = drawn(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [5.0, 2.0, 0.0], [5.0, 8.0, 0.0]], &[[0, 1], [2, 3]]);
+    let joined = edited(two.clone(), "join 5 0 0 + 5 2 0").expect("edited");
+    assert_eq!((joined.vessel_count(), joined.node_count()), (4, 5));
+    let join = joined.vessel(3);
+    assert!((join.origin, joined.ends(3)[1]) == (Origin::Candidate, 2) && (join.length - 2e-3).abs() < 1e-12);
+    assert!((joined.vessel(0).length - 5e-3).abs() < 1e-12 && (joined.vessel(2).length - 5e-3).abs() < 1e-12);
+    let deleted = edited(two, "delete 5 5 0").expect("edited");
+    assert_eq!((deleted.vessel(1).origin, deleted.vessel(1).prior, deleted.ends(1)), (Origin::Candidate, 0.0, [2, 3]));
+    assert!((length(&deleted) - 10.0).abs() < 1e-9);
+}
+
+#[test]
+fn what_cannot_be_made_says_why() {
+    let two = || drawn(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 5.0, 0.0], [10.0, 5.0, 0.0]], &[[0, 1], [2, 3]]);
+    for (text, why) in [
+        ("delete 5 20 0", "15.0 mm from the nearest vessel"),
+        ("join 5 0 0 + 5 0 0", "both places are one"),
+        ("part 1 0 0 + 9 5 0 | 9 0 0", "join them first"),
+        ("part 1 0 0 | 1 0 0", "two places are at one node"),
+        ("part 1 0 0 + 9 0 0", "two or more groups"),
+        ("join 1 0 0", "two places"),
+        ("delete 1 0 x", "finite numbers"),
+        ("delete 1 0 inf", "finite numbers"),
+        ("move 1 0 0", "join, part or delete"),
+    ] {
+        let said = edited(two(), text).expect_err(text);
+        assert!(said.contains(why), "{text}: {said}");
+    }
+    assert!(edited(Network::new(), "delete 0 0 0").expect_err("nothing").contains("no vessel"));
+    let text = "part 1.5 -2 3 + 0.1 5 6 | 7 8 9";
+    assert_eq!(Edit::try_from(text.to_owned()).expect("an edit").to_string(), text);
+}
