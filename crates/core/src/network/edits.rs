@@ -21,20 +21,20 @@ const AT_END: f64 = 1e-5;
 /// A join is no shorter than this share of its radius: a resistance must not be nothing.
 const SHORTEST: f64 = 0.05;
 
-/// A place, mm.
-type Place = [f64; 3];
+/// A place in mm, not m.
+type MmPoint = [f64; 3];
 
 /// A change of a graph, by places in mm; as text `join 1 2 3 + 4 5 6`, `part 1 2 3 + 4 5 6 | 7 8 9 + 10 11 12`, `delete 1 2 3`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Edit {
     /// A vessel goes from one place to the other.
-    Join([Place; 2]),
+    Join([MmPoint; 2]),
     /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places. What
     /// two groups share is doubled; what joins them and is of none is deleted. Groups of one place cut a vessel off.
-    Part(Vec<Vec<Place>>),
+    Part(Vec<Vec<MmPoint>>),
     /// The vessel at the place is none.
-    Delete(Place),
+    Delete(MmPoint),
 }
 
 impl Edit {
@@ -48,10 +48,10 @@ impl Edit {
     /// Another word, or other places than it takes: what is expected.
     pub fn parse(word: &str, places: &str) -> Result<Self, &'static str> {
         const POINT: &str = "expected places of three finite numbers of mm, with + between places and | between groups";
-        let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<Place>>>();
-        let groups: Vec<Vec<Place>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
+        let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<MmPoint>>>();
+        let groups: Vec<Vec<MmPoint>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
         match (word, &groups[..]) {
-            ("join", [pair]) => <[Place; 2]>::try_from(&pair[..]).map(Self::Join).map_err(|_| "expected two places to join"),
+            ("join", [pair]) => <[MmPoint; 2]>::try_from(&pair[..]).map(Self::Join).map_err(|_| "expected two places to join"),
             ("join", _) => Err("expected two places to join"),
             ("delete", [one]) if one.len() == 1 => Ok(Self::Delete(one[0])),
             ("delete", _) => Err("expected one place on the vessel to delete"),
@@ -81,13 +81,13 @@ impl Edit {
 }
 
 /// Three finite numbers.
-fn place(text: &str) -> Option<Place> {
+fn place(text: &str) -> Option<MmPoint> {
     let numbers: Vec<f64> =
         text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect::<Option<_>>()?;
     numbers.try_into().ok()
 }
 
-fn text_of(places: &[Place]) -> String {
+fn text_of(places: &[MmPoint]) -> String {
     places.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<String>>().join(" + ")
 }
 
@@ -127,7 +127,7 @@ pub struct GraphEditor {
 
 /// The part of a graph that a group of places needs.
 #[derive(Default)]
-struct Tree {
+struct GroupPart {
     nodes: BTreeSet<usize>,
     vessels: BTreeSet<usize>,
 }
@@ -196,7 +196,7 @@ impl GraphEditor {
     }
 
     /// The vessel nearest to a place, and where on it: the stretch of its course, and the share of that.
-    fn nearest(&self, place: Place) -> Result<(usize, (usize, f64)), String> {
+    fn nearest(&self, place: MmPoint) -> Result<(usize, (usize, f64)), String> {
         let at = place.map(|x| x * 1e-3);
         let mut best: Option<(f64, usize, (usize, f64))> = None;
         for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
@@ -228,7 +228,7 @@ impl GraphEditor {
     }
 
     /// The node at a place: an end of the nearest vessel, or a new one that divides it.
-    fn node_at(&mut self, place: Place) -> Result<usize, String> {
+    fn node_at(&mut self, place: MmPoint) -> Result<usize, String> {
         let (row, (stretch, share)) = self.nearest(place)?;
         let course = self.course(row);
         let (from, to) = (course[stretch], course[stretch + 1]);
@@ -280,7 +280,7 @@ impl GraphEditor {
         }
     }
 
-    fn join(&mut self, pair: [Place; 2]) -> Result<(), String> {
+    fn join(&mut self, pair: [MmPoint; 2]) -> Result<(), String> {
         let ends = [self.node_at(pair[0])?, self.node_at(pair[1])?];
         if ends[0] == ends[1] {
             return Err("both places are one; expected two".to_owned());
@@ -318,7 +318,7 @@ impl GraphEditor {
         }
     }
 
-    fn part(&mut self, groups: &[Vec<Place>]) -> Result<(), String> {
+    fn part(&mut self, groups: &[Vec<MmPoint>]) -> Result<(), String> {
         let mut nodes: Vec<Vec<usize>> = Vec::new();
         for group in groups {
             nodes.push(group.iter().map(|place| self.node_at(*place)).collect::<Result<_, String>>()?);
@@ -332,7 +332,7 @@ impl GraphEditor {
                 ));
             }
         }
-        let trees: Vec<Tree> = nodes.iter().map(|own| self.tree(own, &seen)).collect::<Result<_, String>>()?;
+        let trees: Vec<GroupPart> = nodes.iter().map(|own| self.tree(own, &seen)).collect::<Result<_, String>>()?;
         let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
         for (group, tree) in trees.iter().enumerate() {
             tree.vessels.iter().for_each(|row| self.keep(*row));
@@ -356,9 +356,9 @@ impl GraphEditor {
     }
 
     /// The shortest ways that join the nodes of a group, each to the nearest node of those before it; none through a place of another group.
-    fn tree(&self, own: &[usize], places: &BTreeSet<usize>) -> Result<Tree, String> {
+    fn tree(&self, own: &[usize], places: &BTreeSet<usize>) -> Result<GroupPart, String> {
         let edges = self.edges(|row| self.is_there(row));
-        let mut tree = Tree { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
+        let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
         let mut paths = ShortestPaths::new(self.nodes.len());
         for goal in &own[1..] {
             let sources: Vec<usize> = tree.nodes.iter().copied().collect();
@@ -381,7 +381,7 @@ impl GraphEditor {
     }
 
     /// Deletes what joins two groups within the ball around the places: of a way a contact, or else the vessel nearest to the centre.
-    fn cut(&mut self, trees: &[Tree], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>) {
+    fn cut(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>) {
         let count = places.len() as f64;
         let centre = places.iter().fold([0.0; 3], |sum, node| {
             let at = self.at(*node);
@@ -432,7 +432,7 @@ impl GraphEditor {
     }
 
     /// Gives each group nodes and vessels of its own, copies of what an earlier one has.
-    fn double(&mut self, trees: &[Tree], group_of: &BTreeMap<usize, usize>) {
+    fn double(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>) {
         // Rows that a group has, with their nodes as they were.
         let mut taken: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
         for (group, tree) in trees.iter().enumerate() {
