@@ -33,6 +33,7 @@ const RUN: Template = Template {
         include_str!("assets/rules.js"),
         include_str!("assets/threshold.js"),
         include_str!("assets/decisions.js"),
+        include_str!("assets/edits.js"),
         include_str!("assets/review.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),

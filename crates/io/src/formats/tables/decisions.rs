@@ -91,10 +91,14 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             let found = format!("edge {number} comes again, after line {}", first.line);
             return Err(Fault::line(line, found, "expected one decision an edge"));
         }
-        let places = match Edit::parse("join", &placed) {
+        let ends = match Edit::parse("join", &placed) {
+            Ok(Edit::Join(way)) => <[[f64; 3]; 2]>::try_from(way).ok(),
+            _ => None,
+        };
+        let places = match ends {
             _ if placed.is_empty() => None,
-            Ok(Edit::Join(ends)) => Some(ends),
-            _ => {
+            Some(ends) => Some(ends),
+            None => {
                 return Err(Fault::line(
                     line,
                     format!("places \"{placed}\""),
