@@ -202,7 +202,7 @@ impl Inference {
     /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
     /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        self.outcome().topology(&self.decision.kept).network
+        self.outcome().topology(&self.decision.kept).network.into_owned()
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
