@@ -1,9 +1,32 @@
-//! A block of samples allocates nothing after the first: counted by an allocator that counts.
+//! What is allocated: by a block of samples nothing after the first, by the files of a run at most so much a vessel; counted by an allocator that counts.
 
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums, Uncertain, Weight};
+use willis::{InferOptions, ReadOptions, SaveOptions, infer, read_bytes};
+
+/// Bytes that the files of a run take at most while they are written, beside the graph.
+fn peak_of_files(leaves: usize) -> u64 {
+    let rows: String = (1..=leaves).map(|leaf| format!("0,{leaf},10,{}\n", 0.5 + 1e-4 * (leaf % 100) as f64)).collect();
+    let star = format!("node_a,node_b,length_mm,radius_mm\n{rows}");
+    let input = read_bytes("star.csv".as_ref(), star.as_bytes(), &ReadOptions::default()).expect("a graph");
+    let mut options = InferOptions::default();
+    options.sampling.samples = 64;
+    options.boundary.inlet = vec!["1=100mmHg".to_owned()];
+    let run = infer(&input, &options).expect("a run");
+    let here = tempfile::tempdir().expect("a folder");
+    let mut save = || run.save(&here.path().join("out"), &SaveOptions::default()).expect("saved");
+    allocation_counter::measure(|| drop(save())).bytes_max
+}
+
+/// A copy of the kept half of the graph, its columns, the conditions: 1 kB a vessel with the graph itself, which has 0.4 kB.
+#[test]
+fn files_of_a_run_take_little_memory_a_vessel() {
+    let [few, many] = [8_000, 24_000].map(peak_of_files);
+    let each = (many - few) as f64 / 16_000.0;
+    assert!((100.0..800.0).contains(&each), "{each:.0} bytes a vessel");
+}
 
 #[test]
 fn a_block_allocates_nothing_once_warm() {
