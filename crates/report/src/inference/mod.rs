@@ -32,24 +32,47 @@ pub const DENSE_LIMIT: usize = 8192;
 /// The largest network that gets a page: a browser takes seconds for so many vessels.
 const PAGE_LIMIT: usize = 100_000;
 
-/// Writes every file of an inference into a folder and returns what a person should know about files left out.
+/// What remains of the tables of an inference that are written.
+#[derive(Debug)]
+pub struct OutcomeTables {
+    /// The columns of nodes.csv for a page, where there will be one.
+    nodes: Option<Vec<Column>>,
+    notes: Vec<String>,
+}
+
+/// Writes the tables of an inference and its topologies into a folder: before its record is made, which is as long as it has free ends.
 ///
 /// # Errors
 ///
 /// A file that cannot be written, or pressures that cannot be solved for.
-pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary, dpi: u32) -> Result<Vec<String>> {
+pub fn write_tables(folder: &Path, outcome: &Outcome<'_>) -> Result<OutcomeTables> {
     let mut notes = Vec::new();
-    let network = outcome.network;
     // Columns are made for each file again: those of a million vessels are not held while a circuit is solved, nor for a page that is not made.
     write_file(&folder.join(EDGES), |out| write_csv(out, &vessel_columns(outcome)))?;
-    let kept_nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &mut notes)?;
-    write_file(&folder.join(NODES), |out| write_csv(out, &kept_nodes))?;
-    let for_page = (network.vessel_count() <= PAGE_LIMIT).then_some(kept_nodes);
+    let nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &mut notes)?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
+    let nodes = (outcome.network.vessel_count() <= PAGE_LIMIT).then_some(nodes);
     if outcome.answer.kept == outcome.answer.above_median {
         copy(folder, ["graphml", "vtp"])?;
     } else {
         topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &mut notes)?;
     }
+    Ok(OutcomeTables { nodes, notes })
+}
+
+/// Writes the other files of an inference and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_outcome(
+    folder: &Path,
+    outcome: &Outcome<'_>,
+    tables: OutcomeTables,
+    summary: &mut Summary,
+    dpi: u32,
+) -> Result<Vec<String>> {
+    let OutcomeTables { nodes: for_page, mut notes } = tables;
     if !outcome.suggested_cuts.is_empty() {
         write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
     }

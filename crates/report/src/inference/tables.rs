@@ -39,7 +39,8 @@ pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Colum
         let each = vessels.into_iter().map(|column| if column.name == "kept" { kept.clone() } else { column });
         return each.chain([edges]).collect();
     }
-    let mut own = willis_io::formats::vessel_columns(&merged.network);
+    let is_merged = parts.iter().any(|parts| parts.len() > 1);
+    let mut own = if is_merged { willis_io::formats::vessel_columns(&merged.network) } else { Vec::new() };
     let volume = |row: &usize| network.vessel(*row).volume();
     let mean = |of: &[f64], parts: &[usize]| {
         if let [row] = parts {
