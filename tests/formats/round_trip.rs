@@ -183,7 +183,7 @@ fn tables_hold_numbers_that_come_back() {
     let columns = [
         Column { name: "a".into(), values: Values::Real(vec![1.0, f64::NAN, f64::NEG_INFINITY, 0.1 + 0.2, 1e-300, -1e22]) },
         Column { name: "b".into(), values: Values::Integer(vec![1, 2, 3, 4, 5, -6]) },
-        Column { name: "c".into(), values: Values::Text(["", "x,y", "\"q\"", "é", "", "l\nm"].map(Into::into).to_vec()) },
+        Column { name: "c".into(), values: Values::Text(["", "x,y", "\"q\"", "é", "", "l\nm"].into_iter().collect()) },
     ];
     write_csv(&mut bytes, &columns).unwrap();
     let expected = "a,b,c\n1,1,\n,2,\"x,y\"\n-inf,3,\"\"\"q\"\"\"\n0.30000000000000004,4,é\n1e-300,5,\n-1e22,-6,\"l\nm\"\n";
