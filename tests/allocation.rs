@@ -20,12 +20,12 @@ fn peak_of_files(leaves: usize) -> u64 {
     allocation_counter::measure(|| drop(save())).bytes_max
 }
 
-/// A copy of the kept half of the graph, its columns, the conditions: 1 kB a vessel with the graph itself, which has 0.4 kB.
+/// Columns of a table, the kept half of the graph or the page, never all at once; the graph itself has 0.4 kB a vessel.
 #[test]
 fn files_of_a_run_take_little_memory_a_vessel() {
     let [few, many] = [10_000, 26_000].map(peak_of_files);
     let each = (many as f64 - few as f64) / 16_000.0;
-    assert!((100.0..800.0).contains(&each), "{each:.0} bytes a vessel");
+    assert!((100.0..1200.0).contains(&each), "{each:.0} bytes a vessel");
 }
 
 #[test]
