@@ -2,6 +2,7 @@
 
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
+use willis::internals::output::atomic::StagedFolder;
 use willis::internals::phantom::{cerebral, circle_of_willis};
 use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums, Uncertain, Weight};
 use willis::{InferOptions, ReadOptions, SaveOptions, infer, read_bytes};
@@ -26,6 +27,18 @@ fn files_of_a_run_take_little_memory_a_vessel() {
     let [few, many] = [10_000, 26_000].map(peak_of_files);
     let each = (many as f64 - few as f64) / 16_000.0;
     assert!((100.0..1200.0).contains(&each), "{each:.0} bytes a vessel");
+}
+
+/// That a folder is one of willis is asked of its record, of which the conditions of many vessels are not kept in memory.
+#[test]
+fn a_long_record_is_recognised_in_little_more_than_its_size() {
+    let here = tempfile::tempdir().expect("a folder");
+    let conditions = vec![r#"{"found":true,"id":"17","node":17,"pressure_mmHg":0.0,"role":"outlet"}"#; 20_000].join(",");
+    let record = format!(r#"{{"boundary_conditions":[{conditions}],"willis":"0.1.0"}}"#);
+    std::fs::write(here.path().join("run.json"), &record).expect("written");
+    let check = || StagedFolder::check(here.path(), true).expect("a folder of willis");
+    let most = allocation_counter::measure(check).bytes_max as usize;
+    assert!((record.len()..2 * record.len()).contains(&most), "{most} bytes for {}", record.len());
 }
 
 #[test]
