@@ -12,6 +12,7 @@ use super::path_places::length_of;
 use super::paths::ShortestPaths;
 use super::units::millimetres;
 use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use crate::error::in_few_digits;
 use crate::support::geometry::{Point, distance, lerp};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
@@ -49,6 +50,8 @@ impl Edit {
     /// Another word, or other places than it takes: what is expected.
     pub fn parse(word: &str, places: &str) -> Result<Self, &'static str> {
         const POINT: &str = "expected places of three finite numbers of mm, with + between places and | between groups";
+        // The sign of a power of ten separates nothing: 1.5e+01.
+        let places = places.replace("e+", "e").replace("E+", "E");
         let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<MmPoint>>>();
         let groups: Vec<Vec<MmPoint>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
         match (word, &groups[..]) {
@@ -89,7 +92,7 @@ fn place(text: &str) -> Option<MmPoint> {
 }
 
 fn text_of(places: &[MmPoint]) -> String {
-    places.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<String>>().join(" + ")
+    places.iter().map(|place| place.map(|x| in_few_digits(x.to_string())).join(" ")).collect::<Vec<String>>().join(" + ")
 }
 
 impl fmt::Display for Edit {
@@ -219,9 +222,9 @@ impl GraphEditor {
             return Err("the nodes have no coordinates".to_owned());
         }
         if away > REACH.max(self.vessels[row].1.radius) {
-            let [away, reach] = [away, REACH].map(millimetres);
+            let (away, reach) = (in_few_digits(format!("{:.1}", millimetres(away))), millimetres(REACH));
             return Err(format!(
-                "{} is {away:.1} mm from the nearest vessel; expected a place within {reach} mm of one",
+                "{} is {away} mm from the nearest vessel; expected a place within {reach} mm of one",
                 text_of(&[place])
             ));
         }
