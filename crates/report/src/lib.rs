@@ -4,6 +4,7 @@
 
 mod accuracy;
 pub mod bids_table;
+mod circle_figures;
 pub mod cohort;
 pub mod figures;
 mod inference;
@@ -12,6 +13,7 @@ mod morphometry;
 pub mod node_blocks;
 pub mod page;
 mod phenotype;
+mod readers;
 pub mod run_record;
 mod simulation;
 mod supply;
@@ -19,7 +21,9 @@ mod supply;
 pub use accuracy::{Segments, accuracy_columns};
 pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use morphometry::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
+pub use circle_figures::CircleFigures;
+pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
+pub use morphometry::{MeasuredSubject, NamedFigures, named_figures};
 pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
