@@ -47,7 +47,8 @@ impl CohortRow {
         self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
     }
 
-    fn number(&self, column: &str) -> f64 {
+    /// A figure; not a number where it is missing.
+    pub(crate) fn number(&self, column: &str) -> f64 {
         self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
