@@ -11,8 +11,8 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::write_file;
 use crate::internals::output::write_record;
-use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
+use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
 use crate::internals::support::suggestions::did_you_mean;
 use crate::{BoundaryOptions, ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, twice_read, two_groups};
@@ -116,8 +116,13 @@ impl MeasureArgs {
             let each = Each { subjects: &subjects, done: &done, heading: "measured", noun: "subject", place: &self.output };
             each.make(|at| one(at, terminal.of_many()), terminal)?
         };
-        let (measured, read): (Vec<Option<Measurement>>, Vec<Vec<TwiceRead>>) =
-            measured.into_inner().unwrap_or_else(PoisonError::into_inner).into_iter().map(Option::unzip).map(|(found, read)| (found, read.unwrap_or_default())).unzip();
+        let (measured, read): (Vec<Option<Measurement>>, Vec<Vec<TwiceRead>>) = measured
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+            .into_iter()
+            .map(Option::unzip)
+            .map(|(found, read)| (found, read.unwrap_or_default()))
+            .unzip();
         let read = (!self.reader.is_empty()).then(|| read.concat());
         let rows: Vec<CohortRow> = (0..subjects.len())
             .map(|at| row_of(&subjects[at], &known[at], measured[at].as_ref(), failures[at].clone()))
@@ -128,7 +133,10 @@ impl MeasureArgs {
         let comparison = groups.map(compared).transpose()?;
         if let Some(read) = &read {
             let found = kappa_of(read);
-            terminal.say("readers", format!("{} of {} alike, kappa {:.2}", found.alike, plural(found.count, "decision"), found.kappa));
+            terminal.say(
+                "readers",
+                format!("{} of {} alike, kappa {:.2}", found.alike, plural(found.count, "decision"), found.kappa),
+            );
         }
         self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
         if self.json {

@@ -19,8 +19,8 @@ use willis_io::formats::{LandmarkFormat, read_landmarks};
 use willis_io::output::names::LANDMARKS;
 use willis_io::output::write_file;
 use willis_models::circle_of_willis::{
-    Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals,
-    hypoplastic, identify_landmarks, in_axes_of, segment_diameters,
+    Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
+    identify_landmarks, in_axes_of, segment_diameters,
 };
 use willis_models::naming::{NamedCircle, Names, NamingModels};
 use willis_report::CircleFigures;

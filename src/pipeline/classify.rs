@@ -21,8 +21,8 @@ use willis_io::output::names::SUPPLY;
 use willis_io::output::write_file;
 use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
-    CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
-    write_classified, write_phenotype,
+    CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns,
+    supply_json, write_classified, write_phenotype,
 };
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.

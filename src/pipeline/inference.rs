@@ -25,8 +25,8 @@ use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::run_record::Built;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns, write_outcome,
-    write_phenotype,
+    CircleFigures, Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns,
+    write_outcome, write_phenotype,
 };
 
 /// What a run found.

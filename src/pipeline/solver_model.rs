@@ -30,7 +30,9 @@ pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Fol
         (setting.period, setting.courses, setting.density) = (waves.period, waves.courses(&network, &steady), pulse.density);
         let (fluid, law) = (fluid(pulse, options.viscosity), law(pulse, &network));
         let vessels = walled(&network, &Tube::at_rest(&network, options.viscosity), &[], &law, &fluid)?;
-        for (node, found) in terminals(&network, &boundary, &windkessels, &vessels, &fluid, pulse.time_constant).into_iter().enumerate() {
+        for (node, found) in
+            terminals(&network, &boundary, &windkessels, &vessels, &fluid, pulse.time_constant).into_iter().enumerate()
+        {
             if let Some(found) = found.filter(|found| found.compliance > 0.0) {
                 windkessels[node] = Windkessel { proximal: Some(found.proximal), compliance: Some(found.compliance) };
             }
@@ -41,7 +43,9 @@ pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Fol
             walls[row] = match law {
                 WallLaw::Stated => vessel.wall,
                 WallLaw::Elastic { young, thickness: Thickness::Length(thickness) } => Some(Wall::Elastic { young, thickness }),
-                WallLaw::Elastic { young, thickness: Thickness::OfRadius(share) } => Some(Wall::Elastic { young, thickness: share * radius }),
+                WallLaw::Elastic { young, thickness: Thickness::OfRadius(share) } => {
+                    Some(Wall::Elastic { young, thickness: share * radius })
+                }
                 // The speed that gives this compliance.
                 _ => Some(Wall::Speed((PI * radius * radius / (pulse.density * compliance)).sqrt())),
             };

@@ -76,7 +76,8 @@ pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles
     }
     for (number, id) in written.inlets.iter().enumerate() {
         if let Some(course) = target.setting.courses.get(id) {
-            staged.write(&target.path.with_file_name(format!("inlet-{}.dat", number + 1)), |out| write_openbf_inlet(out, course))?;
+            staged
+                .write(&target.path.with_file_name(format!("inlet-{}.dat", number + 1)), |out| write_openbf_inlet(out, course))?;
         }
     }
     notes.append(&mut written.notes);

@@ -127,7 +127,10 @@ fn a_labelled_subject_is_its_single_label() {
     assert!(stderr(&output).contains("1 of 2 subjects done already"), "{}", stderr(&output));
     assert!(!marker.exists());
     let before = contents(here.path());
-    for (words, why) in [(&["out", "--max-gap", "3"][..], "with other parameters (max-gap-m was not given"), (&["named.vtp"], "expected a folder")] {
+    for (words, why) in [
+        (&["out", "--max-gap", "3"][..], "with other parameters (max-gap-m was not given"),
+        (&["named.vtp"], "expected a folder"),
+    ] {
         let output = label(words);
         assert!(output.status.code() == Some(2) && stderr(&output).contains(why), "{}", stderr(&output));
     }

@@ -273,13 +273,16 @@ fn openbf_finds_every_key_that_it_demands() {
 #[test]
 fn conditions_of_a_simulation_go_into_models() {
     let here = folder();
-    fs::write(here.path().join("wave.csv"), "time_s,flow_mL_per_min\n0,120\n0.4,120\n0.4,360\n0.8,360\n0.8,120\n").expect("written");
+    fs::write(here.path().join("wave.csv"), "time_s,flow_mL_per_min\n0,120\n0.4,120\n0.4,360\n0.8,360\n0.8,120\n")
+        .expect("written");
     let edges = "node_a,node_b,label,length_mm,radius_mm\n0,1,ICA,100,2\n1,2,M1,50,1.5\n1,3,A1,50,1\n";
     fs::write(here.path().join("edges.csv"), edges).expect("written");
-    fs::write(here.path().join("nodes.csv"), "node,id,x_mm,y_mm,z_mm\n0,in,0,0,0\n1,fork,0,0,100\n2,m,50,0,100\n3,a,0,50,100\n").expect("written");
+    fs::write(here.path().join("nodes.csv"), "node,id,x_mm,y_mm,z_mm\n0,in,0,0,0\n1,fork,0,0,100\n2,m,50,0,100\n3,a,0,50,100\n")
+        .expect("written");
     let convert = |more: &[&str]| willis(here.path(), &[&["convert", "edges.csv"], more].concat());
     let conditions = ["--inlet", "in", "--outlet", "m=20mmHg.s/mL", "--outlet", "a=40mmHg.s/mL"];
-    let pulse = ["--pulse", "wave.csv", "--viscosity", "4cP", "--density", "1050kg/m3", "--wall", "pwv=8m/s", "--harmonics", "200"];
+    let pulse =
+        ["--pulse", "wave.csv", "--viscosity", "4cP", "--density", "1050kg/m3", "--wall", "pwv=8m/s", "--harmonics", "200"];
     let made = convert(&[&["model.yaml"], &conditions[..], &pulse[..]].concat());
     assert!(made.status.success(), "{}", stderr(&made));
     let text = fs::read_to_string(here.path().join("model.yaml")).expect("a model");

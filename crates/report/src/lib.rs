@@ -19,15 +19,15 @@ mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
+pub use circle_figures::CircleFigures;
 pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use circle_figures::CircleFigures;
-pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
 pub use morphometry::{MeasuredSubject, NamedFigures, named_figures};
 pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };
+pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
 pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::node_columns as simulated_nodes;
 pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};

@@ -97,10 +97,18 @@ pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
         text("id_a".to_owned(), &|row| row.ids[0].clone()),
         text("id_b".to_owned(), &|row| row.ids[1].clone()),
     ];
-    columns.extend(["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(|(k, name)| Column::real(name, rows.iter().map(move |row| row.middle[k]))));
+    columns.extend(
+        ["x_mm", "y_mm", "z_mm"]
+            .into_iter()
+            .enumerate()
+            .map(|(k, name)| Column::real(name, rows.iter().map(move |row| row.middle[k]))),
+    );
     columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
-    let of_reader: [(&str, fn(&ReadBy) -> String); 3] =
-        [("decision", |read| ANSWERS[read.answer()].1.to_owned()), ("who", |read| read.who.clone()), ("comment", |read| read.comment.clone())];
+    let of_reader: [(&str, fn(&ReadBy) -> String); 3] = [
+        ("decision", |read| ANSWERS[read.answer()].1.to_owned()),
+        ("who", |read| read.who.clone()),
+        ("comment", |read| read.comment.clone()),
+    ];
     for (name, of) in of_reader {
         for (reader, letter) in ["a", "b"].into_iter().enumerate() {
             columns.push(text(format!("{name}_{letter}"), &|row| row.read[reader].as_ref().map_or_else(String::new, of)));

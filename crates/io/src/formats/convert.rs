@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed, write_openbf_with, write_svzerod_with};
+use crate::formats::solvers::{
+    MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed, write_openbf_with, write_svzerod_with,
+};
 use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};

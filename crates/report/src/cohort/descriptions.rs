@@ -64,9 +64,13 @@ pub fn describe(column: &str) -> Option<Value> {
         return Some(json!({ "Description": about, "Units": "mm" }));
     }
     if let Some(segment) = of_circle.and_then(|rest| rest.strip_suffix("_hypoplastic")).filter(|name| is_segment(name)) {
-        return Some(levels(&format!("Whether the segment {segment} of the Circle of Willis is hypoplastic, where it is there."), is_there()));
+        return Some(levels(
+            &format!("Whether the segment {segment} of the Circle of Willis is hypoplastic, where it is there."),
+            is_there(),
+        ));
     }
-    if let Some(pair) = of_circle.and_then(|rest| rest.strip_suffix("_asymmetry")).filter(|name| is_segment(&format!("L-{name}"))) {
+    if let Some(pair) = of_circle.and_then(|rest| rest.strip_suffix("_asymmetry")).filter(|name| is_segment(&format!("L-{name}")))
+    {
         return Some(count(&format!("The diameter of the left {pair} minus that of the right, over their mean.")));
     }
     if let Some(artery) = column.strip_prefix("fetal_") {

@@ -4,8 +4,8 @@ pub(in crate::formats) mod openbf;
 pub(in crate::formats) mod svzerod;
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, HashMap};
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 use std::io;
 

@@ -86,7 +86,8 @@ pub fn write_openbf_with(out: &mut impl Write, network: &Network, setting: &Solv
         writeln!(out, "    E: {}\n    h0: {}", number_of(stiffness / thickness), number_of(thickness))?;
         if let Some(condition) = ends.condition(*begins) {
             inlets.push(network.node(*begins).id.clone());
-            let is_pressure = ends.course(*begins).map_or(matches!(condition, Condition::Pressure(_)), |c| c.quantity == Quantity::Pressure);
+            let is_pressure =
+                ends.course(*begins).map_or(matches!(condition, Condition::Pressure(_)), |c| c.quantity == Quantity::Pressure);
             let (quantity, number) = (if is_pressure { "P" } else { "Q" }, inlets.len());
             writeln!(out, "    inlet: {quantity}\n    inlet file: inlet-{number}.dat\n    inlet number: {number}")?;
         }
