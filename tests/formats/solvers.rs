@@ -314,7 +314,7 @@ fn conditions_of_a_simulation_go_into_models() {
     let area = std::f64::consts::PI * 0.15 * 0.15;
     assert!((values("OUTLET_m", "Rp") / (1.05 * 800.0 / area) - 1.0).abs() < 1e-9);
     let whole = values("OUTLET_m", "Rp") + values("OUTLET_m", "Rd");
-    assert!((whole / (20.0 * 1333.223_684) - 1.0).abs() < 1e-6 && (whole * values("OUTLET_m", "C") - 0.69).abs() < 1e-9);
+    assert!((whole / (20.0 * 1_333.223_684) - 1.0).abs() < 1e-6 && (whole * values("OUTLET_m", "C") - 0.69).abs() < 1e-9);
     let poiseuille = 8.0 * 0.04 * 5.0 / (std::f64::consts::PI * 0.15_f64.powi(4));
     let m1 = &model["vessels"][1]["zero_d_element_values"];
     assert!((m1["R_poiseuille"].as_f64().expect("a number") / poiseuille - 1.0).abs() < 1e-9, "{m1}");

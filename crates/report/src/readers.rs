@@ -86,6 +86,9 @@ pub fn reader_columns(read: &[TwiceRead]) -> Vec<Column> {
     columns
 }
 
+/// A column of each reader: its name, and what it says.
+type ReaderColumn = (&'static str, fn(&ReadBy) -> String);
+
 /// The columns of differences.csv: the connections that both decided otherwise, or only one.
 pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
     let rows: Vec<&TwiceRead> = read.iter().filter(|row| row.answers().is_none_or(|[a, b]| a != b)).collect();
@@ -104,7 +107,7 @@ pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
             .map(|(k, name)| Column::real(name, rows.iter().map(move |row| row.middle[k]))),
     );
     columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
-    let of_reader: [(&str, fn(&ReadBy) -> String); 3] = [
+    let of_reader: [ReaderColumn; 3] = [
         ("decision", |read| ANSWERS[read.answer()].1.to_owned()),
         ("who", |read| read.who.clone()),
         ("comment", |read| read.comment.clone()),
