@@ -133,10 +133,8 @@ impl MeasureArgs {
         let comparison = groups.map(compared).transpose()?;
         if let Some(read) = &read {
             let found = kappa_of(read);
-            terminal.say(
-                "readers",
-                format!("{} of {} alike, kappa {:.2}", found.alike, plural(found.count, "decision"), found.kappa),
-            );
+            let kappa = if found.kappa.is_nan() { "no kappa".to_owned() } else { format!("kappa {:.2}", found.kappa) };
+            terminal.say("readers", format!("{} of {} alike, {kappa}", found.alike, plural(found.count, "decision")));
         }
         self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
         if self.json {

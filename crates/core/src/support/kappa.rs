@@ -44,6 +44,8 @@ pub fn cohen_kappa(pairs: &[[usize; 2]], answers: usize) -> CohenKappa {
             };
         }
     }
-    let error = (variance.max(0.0) / n).sqrt() / (beyond * beyond);
+    // Of readers who always agree it is zero but for rounding.
+    let variance = if alike == pairs.len() { 0.0 } else { variance.max(0.0) };
+    let error = (variance / n).sqrt() / (beyond * beyond);
     CohenKappa { count: pairs.len(), alike, kappa, interval: [-Z, Z].map(|z| (kappa + z * error).clamp(-1.0, 1.0)) }
 }
