@@ -462,6 +462,7 @@ def page_of(folder: Path) -> str:
 
 
 _TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant"})
+_TEXT |= {f"{name}_{reader}" for name in ("decision", "who", "comment") for reader in "ab"}
 _WHOLE = frozenset({"node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 
 
