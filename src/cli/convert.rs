@@ -22,6 +22,9 @@ use super::shell::print_json;
 /// The ending of OUT says the format: .swc, .vtp, .vtk (legacy), .graphml, .csv (a table of vessels, with one of nodes beside
 /// it), .json (3D Slicer markups), .tre (ITK tubes), .am (Amira), .npz (skeleton graph for NumPy). --to says it where the ending does not.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis convert extraction.vtp extraction.swc
+  willis convert circle.graphml model.json --to svzerod")]
 pub struct ConvertArgs {
     #[command(flatten)]
     input: InputArgs,

@@ -17,7 +17,7 @@ mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
-pub use inference::{Outcome, agreement, few_perfused, topology_columns, vessel_columns, write_outcome};
+pub use inference::{Outcome, agreement, few_perfused, review_columns, topology_columns, vessel_columns, write_outcome};
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
 pub use page::{ImageCut, Segmentation};
