@@ -33,18 +33,11 @@ def desk(viewer, scan, tmp_path):
     """The panel in napari's window, with the run of the scan as an array of which napari knows the file."""
     np.save(tmp_path / "brain.npy", scan[0])
     (layer,) = viewer.open(tmp_path / "brain.npy", plugin="napari", layer_type="labels", scale=(0.6, 0.6, 0.6), units="mm")
-    viewer.window.add_plugin_dock_widget("willis") if "willis" in plugins() else None
     made = Desk(viewer)
     viewer.window.add_dock_widget(made.panel)
     made.mask.value, made.folder.value, made.who.value = layer, tmp_path, "A. Reader"
     made.infer()()
     return made
-
-
-def plugins():
-    from npe2 import PluginManager
-
-    return [manifest.name for manifest in PluginManager.instance().iter_manifests()]
 
 
 def press(desk, key):
@@ -92,8 +85,8 @@ def test_vessels_lie_in_the_voxels_of_their_layer(axes):
     world = grid.to_world(np.concatenate(network.lines()[1]))
     voxels = np.round([layer.world_to_data(place) for place in world]).astype(int)
     assert mask[tuple(voxels.T)].all()
-    # Along the longest axis; a line ends up to a radius short of the lumen, which is a mm wide.
-    assert 0.8 * 32 - 3 < network.edges["length_mm"].sum() < 0.8 * 32
+    # Along the longest axis, and short of the lumen by three voxels at each end, as thinning is.
+    assert 0.8 * 32 - 6 * 0.8 - 1e-9 < network.edges["length_mm"].sum() < 0.8 * 32
     np.testing.assert_allclose(grid.to_mm(world), np.concatenate(network.lines()[1]), atol=1e-9)
 
 
@@ -169,18 +162,21 @@ def test_places_edit_as_the_command_does(desk):
     press(desk, "j")
     assert len(desk.review.run.kept) > len(run.kept) and len(places.data) == 0
     same_runs(desk.review.run, run.decide(join=[lines[gap][[0, -1]]]))
-    observed = next(row for row in np.flatnonzero(run.edges["origin"] == "observed") if len(lines[row]) > 20)
+    observed, other = [row for row in np.flatnonzero(run.edges["origin"] == "observed") if len(lines[row]) > 20][:2]
     places.data = desk.grid.to_world(lines[observed][[5]])
     press(desk, "g")
     places.add(desk.grid.to_world(lines[observed][[-5]]))
     press(desk, "p")
     made = desk.review.made[-1]
     assert made.word == "part" and made.places.count("|") == 1, desk.said.value
-    places.data = desk.grid.to_world(lines[observed][[10]])
+    places.data = desk.grid.to_world(lines[other][[10]])
     press(desk, "d")
     assert desk.review.made[-1].word == "delete", desk.said.value
     desk.save()
-    same_runs(desk.review.run, of_command(desk))
+    # Inlets and outlets that were found stay in the session, and are found again in a run of the list, so that L differs, and the answer does not.
+    listed = of_command(desk)
+    for name in ("edge", "node_a", "node_b", "origin", "length_mm", "probability", "kept"):
+        np.testing.assert_array_equal(desk.review.run.edges[name], listed.edges[name], err_msg=name)
     for key in "uuu":
         press(desk, key)
     same_runs(desk.review.run, run)
@@ -240,10 +236,11 @@ def test_the_buttons_work_beside_the_window_and_names_are_found(desk):
 
     def waited(act):
         desk._work(act)
-        until = time.monotonic() + 300
+        until = time.monotonic() + 900
         while desk.said.value == "At work." or desk.worker.is_running:
             assert time.monotonic() < until
             get_qapp().processEvents()
+            time.sleep(0.05)
 
     waited(desk.skeleton)
     assert len(desk.layers["skeleton"].data) > 100
