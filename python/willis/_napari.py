@@ -102,6 +102,7 @@ class Desk:
         self.row: int | None = None
         self.layers: dict[str, Any] = {}
         self.said = widgets.Label(value="Choose a mask.")
+        self.said.native.setWordWrap(True)
         self.mask = widgets.ComboBox(label="mask", choices=self._masks)
         self.axes = widgets.ComboBox(label="axes point", choices=AXES)
         self.level = widgets.LineEdit(label="level of an image")
@@ -274,7 +275,8 @@ class Desk:
 
     def _follow(self) -> None:
         """Draws what the decisions made of the run, the connection in question, and what is left."""
-        review, grid = self._reviewed(), self._reviewed_grid()
+        review = self._reviewed()
+        review.who = self.who.value
         origin = review.run.edges["origin"]
         drawn = [(row, "observed" if origin[row] == "observed" else "joined") for row in np.flatnonzero(review.run.kept)]
         self._draw("vessels", [(review.lines[row], state) for row, state in drawn], 0.4)
@@ -291,8 +293,6 @@ class Desk:
             box.value = review.verdicts[segment].word if segment in review.verdicts else ""
         left = f"{len(review.open)} of {len(review.questions)} open."
         self.said.value = left if self.row is None else f"{left} {review.asks(self.row)}"
-        review.who = self.who.value
-        assert grid is not None
 
     def _show_skeleton(self, grid: Grid, network: Network) -> None:
         self.grid = grid
@@ -339,7 +339,8 @@ class Desk:
         review = self._reviewed()
         words = [review.decided(row) or "open" for row in review.questions]
         features = {"rank": [str(rank) for rank in range(1, len(words) + 1)], "edge": review.questions, "decision": words}
-        text = {"string": "{rank}", "color": "white", "size": 10}
+        beside = [0.0, *np.full(2, 1.5 * self._reviewed_grid().per_mm)]
+        text = {"string": "{rank}", "color": "white", "size": 10, "translation": beside}
         return {"features": features, "face_color": [_DECIDED[word] for word in words] or "white", "text": text}
 
     def _put(self, name: str, add: Callable[..., Any], data: Places, **options: Any) -> None:

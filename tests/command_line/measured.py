@@ -170,6 +170,8 @@ def masks():
                 assert len(branches) == len(vessels)
                 # They go from voxel to voxel.
                 assert 1.04 < branches["branch-distance"].sum() / truth < 1.15, branches["branch-distance"].sum() / truth
+                if len(lines) > 1:
+                    assert 1.1 < (branches["branch-distance"] / branches["euclidean-distance"]).max() < 1.2, branches
 
 
 drawn()
