@@ -128,7 +128,8 @@ def test_questions_are_points_in_the_order_of_the_review(desk):
 
 
 def test_keys_decide_as_the_command_does(desk):
-    first, second, third = desk.review.questions[:3]
+    first = desk.review.questions[0]
+    desk.comment.value = "=seen, on two\nslices"
     press(desk, "a")
     assert desk.review.decided(first) == "accept" and desk.review.run.kept[first]
     here = desk.row
@@ -144,6 +145,7 @@ def test_keys_decide_as_the_command_does(desk):
     same_runs(desk.review.run, of_command(desk))
     rows = rows_of(desk.folder.value / "brain-decisions.csv")
     assert {row["decision"] for row in rows} == {"accept", "reject", "unsure"} and {row["who"] for row in rows} == {"A. Reader"}
+    assert [row["comment"] for row in rows if row["decision"] == "accept"] == ["'=seen, on two slices"] and desk.comment.value == ""
     assert [int(row["edge"]) for row in rows] == sorted(int(row["edge"]) for row in rows)
     # Another session goes on where this one was.
     before = desk.review

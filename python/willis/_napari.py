@@ -97,8 +97,9 @@ class Desk:
 
     def __init__(self, viewer: Any) -> None:
         widgets = library("magicgui.widgets", "napari")
-        self.viewer, self.review, self.grid, self.name, self.groups = viewer, None, None, "brain", [0]
-        self.review: Review | None
+        self.viewer, self.name, self.groups = viewer, "brain", [0]
+        self.review: Review | None = None
+        self.grid: Grid | None = None
         self.row: int | None = None
         self.layers: dict[str, Any] = {}
         self.said = widgets.Label(value="Choose a mask.")
@@ -107,6 +108,7 @@ class Desk:
         self.axes = widgets.ComboBox(label="axes point", choices=AXES)
         self.level = widgets.LineEdit(label="level of an image")
         self.who = widgets.LineEdit(label="reader")
+        self.comment = widgets.LineEdit(label="comment")
         self.folder = widgets.FileEdit(label="folder", mode="d", value=Path.cwd())
         self.verdicts = {name: widgets.ComboBox(label=name, choices=["", *VERDICTS]) for name in SEGMENTS}
 
@@ -123,6 +125,7 @@ class Desk:
                 row_of(("Skeleton", lambda: self._work(self.skeleton)), ("Infer", lambda: self._work(self.infer)), ("Names", lambda: self._work(self.name_vessels))),
                 self.said,
                 *(row_of(*(keyed[name] for name in names)) for names in (["accept", "reject", "unsure"], ["go_on", "undo"], ["join", "delete"], ["begin_group", "part"])),
+                self.comment,
                 *self.verdicts.values(),
                 self.folder,
                 row_of(("Load", self.load), ("Save", self.save), ("Save run", self.save_run)),
@@ -246,20 +249,26 @@ class Desk:
     def _decide(self, word: str) -> None:
         if self.row is None:
             raise WillisError("decision: no connection is chosen; expected a question", item="decision")
-        self._reviewed().decide(self.row, word)
+        self._reviewed().decide(self.row, word, str(self.comment.value))
+        self.comment.value = ""
         self.go_on()
 
     def _edit(self, word: str) -> None:
         marked = self._reviewed_grid().to_mm(self.layers["places"].data)
         groups = np.split(marked, [at for at in self.groups[1:] if 0 < at < len(marked)])
-        self._reviewed().edit(word, [group.tolist() for group in groups])
+        self._reviewed().edit(word, [group.tolist() for group in groups], str(self.comment.value))
+        self.comment.value = ""
         self.layers["places"].data = np.empty((0, 3))
         self._follow()
 
     def _judge(self, segment: str, verdict: str) -> None:
-        if self.review is not None and (self.review.verdicts[segment].word if segment in self.review.verdicts else "") != verdict:
-            self.review.who = self.who.value
-            self.review.judge(segment, verdict)
+        if self.review is not None and self._verdict(segment) != verdict:
+            self._reviewed().judge(segment, verdict, str(self.comment.value))
+            self.comment.value = ""
+
+    def _verdict(self, segment: str) -> str:
+        verdicts = self._reviewed().verdicts
+        return verdicts[segment].word if segment in verdicts else ""
 
     def _chosen(self) -> None:
         chosen = list(self.layers["questions"].selected_data)
@@ -276,7 +285,6 @@ class Desk:
     def _follow(self) -> None:
         """Draws what the decisions made of the run, the connection in question, and what is left."""
         review = self._reviewed()
-        review.who = self.who.value
         origin = review.run.edges["origin"]
         drawn = [(row, "observed" if origin[row] == "observed" else "joined") for row in np.flatnonzero(review.run.kept)]
         self._draw("vessels", [(review.lines[row], state) for row, state in drawn], 0.4)
@@ -290,7 +298,7 @@ class Desk:
             layer.text = marks["text"]
             layer.selected_data = set() if self.row not in review.questions else {review.questions.index(self.row)}
         for segment, box in self.verdicts.items():
-            box.value = review.verdicts[segment].word if segment in review.verdicts else ""
+            box.value = self._verdict(segment)
         left = f"{len(review.open)} of {len(review.questions)} open."
         self.said.value = left if self.row is None else f"{left} {review.asks(self.row)}"
 
@@ -364,11 +372,12 @@ class Desk:
     def _reviewed(self) -> Review:
         if self.review is None:
             raise WillisError("review: nothing is inferred yet; expected that Infer was pressed", item="review")
+        self.review.who = self.who.value
         return self.review
 
     def _reviewed_grid(self) -> Grid:
         if self.grid is None:
-            raise WillisError("review: nothing is inferred yet; expected that Infer was pressed", item="review")
+            raise WillisError("review: nothing is drawn yet; expected that Infer was pressed", item="review")
         return self.grid
 
     def _try(self, act: Callable[[], object]) -> None:

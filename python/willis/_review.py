@@ -102,9 +102,9 @@ class Review:
             raise WillisError(f"edge {row}: an observed vessel; expected a candidate or a contact", item="edge", value=str(row))
         self._step([*(made for made in self.made if made.row != row), self._by(Made(word, row, comment=comment))])
 
-    def edit(self, word: str, groups: Sequence[Sequence[Place]]) -> None:
+    def edit(self, word: str, groups: Sequence[Sequence[Place]], comment: str = "") -> None:
         """Edits the graph: join and delete take one group of places, part takes several; the run follows."""
-        made = Made(word, places=" | ".join(places_of(group) for group in groups))
+        made = Made(word, places=" | ".join(places_of(group) for group in groups), comment=comment)
         self._step([*self.made, self._by(made)])
 
     def judge(self, segment: str, verdict: str, comment: str = "") -> None:
@@ -213,9 +213,8 @@ class Review:
         seen = set()
         for line, cells in self._rows(path, _DECISIONS[:4]):
             word = _one_of("decision", cells["decision"], (*_ON_ROWS, *_EDITS), path, line)
-            about = {name: cells.get(name, "") for name in ("who", "when", "comment")}
             if word in _EDITS:
-                yield Made(word, places=cells.get("places", ""), **about)
+                yield _made(cells, word, places=cells.get("places", ""))
                 continue
             row = -1
             with suppress(ValueError):
@@ -226,13 +225,12 @@ class Review:
                 expected = "each candidate and contact of this run once, by its row and the ids of its nodes"
                 raise WillisError(f"{path}:{line}: {found}; expected {expected}", file=path, line=line, value=found, expected=expected)
             seen.add(row)
-            yield Made(word, row, **about)
+            yield _made(cells, word, row)
 
     def _judged(self, path: Path) -> Iterator[tuple[str, Made]]:
         for line, cells in self._rows(path, _VERDICTS[:2]):
-            about = {name: cells.get(name, "") for name in ("who", "when", "comment")}
             segment = _one_of("segment", cells["segment"], SEGMENTS, path, line)
-            yield segment, Made(_one_of("verdict", cells["verdict"], VERDICTS, path, line), **about)
+            yield segment, _made(cells, _one_of("verdict", cells["verdict"], VERDICTS, path, line))
 
     def _rows(self, path: Path, needed: Sequence[str]) -> Iterator[tuple[int, dict[str, str]]]:
         """The rows of a table by column, each with its line; one of another input is refused."""
@@ -249,6 +247,11 @@ class Review:
                     message = f"{path}:{reader.line_num}: decided on another input; expected {expected}"
                     raise WillisError(message, file=path, line=reader.line_num, expected=expected)
                 yield reader.line_num, row
+
+
+def _made(cells: dict[str, str], word: str, row: int | None = None, places: str = "") -> Made:
+    who, when, comment = (cells.get(name, "") for name in ("who", "when", "comment"))
+    return Made(word, row, places, who, when, comment)
 
 
 def _one_of(item: str, value: str, words: Sequence[str], path: Path | None = None, line: int | None = None) -> str:
