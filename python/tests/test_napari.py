@@ -233,26 +233,35 @@ def test_files_of_others_are_not_replaced_and_faults_change_nothing(desk):
     assert 'brain-verdicts.csv:2: segment "L-A9"; expected one of L-A1' in desk.said.value and not review.verdicts
 
 
-def test_the_buttons_work_beside_the_window_and_names_are_found(desk):
+def waited(desk, act):
+    """Does as a button does, until it is done."""
     from napari.qt import get_qapp
 
-    def waited(act):
-        desk._work(act)
-        until = time.monotonic() + 900
-        while desk.said.value == "At work." or desk.worker.is_running:
-            assert time.monotonic() < until
-            get_qapp().processEvents()
-            time.sleep(0.05)
+    desk._work(act)
+    until = time.monotonic() + 900
+    while desk.said.value == "At work." or desk.worker.is_running:
+        assert time.monotonic() < until
+        get_qapp().processEvents()
+        time.sleep(0.05)
 
-    waited(desk.skeleton)
+
+def test_names_are_found_beside_the_window(desk):
+    waited(desk, desk.name_vessels)
+    assert desk.said.value.endswith("arteries have names.")
+    segments = {"L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm", "R-PComm"}
+    assert segments & set(desk.layers["names"].features["name"])
+    assert all(np.isnan(desk.review.found(segment)) or 0 <= desk.review.found(segment) <= 1 for segment in segments)
+
+
+def test_buttons_work_beside_the_window_and_say_what_is_missing(desk):
+    waited(desk, desk.skeleton)
     assert len(desk.layers["skeleton"].data) > 100
-    waited(desk.name_vessels)
-    truth = {"L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm", "R-PComm"}
-    named = set(desk.layers["names"].features["name"])
-    assert truth & named and all(np.isnan(desk.review.found(segment)) or 0 <= desk.review.found(segment) <= 1 for segment in truth)
-    desk.axes.value, desk.mask.value = "RAS", None
-    waited(desk.infer)
+    desk.viewer.layers.remove("brain")
+    waited(desk, desk.infer)
     assert desk.said.value == "mask: none; expected a layer of labels, or an image"
+    # What was inferred stays.
+    press(desk, "a")
+    assert len(desk.review.made) == 1
 
 
 def test_every_key_says_what_it_does(desk):

@@ -56,8 +56,8 @@ class Grid:
         self.affine: Places | None = None if axes == AXES[0] else _turn(axes) @ real
         mm = np.diag([*self.spacing, 1.0]) if self.affine is None else self.affine
         self._to_world, self._to_mm = world @ np.linalg.inv(mm), mm @ np.linalg.inv(world)
-        #: How long a mm is in the world.
-        self.per_mm = 1 / in_mm[0]
+        #: How long a mm is in the world, and the units of that.
+        self.per_mm, self.units = 1 / in_mm[0], layer.units
 
     def to_world(self, places: npt.ArrayLike) -> Places:
         """Places of willis, mm, in napari's world."""
@@ -322,6 +322,7 @@ class Desk:
             found = review.found(segment)
             box.label = segment if np.isnan(found) else f"{segment}, P {found:.2f}"
         self.viewer.layers.selection.active = self.layers.get("questions")
+        self.said.value = f"{len(longest)} arteries have names."
 
     def _draw(self, name: str, lines: list[tuple[Places, str]], width: float) -> None:
         """Lines as a layer of short arrows without heads, which slices and three dimensions show alike."""
@@ -358,7 +359,7 @@ class Desk:
         if at is not None:
             options["visible"] = self.layers[name].visible
             layers.remove(self.layers[name])
-        self.layers[name] = add(data, name=name, units=self.mask.value.units if self.mask.value else None, **options)
+        self.layers[name] = add(data, name=name, units=self._reviewed_grid().units, **options)
         if at is not None:
             layers.move(len(layers) - 1, at)
 
@@ -388,12 +389,16 @@ class Desk:
             self.said.value = str(error)
 
     def _work(self, act: Callable[[], Callable[[], None]]) -> None:
-        """Does something beside the window, and then shows it."""
-        worker = library("napari.qt.threading", "napari").create_worker(act, _start_thread=False)
+        """Does something beside the window, and then shows it, or says what is wrong with it."""
+
+        def safely() -> Callable[[], None]:
+            try:
+                return act()
+            except (WillisError, OSError) as error:
+                said = str(error)
+                return lambda: setattr(self.said, "value", said)
+
+        worker = library("napari.qt.threading", "napari").create_worker(safely, _start_thread=False)
         worker.returned.connect(lambda show: self._try(show))
-        worker.errored.connect(lambda error: self._say_error(error))
         self.said.value, self.worker = "At work.", worker
         worker.start()
-
-    def _say_error(self, error: BaseException) -> None:
-        self.said.value = str(error)
