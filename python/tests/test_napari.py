@@ -36,7 +36,7 @@ def desk(viewer, scan, tmp_path):
     made = Desk(viewer)
     viewer.window.add_dock_widget(made.panel)
     made.mask.value, made.folder.value, made.who.value = layer, tmp_path, "A. Reader"
-    made.infer()()
+    made.infer()()()
     return made
 
 
@@ -256,8 +256,15 @@ def test_names_are_found_beside_the_window(desk):
 def test_buttons_work_beside_the_window_and_say_what_is_missing(desk):
     waited(desk, desk.skeleton)
     assert len(desk.layers["skeleton"].data) > 100
-    desk.viewer.layers.remove("brain")
+    desk.mask.value = desk.viewer.add_labels(np.ones((3, 3), dtype=int), name="flat")
     waited(desk, desk.infer)
+    assert desk.said.value == "layer flat: 2 axes; expected one of x, y and z alone"
+    desk.viewer.layers.remove("flat")
+    desk.level.value = "much"
+    desk._try(desk.infer)
+    assert desk.said.value == 'level "much"; expected a number'
+    desk.viewer.layers.remove("brain")
+    desk._try(desk.infer)
     assert desk.said.value == "mask: none; expected a layer of labels, or an image"
     # What was inferred stays.
     press(desk, "a")

@@ -32,6 +32,7 @@ _COLOURS = {"observed": "#7f9fc6", "joined": "#4fc17a", "asked": "#ff4b3e", "bes
 _DECIDED = {"open": "#ffd60a", "accept": "#4fc17a", "reject": "#8e8e93", "unsure": "#bf7fff"}
 
 Places = npt.NDArray[np.float64]
+Job = Callable[[], Callable[[], None]]
 
 
 def panel() -> Any:
@@ -137,32 +138,49 @@ class Desk:
             event.connect(lambda *_: self.mask.reset_choices())
         self._bind(viewer)
 
-    # What takes a while: each returns what is to be done in the window once it is there.
+    # What takes a while: each looks at the panel, and returns the work beside the window, which returns what to show then.
 
-    def skeleton(self) -> Callable[[], None]:
+    def skeleton(self) -> Job:
         """The centerlines of the chosen layer."""
-        grid, network = self._read()
-        return lambda: self._show_skeleton(grid, network)
+        layer, axes, level = self._given()
 
-    def infer(self) -> Callable[[], None]:
+        def work() -> Callable[[], None]:
+            grid, network = Grid(layer, axes), network_of_layer(layer, axes, level)
+            return lambda: self._show_skeleton(grid, network)
+
+        return work
+
+    def infer(self) -> Job:
         """The plausible topology of the chosen layer."""
-        grid, network = self._read()
-        source = getattr(self.mask.value.source, "path", None)
-        sha256 = hashlib.sha256(Path(source).read_bytes()).hexdigest() if source and Path(source).is_file() else None
-        review = Review(infer(network, progress=False), who=self.who.value, input_sha256=sha256)
-        return lambda: self.show(grid, review, self.mask.value.name)
+        layer, axes, level = self._given()
 
-    def name_vessels(self) -> Callable[[], None]:
+        def work() -> Callable[[], None]:
+            grid, network = Grid(layer, axes), network_of_layer(layer, axes, level)
+            path = Path(layer.source.path or "")
+            sha256 = hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else None
+            review = Review(infer(network, progress=False), input_sha256=sha256)
+            return lambda: self.show(grid, review, layer.name)
+
+        return work
+
+    def name_vessels(self) -> Job:
         """The names of the vessels, by their geometry."""
-        self._reviewed().name()
-        return self._show_names
+        review = self._reviewed()
 
-    def _read(self) -> tuple[Grid, Network]:
-        layer = self.mask.value
+        def work() -> Callable[[], None]:
+            review.name()
+            return self._show_names
+
+        return work
+
+    def _given(self) -> tuple[Any, str, float | None]:
+        layer, text = self.mask.value, str(self.level.value)
         if layer is None:
             raise WillisError("mask: none; expected a layer of labels, or an image", item="mask")
-        level = float(self.level.value) if self.level.value else None
-        return Grid(layer, self.axes.value), network_of_layer(layer, self.axes.value, level)
+        try:
+            return layer, str(self.axes.value), float(text) if text else None
+        except ValueError:
+            raise WillisError(f'level "{text}"; expected a number', item="level", value=text) from None
 
     def show(self, grid: Grid, review: Review, name: str) -> None:
         """Shows a review in the viewer, and its first question."""
@@ -388,12 +406,13 @@ class Desk:
         except (WillisError, OSError) as error:
             self.said.value = str(error)
 
-    def _work(self, act: Callable[[], Callable[[], None]]) -> None:
+    def _work(self, act: Callable[[], Job]) -> None:
         """Does something beside the window, and then shows it, or says what is wrong with it."""
+        work = act()
 
         def safely() -> Callable[[], None]:
             try:
-                return act()
+                return work()
             except (WillisError, OSError) as error:
                 said = str(error)
                 return lambda: setattr(self.said, "value", said)
