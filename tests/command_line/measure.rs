@@ -83,12 +83,8 @@ fn drawn_courses_are_measured_as_other_programs_measure_them() {
         return;
     };
     let here = folder();
-    let checked = Command::new(python)
-        .current_dir(here.path())
-        .arg(script)
-        .arg(env!("CARGO_BIN_EXE_willis"))
-        .output()
-        .expect("runs");
+    let checked =
+        Command::new(python).current_dir(here.path()).arg(script).arg(env!("CARGO_BIN_EXE_willis")).output().expect("runs");
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
     for line in String::from_utf8_lossy(&checked.stdout).lines().filter(|line| line.starts_with("skipped")) {
         println!("{line}");
