@@ -361,17 +361,19 @@ def from_skan(skeleton: Any, radii: npt.ArrayLike | None = None, *, frame: _Axes
     return centerlines(points, pairs, np.asarray(values), frame=frame)
 
 
-def from_vtk(polydata: Any, *, radius_array: str | None = None, frame: _Axes | None = None) -> Network:
+def from_vtk(
+    polydata: Any, *, radius_array: str | None = None, default_radius: float | str | None = None, frame: _Axes | None = None
+) -> Network:
     """Centerlines of a ``vtkPolyData``, whose lines are in mm; as reading the VTP file of it.
 
-    ``radius_array`` is the point array that holds the radii, when it has an unusual name.
+    ``radius_array`` is the point array that holds the radii, when it has an unusual name; ``default_radius`` is for lines without any.
     """
     writer = library("vtkmodules.vtkIOXML", "view").vtkXMLPolyDataWriter()
     writer.SetInputData(polydata)
     writer.WriteToOutputStringOn()
     writer.Write()
     packed = writer.GetOutputString().encode("latin-1")
-    return read_packed("lines.vtp", packed, words({"radius_array": radius_array, "frame": frame}, {}))
+    return read_packed("lines.vtp", packed, words({"radius_array": radius_array, "default_radius": default_radius, "frame": frame}, {}))
 
 
 def from_mask(

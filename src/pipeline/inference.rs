@@ -25,8 +25,8 @@ use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::run_record::Built;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns,
-    write_outcome, write_phenotype, write_tables,
+    CircleFigures, Outcome, Summary, phenotype_json, review_columns, supply_columns, supply_json, topology_columns,
+    vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -283,6 +283,16 @@ impl Inference {
     pub fn tables(&self) -> Result<[Vec<Column>; 2]> {
         let outcome = self.outcome();
         Ok([topology_columns(&outcome, &self.decision.kept)?, vessel_columns(&outcome)])
+    }
+
+    /// What a person is asked, as review.csv has it; `None` where that is not written.
+    pub fn review(&self) -> Option<Vec<Column>> {
+        review_columns(&self.outcome())
+    }
+
+    /// SHA-256 of the input, as run.json has it.
+    pub fn input_sha256(&self) -> &str {
+        &self.prepared.provenance.sha256
     }
 
     /// Everything that it takes to make it again with [`Inference::from_bytes`].

@@ -53,10 +53,11 @@ impl Network {
         Self::default()
     }
 
-    /// The middle point of the path of a vessel, or the middle between the two nodes it would join, m.
+    /// The middle point of the path of a vessel, or the middle between its two nodes where no point lies between them, m.
     pub fn middle_of(&self, ends: [usize; 2], vessel: &Vessel) -> Point {
         let [a, b] = ends.map(|node| self.node(node).position.unwrap_or_default());
-        vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position)
+        let inner = vessel.path.get(vessel.path.len() / 2).filter(|_| vessel.path.len() > 2);
+        inner.map_or(lerp(a, b, 0.5), |point| point.position)
     }
 
     /// Adds a node and returns its row.

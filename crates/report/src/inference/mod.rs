@@ -10,7 +10,7 @@ use std::path::Path;
 use super::page::{infer_page, write_page};
 use super::run_record::Summary;
 use pictures::{overview, pictures};
-use tables::{condition_columns, merged_columns, node_columns, pairing_columns, review_columns, select, suggested_cut_columns};
+use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
 use willis_core::network::{Network, fragments};
@@ -25,7 +25,7 @@ use willis_io::output::write_file;
 use willis_io::output::write_record;
 
 pub use outcome::{Outcome, few_perfused};
-pub use tables::{agreement, vessel_columns};
+pub use tables::{agreement, review_columns, vessel_columns};
 
 /// The largest matrix written densely, in nodes.
 pub const DENSE_LIMIT: usize = 8192;
