@@ -91,9 +91,7 @@ struct OwnRecord {
 /// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let is_written_by_willis = |mark| {
-        folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok()
-    };
+    let is_written_by_willis = |mark| folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok();
     if folder.join(RECORD).exists() {
         return if is_written_by_willis(RECORD) {
             paths.into_iter().find(|p| !is_run_file(p))
