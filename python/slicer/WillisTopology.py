@@ -38,6 +38,9 @@ class WillisTopologyWidget(ScriptedLoadableModuleWidget):
         self.probability = ctk.ctkSliderWidget()
         self.probability.maximum, self.probability.singleStep, self.probability.value = 1, 0.01, 0.5
         form.addRow("Least probability", self.probability)
+        self.radius = qt.QDoubleSpinBox()
+        self.radius.minimum, self.radius.singleStep, self.radius.value = 0.01, 0.1, 1
+        form.addRow("Radius of curves without one, mm", self.radius)
         self.apply = qt.QPushButton("Apply")
         form.addRow(self.apply)
         self.apply.clicked.connect(self.on_apply)
@@ -46,7 +49,7 @@ class WillisTopologyWidget(ScriptedLoadableModuleWidget):
     def on_apply(self):
         """Samples, and shows what is kept."""
         with slicer.util.tryWithErrorDisplay("willis cannot use these lines", waitCursor=True):
-            self.logic.infer(self.lines.currentNode())
+            self.logic.infer(self.lines.currentNode(), default_radius=self.radius.value)
             self.logic.show(self.probability.value)
 
     def on_slider(self, probability):
@@ -62,12 +65,12 @@ class WillisTopologyLogic(ScriptedLoadableModuleLogic):
         super().__init__()
         self.run, self.output = None, None
 
-    def infer(self, node, samples=1000):
-        """Samples the lines of a model, or of a curve."""
+    def infer(self, node, samples=1000, default_radius=None):
+        """Samples the lines of a model, or of a curve, whose scene is RAS; ``default_radius`` is for those that have no radii, mm."""
         import willis
 
         lines = node.GetCurveWorld() if node.IsA("vtkMRMLMarkupsCurveNode") else node.GetPolyData()
-        self.run = willis.infer(willis.from_vtk(lines), samples=samples, progress=False)
+        self.run = willis.infer(willis.from_vtk(lines, default_radius=default_radius, frame="RAS"), samples=samples, progress=False)
         self.output = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", f"{node.GetName()} topology")
         return self.run
 

@@ -219,6 +219,16 @@ impl Run {
         self.outcome().answer.undecided.iter().map(|row| *row as i64).collect::<Vec<i64>>().into_pyarray(py)
     }
 
+    /// The columns of review.csv, where that is written.
+    fn review<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
+        detached(py, || self.run.review()).map(|columns| tables::dict(py, columns)).transpose()
+    }
+
+    /// SHA-256 of the input.
+    fn input_sha256(&self) -> &str {
+        self.run.input_sha256()
+    }
+
     /// How many of the kept connections are expected to be wrong, and how many are missed; where there is evidence.
     fn expected(&self) -> Option<(f64, f64)> {
         self.outcome().expected.map(|expected| (expected.wrong, expected.missed))

@@ -1,4 +1,4 @@
-"""The filter of ParaView in VTK's own pipeline, and the module of 3D Slicer on a stand-in for the calls that it makes of Slicer."""
+"""The filter of ParaView in VTK's own pipeline, and the module of 3D Slicer on a stand-in for what it calls, and in a scene of Slicer's core."""
 
 import importlib.util
 import sys
@@ -23,9 +23,9 @@ def loaded(path, modules):
     return module
 
 
-def expected(probability):
+def expected(probability, frame=None):
     """The length of the lines by the command's rule, of the table: what was observed, and candidates of at least so much."""
-    edges = willis.infer(willis.from_vtk(lines()), progress=False).edges
+    edges = willis.infer(willis.from_vtk(lines(), frame=frame), progress=False).edges
     kept = (edges["origin"] == "observed") | (edges["probability"] >= probability)
     return pytest.approx(edges["length_mm"][kept].sum(), rel=1e-6)
 
@@ -71,6 +71,24 @@ def test_the_filter_of_paraview():
     assert lengths[0] > lengths[1] > lengths[2]
 
 
+def logic_in(slicer):
+    """The logic of the module, whose base class is a stand-in: that of Slicer is in no package."""
+    scripted = types.ModuleType("slicer.ScriptedLoadableModule")
+    for name in ("ScriptedLoadableModule", "ScriptedLoadableModuleLogic", "ScriptedLoadableModuleWidget"):
+        setattr(scripted, name, type(name, (), {"__init__": lambda self, parent=None: None}))
+    module = loaded("python/slicer/WillisTopology.py", {"slicer": slicer, "slicer.ScriptedLoadableModule": scripted})
+    return module.WillisTopologyLogic()
+
+
+def slides(logic, model):
+    model.SetAndObservePolyData(lines())
+    logic.infer(model)
+    for probability in (0.3, 0.9):
+        logic.show(probability)
+        assert length(logic.output.GetPolyData()) == expected(probability, frame="RAS")
+    assert logic.output.GetName() == "scan topology"
+
+
 def test_the_module_of_slicer():
     class Node:
         def __init__(self, name):
@@ -91,16 +109,38 @@ def test_the_module_of_slicer():
         def CreateDefaultDisplayNodes(self):
             self.is_shown = True
 
-    slicer, scripted = types.ModuleType("slicer"), types.ModuleType("slicer.ScriptedLoadableModule")
+    slicer = types.ModuleType("slicer")
     slicer.mrmlScene = types.SimpleNamespace(AddNewNodeByClass=lambda kind, name: Node(name))
-    for name in ("ScriptedLoadableModule", "ScriptedLoadableModuleLogic", "ScriptedLoadableModuleWidget"):
-        setattr(scripted, name, type(name, (), {"__init__": lambda self, parent=None: None}))
-    module = loaded("python/slicer/WillisTopology.py", {"slicer": slicer, "slicer.ScriptedLoadableModule": scripted})
-    model = Node("scan")
-    model.lines = lines()
-    logic = module.WillisTopologyLogic()
-    logic.infer(model)
-    for probability in (0.3, 0.9):
-        logic.show(probability)
-        assert length(logic.output.GetPolyData()) == expected(probability)
-    assert logic.output.GetName() == "scan topology" and logic.output.is_shown
+    logic = logic_in(slicer)
+    slides(logic, Node("scan"))
+    assert logic.output.is_shown
+
+
+def test_the_module_in_a_scene_of_slicer():
+    """With the nodes of Slicer itself, as the package slicer-core has them."""
+    slicer = pytest.importorskip("slicer", reason="slicer-core is not installed: tests/peers.txt")
+    from vtkmodules.vtkCommonCore import vtkDoubleArray
+    from vtkmodules.vtkCommonDataModel import vtkVector3d
+
+    slicer.mrmlScene = slicer.vtkMRMLScene()
+    logic = logic_in(slicer)
+    slides(logic, slicer.mrmlScene.AddNewNodeByClass("vtkMRMLModelNode", "scan"))
+    assert logic.output.GetDisplayNode() is not None
+    curve = slicer.mrmlScene.AddNewNodeByClass("vtkMRMLMarkupsCurveNode", "drawn")
+    for x in (0, 4, 8, 12):
+        curve.AddControlPointWorld(vtkVector3d(x, 0, 0))
+    with pytest.raises(willis.WillisError, match="default_radius"):
+        logic.infer(curve)
+    radii = lambda: logic.run.graph.edges["radius_mm"]  # noqa: E731
+    logic.infer(curve, default_radius=1.5)
+    assert radii() == pytest.approx([1.5]) and logic.run.graph.edges["length_mm"] == pytest.approx([12])
+    # As SlicerVMTK keeps the radii of centerlines.
+    values, radius = vtkDoubleArray(), slicer.vtkMRMLStaticMeasurement()
+    values.SetName("Radius")
+    for _ in range(4):
+        values.InsertNextValue(0.75)
+    radius.SetName("Radius")
+    radius.SetControlPointValues(values)
+    curve.AddMeasurement(radius)
+    logic.infer(curve, default_radius=1.5)
+    assert radii() == pytest.approx([0.75])

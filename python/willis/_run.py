@@ -10,7 +10,7 @@ import tempfile
 import threading
 import warnings
 import weakref
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 from typing import Any, Literal
@@ -21,7 +21,7 @@ import numpy.typing as npt
 from . import _willis
 from ._errors import Note, WillisError, library
 from ._following import PathLike, Progress, followed, say
-from ._network import Network, Source, Table, defaults_of, network_of, read
+from ._network import Network, Source, Table, defaults_of, network_of, numbers, read
 from ._words import Repeated, words
 
 Place = Sequence[float]
@@ -75,6 +75,12 @@ class Run:
         return self._run.undecided()
 
     @property
+    def review(self) -> Table | None:
+        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is undecided."""
+        columns = self._run.review()
+        return None if columns is None else Table(columns)
+
+    @property
     def expected_wrong(self) -> float | None:
         """How many of the kept connections are expected to be wrong; None without evidence."""
         expected = self._run.expected()
@@ -117,14 +123,13 @@ class Run:
         vessels go together while those of different groups only touch, and each of ``delete`` a place on a vessel that is none. A part
         doubles what two groups share, and a group of one place is cut off. Joins come first, then parts, then what is deleted.
         """
-        accepted, rejected = ([int(row) for row in rows] for rows in (accept, reject))
+        accepted, rejected = _rows("accept", accept), _rows("reject", reject)
         if min([*accepted, *rejected, 0]) < 0 or len({*accepted, *rejected}) < len(accepted) + len(rejected):
             raise WillisError("decisions: a row that is negative or comes twice; expected each row once", item="decisions")
-        when = datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
-        edits = [f"join {_places(pair)}" for pair in join]
-        edits += ["part " + " | ".join(_places(group) for group in groups) for groups in part]
-        edits += [f"delete {_places([place])}" for place in delete]
-        return Run(self._run.decide(accepted, rejected, edits, who, when))
+        edits = [f"join {places_of(pair)}" for pair in join]
+        edits += ["part " + " | ".join(places_of(group) for group in groups) for groups in part]
+        edits += [f"delete {places_of([place])}" for place in delete]
+        return Run(self._run.decide(accepted, rejected, edits, who, now()))
 
     def save(self, folder: PathLike, *, dpi: int = 150) -> None:
         """Writes the folder that ``willis infer`` writes, byte for byte but for the times in run.json."""
@@ -148,8 +153,30 @@ class Run:
         return (_run_from_bytes, (self._run.to_bytes(),))
 
 
-def _places(places: Sequence[Place]) -> str:
-    return " + ".join(" ".join(repr(float(x)) for x in place) for place in places)
+def _rows(name: str, rows: Sequence[int]) -> list[int]:
+    """Rows, which are whole numbers."""
+    array = numbers(name, rows, "iuf")
+    # An empty list is one of real numbers.
+    if array.ndim != 1 or array.size and array.dtype.kind == "f":
+        raise WillisError(f"{name}: {array.dtype} in {array.ndim} dimensions; expected a list of whole numbers", item=name, expected="a list of whole numbers")
+    return [int(row) for row in array]
+
+
+def now() -> str:
+    """The time as decisions have it."""
+    return datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def places_of(places: Iterable[Place]) -> str:
+    """Places as decisions have them."""
+    return " + ".join(" ".join(repr(float(x)) for x in _place(place)) for place in places)
+
+
+def _place(place: Place) -> npt.NDArray[Any]:
+    array = numbers("place", place, "iuf")
+    if array.shape != (3,):
+        raise WillisError(f"place: an array of shape {array.shape}; expected three numbers of mm", item="place", expected="three numbers of mm")
+    return array
 
 
 def _run_from_bytes(stored: bytes) -> Run:
@@ -401,6 +428,12 @@ class SavedRun:
         return np.asarray(self.record["convergence"]["undecided_edges"], dtype=np.int64)
 
     @property
+    def review(self) -> Table | None:
+        """What a person is asked, in order, with the columns of review.csv; None without probabilities, or where nothing is undecided."""
+        path = self.folder / "review.csv"
+        return table_of(path) if path.exists() else None
+
+    @property
     def expected_wrong(self) -> float | None:
         """How many of the kept connections are expected to be wrong; None without evidence."""
         return (self.record["expected_errors"] or {}).get("wrong")
@@ -445,9 +478,9 @@ def page_of(folder: Path) -> str:
     return f'<iframe srcdoc="{page}" style="width: 100%; height: 720px; border: 0"></iframe>'
 
 
-_TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant"})
+_TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant", "kind", "question"})
 _TEXT |= {f"{name}_{reader}" for name in ("decision", "who", "comment") for reader in "ab"}
-_WHOLE = frozenset({"node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
+_WHOLE = frozenset({"rank", "node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 
 
 def table_of(path: Path) -> Table:

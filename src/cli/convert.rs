@@ -26,7 +26,7 @@ use super::shell::print_json;
 /// it), .json (3D Slicer markups), .tre (ITK tubes), .am (Amira), .npz (skeleton graph for NumPy). --to says it where the ending does not.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
-  willis convert tracing.swc tracing.vtp
+  willis convert extraction.vtp extraction.swc
   willis convert circle.graphml model.json --to svzerod --pulse")]
 pub struct ConvertArgs {
     #[command(flatten)]

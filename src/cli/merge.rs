@@ -19,6 +19,8 @@ use super::subjects::{named, paths};
 /// in one command, and links to the reports where they are. They must have the same options and seed. A folder that
 /// willis infer --record-failure wrote is a row that failed. The inputs need not be there.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis merge 'runs/*' -o merged")]
 pub struct MergeArgs {
     /// The folders of the runs; a pattern in quotes ('runs/*') is all that fit it
     #[arg(value_name = "FOLDER", required = true, value_hint = clap::ValueHint::DirPath)]

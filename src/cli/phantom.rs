@@ -39,6 +39,9 @@ use super::shell::print_json;
 /// into 2.5 and 2 % of their vessels, nothing else; as .graphml or .csv it writes the broken graph with its candidates, the 6
 /// nearest nodes of every loose end.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis phantom circle-of-willis --without L-PComm -o circle.swc
+  willis phantom cerebral --break --seed 7 -o scan.swc")]
 pub struct PhantomArgs {
     /// circle-of-willis, cerebral, tree, arterial or capillary
     kind: String,

@@ -12,6 +12,8 @@ use super::print::{TextTerminal, plural};
 
 /// Print shell completions
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis completions bash > ~/.local/share/bash-completion/completions/willis")]
 pub struct CompletionsArgs {
     /// The shell
     shell: clap_complete::Shell,
@@ -35,6 +37,8 @@ impl CompletionsArgs {
 
 /// Print the manual pages, or write one a file
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis man -o ~/.local/share/man/man1")]
 pub struct ManArgs {
     /// The folder to write willis.1, willis-infer.1 and so on into
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]

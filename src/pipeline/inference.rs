@@ -25,8 +25,8 @@ use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::run_record::Built;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, supply_columns, supply_json, topology_columns, vessel_columns,
-    write_outcome, write_phenotype,
+    CircleFigures, Outcome, Summary, phenotype_json, review_columns, supply_columns, supply_json, topology_columns,
+    vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -202,7 +202,7 @@ impl Inference {
     /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
     /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        self.outcome().topology(&self.decision.kept).network
+        self.outcome().topology(&self.decision.kept).network.into_owned()
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
@@ -285,6 +285,16 @@ impl Inference {
         Ok([topology_columns(&outcome, &self.decision.kept)?, vessel_columns(&outcome)])
     }
 
+    /// What a person is asked, as review.csv has it; `None` where that is not written.
+    pub fn review(&self) -> Option<Vec<Column>> {
+        review_columns(&self.outcome())
+    }
+
+    /// SHA-256 of the input, as run.json has it.
+    pub fn input_sha256(&self) -> &str {
+        &self.prepared.provenance.sha256
+    }
+
     /// Everything that it takes to make it again with [`Inference::from_bytes`].
     ///
     /// # Errors
@@ -346,6 +356,7 @@ impl Inference {
         let built = prepared.candidates.as_ref().map_or(Built::Given, Built::Candidates);
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
+        let tables = write_tables(folder, &outcome)?;
         let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
         summary.state_prior(json!(prepared.records.prior));
         summary.state_cut(json!(prepared.records.cut));
@@ -363,7 +374,7 @@ impl Inference {
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
-        let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
+        let notes = write_outcome(folder, &outcome, tables, &mut summary, options.dpi)?;
         // Known only once all else is written.
         summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
         write_record(folder, &summary)?;

@@ -281,10 +281,12 @@ fn the_performance_page_is_that_of_the_figures() {
 }
 
 #[test]
-fn the_citation_names_this_version() {
-    let citation = fs::read_to_string(root().join("CITATION.cff")).expect("a citation");
+fn the_citation_and_the_recipe_name_this_version() {
     let version = format!("version: {}", env!("CARGO_PKG_VERSION"));
-    assert!(citation.lines().any(|line| line == version), "CITATION.cff has no \"{version}\"");
+    for file in ["CITATION.cff", "workflow/conda/meta.yaml"] {
+        let text = fs::read_to_string(root().join(file)).expect("a file");
+        assert!(text.lines().any(|line| line.trim() == version), "{file} has no \"{version}\"");
+    }
 }
 
 /// The picture of the README and what is said of it are those of this version. Needs `WILLIS_PYTHON`.

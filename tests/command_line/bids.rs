@@ -45,7 +45,7 @@ fn draw(path: &Path) {
 }
 
 /// A dataset with these files; those of `derivatives` are masks.
-fn dataset(files: &[&str]) -> TempDir {
+pub fn dataset(files: &[&str]) -> TempDir {
     let here = folder();
     let root = here.path().join("study");
     fs::create_dir_all(&root).expect("made");
@@ -61,7 +61,7 @@ fn dataset(files: &[&str]) -> TempDir {
     here
 }
 
-const A: &str = "derivatives/net/sub-01/ses-a/anat/sub-01_ses-a_acq-tof_desc-vessels_mask.nii";
+pub const A: &str = "derivatives/net/sub-01/ses-a/anat/sub-01_ses-a_acq-tof_desc-vessels_mask.nii";
 const B: &str = "derivatives/net/sub-01/ses-b/anat/sub-01_ses-b_acq-tof_desc-vessels_mask.nii";
 const TWO: &str = "derivatives/net/sub-02/anat/sub-02_label-Artery_dseg.nii";
 const BRAIN: &str = "derivatives/net/sub-02/anat/sub-02_desc-brain_mask.nii";

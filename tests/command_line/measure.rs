@@ -73,6 +73,24 @@ fn a_run_is_measured_as_networkx_measures_its_topology() {
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }
 
+/// Of a helix and a fork as lines, and as masks. The truth is the closed form; skan, VMTK and maskel are asked too, where a Python has them.
+#[test]
+fn drawn_courses_are_measured_as_other_programs_measure_them() {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/command_line/measured.py");
+    let pythons = ["WILLIS_PEERS", "WILLIS_PYTHON"].map(|name| std::env::var(name).ok());
+    let Some(python) = pythons.into_iter().flatten().next() else {
+        println!("skipped: neither WILLIS_PEERS nor WILLIS_PYTHON names a Python");
+        return;
+    };
+    let here = folder();
+    let checked =
+        Command::new(python).current_dir(here.path()).arg(script).arg(env!("CARGO_BIN_EXE_willis")).output().expect("runs");
+    assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+    for line in String::from_utf8_lossy(&checked.stdout).lines().filter(|line| line.starts_with("skipped")) {
+        println!("{line}");
+    }
+}
+
 /// Diameters, mm, of the circle of Alastruey et al. 2007, table 1.
 #[test]
 fn a_circle_has_its_published_diameters_and_territories() {

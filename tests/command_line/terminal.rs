@@ -183,18 +183,62 @@ fn json_of_a_graph_or_phantom_counts_what_is_in_the_file() {
     assert_eq!(said[0]["truth"], "b.truth.json");
 }
 
+/// The commands that the help lists.
+fn commands(here: &Path) -> Vec<String> {
+    let help = String::from_utf8(willis(here, &["--help"]).stdout).expect("UTF-8");
+    let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
+    commands
+        .filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next().filter(|_| !line.starts_with("   ")))
+        .filter(|name| *name != "help")
+        .map(str::to_owned)
+        .collect()
+}
+
+/// The first example of each command is run where its files are.
+#[cfg(unix)]
+#[test]
+fn the_help_of_every_command_has_an_example_that_works() {
+    let at = crate::bids::dataset(&[crate::bids::A]);
+    let here = at.path();
+    let script = |script: &str| {
+        let binary = Path::new(env!("CARGO_BIN_EXE_willis")).parent().expect("a folder").display().to_string();
+        let path = format!("{binary}:{}", std::env::var("PATH").unwrap_or_default());
+        let done = Command::new("sh").current_dir(here).env("PATH", path).env("HOME", here).args(["-ec", script]).output();
+        let done = done.expect("a shell");
+        assert!(done.status.success(), "{script}: {}", stderr(&done));
+    };
+    for (from, to) in [("circle-of-willis/complete.graphml", "circle.graphml"), ("scan.nii.gz", "scan.nii.gz")] {
+        fs::copy(data(from), here.join(to)).expect("copied");
+    }
+    fs::copy(here.join("study").join(crate::bids::A), here.join("vessels.nii")).expect("copied");
+    script(&format!("willis convert {} extraction.vtp; gzip vessels.nii", data("broken-circle-of-willis.swc")));
+    for seed in 1..=4 {
+        script(&format!("willis phantom tree --break --seed {seed} -o cases/{seed}/fragments.swc"));
+        script(&format!("willis infer cases/{seed}/fragments.swc -o runs/{seed} -n 64 --dpi 36"));
+        fs::rename(here.join(format!("cases/{seed}/fragments.truth.json")), here.join(format!("cases/{seed}/truth.json")))
+            .expect("renamed");
+    }
+    fs::create_dir_all(here.join(".local/share/bash-completion/completions")).expect("made");
+    for command in commands(here) {
+        for asked in [&["help", &command][..], &[&command, "-h"]] {
+            let help = String::from_utf8(willis(here, asked).stdout).expect("UTF-8");
+            let examples: Vec<&str> =
+                help.lines().skip_while(|line| *line != "Examples:").skip(1).take_while(|line| !line.is_empty()).collect();
+            let first = examples.first().unwrap_or_else(|| panic!("{command}: no example: {help}")).trim();
+            assert!(first.starts_with(&format!("willis {command} ")), "{command}: {first}");
+            if asked[0] == "help" {
+                script(first);
+            }
+        }
+    }
+}
+
 #[test]
 fn there_is_a_manual_page_for_every_command() {
     let here = folder();
     let output = willis(here.path(), &["man", "-o", "pages", "-q"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", stderr(&output));
-    let help = String::from_utf8(willis(here.path(), &["--help"]).stdout).expect("UTF-8");
-    let commands = help.lines().skip_while(|l| *l != "Commands:").skip(1).take_while(|l| !l.is_empty());
-    let mut names: Vec<String> = commands
-        .filter_map(|line| line.strip_prefix("  ")?.split_whitespace().next().filter(|_| !line.starts_with("   ")))
-        .filter(|name| *name != "help")
-        .map(|name| format!("willis-{name}.1"))
-        .collect();
+    let mut names: Vec<String> = commands(here.path()).iter().map(|name| format!("willis-{name}.1")).collect();
     names.push("willis.1".to_owned());
     names.sort();
     assert!(names.len() >= 8, "{names:?}");

@@ -20,6 +20,9 @@ use crate::cli::shell::print_json;
 /// ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm, which may be an edges.csv of `willis infer` with `kept` corrected by hand; beside them
 /// inlets.csv (x_mm,y_mm,z_mm) and loops.csv where there are any. Nothing is drawn at random: the same cases give the same bytes.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:
+  willis train cases -o weights.toml
+  willis infer extraction.vtp -o clean --prior weights.toml")]
 pub struct TrainArgs {
     /// Folders of cases
     #[arg(value_name = "CASES", required = true, value_hint = clap::ValueHint::DirPath)]

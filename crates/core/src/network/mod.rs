@@ -53,10 +53,11 @@ impl Network {
         Self::default()
     }
 
-    /// The middle point of the path of a vessel, or the middle between the two nodes it would join, m.
+    /// The middle point of the path of a vessel, or the middle between its two nodes where no point lies between them, m.
     pub fn middle_of(&self, ends: [usize; 2], vessel: &Vessel) -> Point {
         let [a, b] = ends.map(|node| self.node(node).position.unwrap_or_default());
-        vessel.path.get(vessel.path.len() / 2).map_or(lerp(a, b, 0.5), |point| point.position)
+        let inner = vessel.path.get(vessel.path.len() / 2).filter(|_| vessel.path.len() > 2);
+        inner.map_or(lerp(a, b, 0.5), |point| point.position)
     }
 
     /// Adds a node and returns its row.
@@ -155,11 +156,11 @@ impl Network {
 
     /// The same nodes with the vessels that `keep` admits, and the rows they had.
     pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
-        let mut part = Self { frame: self.frame, ..Self::default() };
+        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
+        let mut part = Self { frame: self.frame, graph: UnGraph::with_capacity(self.node_count(), rows.len()) };
         for node in self.nodes() {
             part.add_node(node.clone());
         }
-        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
         for row in &rows {
             part.add_vessel(self.ends(*row), self.vessel(*row).clone());
         }
@@ -200,6 +201,11 @@ impl Network {
             }
         }
         Cow::Owned(turned)
+    }
+
+    /// Gives back the room for more nodes and vessels, of which a reader leaves up to as much again as there are.
+    pub fn shrink_to_fit(&mut self) {
+        self.graph.shrink_to_fit();
     }
 
     /// Whether every node has a position.

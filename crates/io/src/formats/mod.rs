@@ -60,7 +60,7 @@ pub use tables::reader::number;
 pub use tables::unread::unread_columns;
 pub use tables::waveform::read_waveform;
 pub use tables::write::escape_formula;
-pub use tables::write::{Column, Values, write_csv, write_stacked};
+pub use tables::write::{Column, Texts, Values, write_csv, write_stacked};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
 pub use vendors::icafe::{TracedVessel, name_stretches, read_traced_vessels};
