@@ -56,7 +56,7 @@ pub use pipeline::{
     InferOptions, Inference, Input, LabelOptions, Labelled, MeasureOptions, Measurement, ModulationRun, Phenotype,
     PhenotypeOptions, Prepared, Preset, Prior, PulseMean, PulseOptions, SaveOptions, Silent, SimulationRun, Step, WrittenFiles,
     candidates, classify, compare_groups, infer, infer_with, label, measure, modulate, modulate_with, prepare, read, read_bytes,
-    read_run, simulate, simulate_with, two_groups, write,
+    read_run, simulate, simulate_with, solver_model, twice_read, two_groups, write,
 };
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};

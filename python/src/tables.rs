@@ -17,7 +17,7 @@ pub fn dict(py: Python<'_>, columns: Vec<Column>) -> PyResult<Bound<'_, PyDict>>
             Values::Real(values) => out.set_item(name.as_ref(), values.into_pyarray(py))?,
             Values::Integer(values) => out.set_item(name.as_ref(), values.into_pyarray(py))?,
             Values::Text(values) => {
-                let list = PyList::new(py, values)?;
+                let list = PyList::new(py, values.iter())?;
                 let dtype = PyDict::new(py);
                 dtype.set_item("dtype", "str")?;
                 out.set_item(name.as_ref(), text.call((list,), Some(&dtype))?)?;

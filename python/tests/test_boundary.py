@@ -79,6 +79,20 @@ def test_what_must_be_refused_is():
         willis.set_num_threads(0)
 
 
+def test_decisions_that_are_none_are_refused():
+    run = willis.infer("data/broken-circle-of-willis.swc", samples=64, progress=False)
+    row = int(np.flatnonzero(run.edges["origin"] == "candidate")[0])
+    for rows in (["x"], [1.5], [True], [None], [10**30], [[row]], [[row], [row, row]], np.ma.array([row], mask=[True]), 5, "ab"):
+        with pytest.raises(willis.WillisError):
+            run.decide(accept=rows)
+    for place in ("abc", (1, 2), (1, 2, "x"), (10**400, 1, 2), (float("nan"), 1, 2), ((1, 2, 3),), (1, 2, [3, 4]), (1j, 2, 3), None):
+        with pytest.raises(willis.WillisError):
+            run.decide(delete=[place])
+    with pytest.raises(willis.WillisError):
+        willis.from_mask(np.ones((4, 4, 4)), affine="x")
+    assert run.decide(accept=np.array([row], np.uint8), reject=()).kept[row]
+
+
 any_array = arrays.arrays(
     dtype=st.one_of(arrays.floating_dtypes(sizes=(32, 64)), arrays.integer_dtypes(), st.just(np.dtype(bool))),
     shape=arrays.array_shapes(min_dims=0, max_dims=4, min_side=0, max_side=6),

@@ -78,7 +78,7 @@ def test_options_and_defaults_are_those_of_the_command(command, functions, but):
 
 def test_names_that_were_promised():
     promised = """Cohort Handle Labelled Measured Modulation Network Note Phenotype Run SavedRun Simulation Table WillisError __version__ candidates
-    centerlines classify cohort from_mask from_networkx from_skan from_vtk infer label load measure modulate phantom read set_num_threads simulate train"""
+    centerlines classify cohort from_mask from_networkx from_skan from_vtk infer label label_cohort load measure modulate phantom read set_num_threads simulate train"""
     assert sorted(willis.__all__) == sorted(promised.split())
     for name in willis.__all__:
         assert getattr(willis, name).__doc__ or name == "__version__", name

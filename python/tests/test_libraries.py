@@ -165,6 +165,30 @@ def test_many_subjects_are_those_of_the_command(tmp_path):
         willis.cohort(inputs, epsilom=0.1)
 
 
+def test_many_labels_are_those_of_each(tmp_path):
+    with pytest.warns(willis.Note, match="1 of 2 subjects failed"):
+        names = willis.label_cohort([BROKEN, tmp_path / "absent.swc"])
+    assert list(names.subjects["status"]) == ["ok", "failed"]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", willis.Note)
+        alone = willis.label(BROKEN)
+    of = names.labelled(names.subjects["subject"][0])
+    assert len(of.landmarks["label"]) > 5 and same(of.landmarks["probability"], alone.landmarks["probability"])
+
+
+def test_two_readers_are_compared(run, tmp_path):
+    run.save(tmp_path / "run", dpi=36)
+    edges, nodes = run.graph.edges, run.graph.nodes
+    rows = [row for row in range(len(edges["origin"])) if edges["origin"][row] == "candidate"][:4]
+    for reader, words in (("a", "accept accept reject reject"), ("b", "accept reject reject reject")):
+        lines = [f"{r},{nodes['id'][edges['node_a'][r]]},{nodes['id'][edges['node_b'][r]]},{w}" for r, w in zip(rows, words.split())]
+        (tmp_path / f"{reader}.csv").write_text("\n".join(["edge,id_a,id_b,decision", *lines]) + "\n")
+    found = willis.measure(tmp_path / "run", readers=(tmp_path / "a.csv", tmp_path / "b.csv"))
+    # p_o = 3/4, p_e = 1/8 + 3/8.
+    assert found.readers["kappa"][-1] == pytest.approx(0.5)
+    assert list(found.differences["edge"]) == [rows[1]] and list(found.differences["decision_b"]) == ["reject"]
+
+
 def test_the_page_is_shown_in_a_notebook(run):
     page = run._repr_html_()
     assert page.startswith("<iframe") and "&lt;html" in page

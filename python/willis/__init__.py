@@ -20,7 +20,7 @@ from ._network import (
     read,
 )
 from ._run import Handle, Run, SavedRun, candidates, infer, load
-from ._study import Cohort, Labelled, Measured, Phenotype, classify, cohort, label, measure, phantom, train
+from ._study import Cohort, Labelled, Measured, Phenotype, classify, cohort, label, label_cohort, measure, phantom, train
 from ._willis import __version__
 
 __all__ = [
@@ -48,6 +48,7 @@ __all__ = [
     "from_vtk",
     "infer",
     "label",
+    "label_cohort",
     "load",
     "measure",
     "modulate",

@@ -241,11 +241,16 @@ def _tell_of(network: Network) -> None:
         say(heading, fact)
 
 
-def _numbers(name: str, values: npt.ArrayLike, kinds: str = "biufO") -> npt.NDArray[Any]:
+def numbers(name: str, values: npt.ArrayLike, kinds: str = "biufO") -> npt.NDArray[Any]:
     """An array of numbers of these kinds: none that NumPy would make of a date, of text or of half a complex number, and none that is masked."""
-    array = np.asarray(values)
+    expected = "numbers or text" if "U" in kinds else "numbers" if "f" in kinds else "whole numbers"
+    try:
+        array = np.asarray(values)
+        if array.dtype == object and "O" in kinds:
+            array = array.astype(np.float64)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise WillisError(f"{name}: {error}; expected {expected}".replace("\n", " "), item=name, expected=expected) from None
     if array.dtype.kind not in kinds:
-        expected = "numbers or text" if "U" in kinds else "numbers" if "f" in kinds else "whole numbers"
         found = "Python objects" if array.dtype == object else f"values of type {array.dtype}"
         raise WillisError(f"{name}: {found}; expected {expected}", item=name, expected=expected)
     if isinstance(values, np.ma.MaskedArray) and np.ma.getmaskarray(values).any():
@@ -277,11 +282,11 @@ def centerlines(
     ``radii`` (M) with ``lengths`` (M) are those of the edges, each of which is one vessel then. ``labels`` (M) name the edges, ``labels``
     (N) the points; ``frame`` says which way the axes point. The same as reading the NPZ of these arrays.
     """
-    arrays: dict[str, Any] = {"coords": _numbers("points", points), "edges": _numbers("edges", edges, "biu"), "radii": _numbers("radii", radii)}
+    arrays: dict[str, Any] = {"coords": numbers("points", points), "edges": numbers("edges", edges, "biu"), "radii": numbers("radii", radii)}
     if labels is not None:
-        arrays["labels"] = _numbers("labels", labels, "biufSU")
+        arrays["labels"] = numbers("labels", labels, "biufSU")
     if lengths is not None:
-        arrays["lengths"] = _numbers("lengths", lengths)
+        arrays["lengths"] = numbers("lengths", lengths)
     _check_size("arrays", arrays.values())
     for name in {"coords", "radii", "lengths"} & set(arrays):
         arrays[name] = np.asarray(arrays[name], dtype=np.float64)
@@ -393,7 +398,7 @@ def from_mask(
     if (affine is None) == (spacing is None):
         accepted = "spacing, or affine"
         raise WillisError(f"mask: {'no frame' if affine is None else 'two'}; expected {accepted}", item="mask", expected=accepted)
-    array = _numbers("mask", mask, "biuf")
+    array = numbers("mask", mask, "biuf")
     _check_size("mask", [array], max_input)
     if array.dtype == bool:
         array = array.view(np.uint8) if array.flags.c_contiguous else array.astype(np.uint8)
@@ -403,7 +408,7 @@ def from_mask(
         np.save(packed, array, allow_pickle=False)
     else:
         name = "mask.npz"
-        np.savez(packed, mask=array, affine=np.asarray(affine, dtype=float))
+        np.savez(packed, mask=array, affine=np.asarray(numbers("affine", affine, "biuf"), dtype=float))
     return read_packed(name, packed.getvalue(), words(given, defaults_of(from_mask)))
 
 

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from . import _willis
 from ._errors import Note, WillisError, library
 from ._following import PathLike, Progress, followed, say
-from ._network import Network, Source, Table, defaults_of, network_of, read
+from ._network import Network, Source, Table, defaults_of, network_of, numbers, read
 from ._words import Repeated, words
 
 Place = Sequence[float]
@@ -123,7 +123,7 @@ class Run:
         vessels go together while those of different groups only touch, and each of ``delete`` a place on a vessel that is none. A part
         doubles what two groups share, and a group of one place is cut off. Joins come first, then parts, then what is deleted.
         """
-        accepted, rejected = ([int(row) for row in rows] for rows in (accept, reject))
+        accepted, rejected = _rows("accept", accept), _rows("reject", reject)
         if min([*accepted, *rejected, 0]) < 0 or len({*accepted, *rejected}) < len(accepted) + len(rejected):
             raise WillisError("decisions: a row that is negative or comes twice; expected each row once", item="decisions")
         edits = [f"join {places_of(pair)}" for pair in join]
@@ -153,6 +153,15 @@ class Run:
         return (_run_from_bytes, (self._run.to_bytes(),))
 
 
+def _rows(name: str, rows: Sequence[int]) -> list[int]:
+    """Rows, which are whole numbers."""
+    array = numbers(name, rows, "iuf")
+    # An empty list is one of real numbers.
+    if array.ndim != 1 or array.size and array.dtype.kind == "f":
+        raise WillisError(f"{name}: {array.dtype} in {array.ndim} dimensions; expected a list of whole numbers", item=name, expected="a list of whole numbers")
+    return [int(row) for row in array]
+
+
 def now() -> str:
     """The time as decisions have it."""
     return datetime.now(timezone.utc).strftime("%Y-%m-%dT%H:%M:%SZ")
@@ -160,7 +169,14 @@ def now() -> str:
 
 def places_of(places: Iterable[Place]) -> str:
     """Places as decisions have them."""
-    return " + ".join(" ".join(repr(float(x)) for x in place) for place in places)
+    return " + ".join(" ".join(repr(float(x)) for x in _place(place)) for place in places)
+
+
+def _place(place: Place) -> npt.NDArray[Any]:
+    array = numbers("place", place, "iuf")
+    if array.shape != (3,):
+        raise WillisError(f"place: an array of shape {array.shape}; expected three numbers of mm", item="place", expected="three numbers of mm")
+    return array
 
 
 def _run_from_bytes(stored: bytes) -> Run:
@@ -463,6 +479,7 @@ def page_of(folder: Path) -> str:
 
 
 _TEXT = frozenset({"id", "id_a", "id_b", "figure", "label", "role", "origin", "subject", "input", "status", "error", "variant", "kind", "question"})
+_TEXT |= {f"{name}_{reader}" for name in ("decision", "who", "comment") for reader in "ab"}
 _WHOLE = frozenset({"rank", "node", "component", "edge", "node_a", "node_b", "above_median", "kept"})
 
 

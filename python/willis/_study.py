@@ -112,6 +112,10 @@ class Measured:
         compared = folder / "comparison.csv"
         #: The columns of comparison.csv; None without ``compare``.
         self.comparison: Table | None = table_of(compared) if compared.exists() else None
+        agreed = folder / "readers.csv"
+        #: The columns of readers.csv and of differences.csv; None without ``readers``.
+        self.readers: Table | None = table_of(agreed) if agreed.exists() else None
+        self.differences: Table | None = table_of(folder / "differences.csv") if agreed.exists() else None
 
     def __repr__(self) -> str:
         return f"<willis.Measured: {len(self.vessels['vessel'])} vessels, {len(self.bifurcations['degree'])} bifurcations>"
@@ -128,6 +132,7 @@ def measure(
     compare: str | None = None,
     measures: Sequence[str] | None = None,
     seed: int = 0,
+    readers: tuple[PathLike, PathLike] | None = None,
 ) -> Measured:
     """Measures the vessels of a network, of a run, or of many files: what ``willis measure`` does.
 
@@ -136,7 +141,7 @@ def measure(
     thin, in mm.
 
     ``participants`` is a table with a row for each subject, ``compare`` the column of it that makes two groups, which then are compared in all
-    ``measures``, columns of ``subjects``.
+    ``measures``, columns of ``subjects``. ``readers`` are the decisions of two readers on the connections of runs, with ``{}`` for the input.
     """
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(temporary)
@@ -162,6 +167,7 @@ def measure(
                 "compare": compare,
                 "measures": None if measures is None else ",".join(measures),
                 "seed": seed or None,
+                "reader": Repeated(readers),
             },
             {},
         )
@@ -170,7 +176,7 @@ def measure(
 
 
 class Cohort:
-    """Many subjects: the folder that ``willis infer`` makes of several inputs."""
+    """Many subjects: the folder that ``willis infer`` or ``willis label`` makes of several inputs."""
 
     def __init__(self, folder: Path, kept: tempfile.TemporaryDirectory[str] | None) -> None:
         self.folder, self._kept = folder, kept
@@ -184,6 +190,10 @@ class Cohort:
     def run(self, subject: str) -> SavedRun:
         """The run of a subject."""
         return SavedRun(self.folder / subject)
+
+    def labelled(self, subject: str) -> Labelled:
+        """The names of a subject, where :func:`label_cohort` made them."""
+        return Labelled(self.folder / subject)
 
     def __len__(self) -> int:
         return len(self.subjects["subject"])
@@ -203,7 +213,7 @@ def cohort(paths: Sequence[PathLike] | PathLike, output: PathLike | None = None,
     WillisError
         Nothing was made: what is wrong, and what is accepted.
     """
-    inputs = [os.fspath(paths)] if isinstance(paths, (str, os.PathLike)) else [os.fspath(path) for path in paths]
+    inputs = _inputs(paths)
     defaults = {**defaults_of(read), **defaults_of(infer)}
     unknown = sorted(set(options) - set(defaults) | set(options) & {"part", "background", "threads", "progress"})
     if unknown:
@@ -211,11 +221,29 @@ def cohort(paths: Sequence[PathLike] | PathLike, output: PathLike | None = None,
     inlets, outlets, flows = (options.pop(name, None) for name in ("inlets", "outlets", "flows"))
     rule = outlets if isinstance(outlets, str) else None
     options |= {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
+    return _made("infer", inputs, output, words(options, defaults))
+
+
+def label_cohort(
+    paths: Sequence[PathLike] | PathLike,
+    output: PathLike | None = None,
+    *,
+    model: PathLike | None = None,
+    frame: _Axes | None = None,
+) -> Cohort:
+    """Names the arteries of many inputs: what ``willis label`` does with several, a pattern or a manifest; as :func:`cohort`."""
+    return _made("label", _inputs(paths), output, words({"model": model, "frame": frame}, {}))
+
+
+def _inputs(paths: Sequence[PathLike] | PathLike) -> list[str]:
+    return [os.fspath(paths)] if isinstance(paths, (str, os.PathLike)) else [os.fspath(path) for path in paths]
+
+
+def _made(command: str, inputs: list[str], output: PathLike | None, made: list[str]) -> Cohort:
     kept = tempfile.TemporaryDirectory() if output is None else None
     folder = Path(output) if output is not None else Path(kept.name if kept else "", "cohort")
-    line = ["infer", *inputs, "-o", str(folder), *words(options, defaults)]
     try:
-        _willis.call(line)
+        _willis.call([command, *inputs, "-o", str(folder), *made])
     except WillisError as error:
         if not (folder / "cohort.csv").exists():
             raise

@@ -122,7 +122,7 @@ impl ClassifyArgs {
             terminal.say("note", note);
         }
         terminal.say("counted", format!("{}, arteries by {}", plural(phenotype.counted, "vessel"), phenotype.known_by));
-        say_variant(terminal, &phenotype.variant, &phenotype.hypoplastic, phenotype.posterior.as_ref());
+        say_variant(terminal, &phenotype.variant, &phenotype.circle.thin(), phenotype.posterior.as_ref());
         say_collaterals(terminal, &phenotype.collaterals);
         Ok(phenotype)
     }

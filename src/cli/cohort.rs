@@ -238,7 +238,7 @@ impl Cohort<'_> {
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
                 covariates: covariates(&subjects[at]),
-                page: None,
+                page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
                 figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
             }
         };

@@ -1,18 +1,21 @@
 //! `willis convert`: a network from one format into another.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::error::{Fault, Result};
-use crate::internals::formats::convert::Target;
+use crate::error::{Error, Fault, Result};
+use crate::internals::formats::convert::{Target, is_for_a_solver};
 use crate::internals::formats::{Format, unread_columns};
 use crate::internals::output::StagedFiles;
 use crate::internals::pipeline::stage_target;
-use crate::{Network, Unfed, WrittenFiles, read};
+use crate::{BoundaryOptions, FlowOptions, Network, Unfed, WrittenFiles, read, solver_model};
 use clap::Args;
 use serde_json::json;
 
+use super::args::figures::viscosity;
+use super::args::pulse::PulseArgs;
 use super::args::reading::InputArgs;
-use super::args::unfed;
+use super::args::{boundary_for, unfed};
+use super::checkpoint::Follower;
 use super::command_line::command_line;
 use super::print::{TextTerminal, plural, say_read};
 use super::shell::print_json;
@@ -24,7 +27,7 @@ use super::shell::print_json;
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   willis convert extraction.vtp extraction.swc
-  willis convert circle.graphml model.json --to svzerod")]
+  willis convert circle.graphml model.json --to svzerod --pulse")]
 pub struct ConvertArgs {
     #[command(flatten)]
     input: InputArgs,
@@ -40,6 +43,32 @@ pub struct ConvertArgs {
     /// Print a summary on standard output, as JSON
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    model: ModelArgs,
+}
+
+/// Conditions as simulate has them, for a model of svZeroDSolver or openBF.
+#[derive(Debug, Default, Args)]
+struct ModelArgs {
+    /// Blood viscosity in a model for svzerod or openbf [default: 3.5cP]
+    #[arg(long, value_name = "VISCOSITY", value_parser = viscosity, hide_short_help = true)]
+    viscosity: Option<f64>,
+    #[command(flatten)]
+    pulse: PulseArgs,
+    #[command(flatten)]
+    boundary: BoundaryOptions,
+}
+
+impl ModelArgs {
+    /// The options of the simulation; none where none is given.
+    fn options(&self, input: &Path) -> Result<Option<FlowOptions>> {
+        let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
+        if pulse.is_none() && self.viscosity.is_none() && boundary == BoundaryOptions::default() {
+            return Ok(None);
+        }
+        let usual = FlowOptions::default();
+        Ok(Some(FlowOptions { boundary, pulse, viscosity: self.viscosity.unwrap_or(usual.viscosity), ..usual }))
+    }
 }
 
 /// Make centerlines of a segmentation mask
@@ -67,7 +96,7 @@ pub struct SkeletonArgs {
 impl SkeletonArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let Self { input, output, to, json } = self;
-        ConvertArgs { input, output, to, unfed: None, json }.write("skeleton", terminal, force)
+        ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.write("skeleton", terminal, force)
     }
 }
 
@@ -78,16 +107,24 @@ impl ConvertArgs {
 
     fn write(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
         self.input.reading.refuse_candidates(command)?;
-        let target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
-        check(&target, force)?;
+        let mut target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
         let path = &self.input.input;
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
+        let model = self.model.options(path)?;
+        if model.is_some() && !is_for_a_solver(target.format) {
+            let found = format!("for {}", target.format.name());
+            return Err(Error::parameter("to", found, "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`"));
+        }
+        check(&target, force)?;
+        let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
             return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NRRD, TIFF, NPY; convert rewrites centerlines")
                 .in_file(path));
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
+        if let Some(options) = &model {
+            (input.network, target.setting) = solver_model(&input, options, &mut Follower::new(terminal))?;
+        }
         let (names, WrittenFiles { mut lost, counts: [nodes, vessels], .. }) = put(&input.network, &target, terminal, force)?;
         let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {

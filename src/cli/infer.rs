@@ -247,7 +247,7 @@ impl Inferences {
                 }
                 if let Some((posterior, how)) = inference.posterior() {
                     terminal.say("drawn", how);
-                    say_variant(terminal, &posterior.best(), inference.hypoplastic(), Some(posterior));
+                    say_variant(terminal, &posterior.best(), &inference.hypoplastic(), Some(posterior));
                 }
                 let (done, total) = follower.samples();
                 // Nothing is written after a stop.

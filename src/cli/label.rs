@@ -1,89 +1,141 @@
-//! `willis label`: names of the arteries of a Circle of Willis, from geometry alone.
+//! `willis label`: names of the arteries of a Circle of Willis, from geometry alone, of one input or of a cohort.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use crate::error::Result;
-use crate::internals::circle_of_willis::{Artery, RING};
+use crate::error::{Error, Result};
+use crate::internals::circle_of_willis::RING;
+use crate::internals::formats::Format;
 use crate::internals::formats::convert::Target;
+use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::names::LABELLED;
+use crate::internals::output::write_record;
+use crate::internals::pipeline::RunOptions;
+use crate::internals::report::cohort::{Figures, label_figures};
 use crate::{InferOptions, LabelOptions, Labelled, label};
 use clap::Args;
 use serde_json::{Value, json};
 
 use super::args::candidates::CandidateArgs;
-use super::args::reading::InputArgs;
+use super::args::reading::ReadingArgs;
+use super::at_work::parsed;
 use super::checkpoint::Follower;
+use super::cohort::{Cohort, Work};
 use super::command_line::command_line;
 use super::print::{TextTerminal, plural};
 use super::shell::print_json;
+use super::subjects::{Inputs, Subject, expand};
 
 /// Name the arteries of a Circle of Willis from their geometry alone, each name with a probability
 ///
 /// Beside FILE it writes FILE.names.csv (a row for about every millimetre, with the probability of each name), FILE.landmarks.csv and
 /// FILE.landmarks.mrk.json (bifurcations and ends, to be looked at and corrected in 3D Slicer, and handed back with --landmarks), and
-/// FILE.segments.csv (which segments of the circle are there). Candidates pass names over gaps.
+/// FILE.segments.csv (which segments of the circle are there). Candidates pass names over gaps. Of several inputs each has these files, as
+/// labelled.graphml and so on, in a folder of its own.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:
   willis label scan.nii.gz -o labelled.graphml
+  willis label 'scans/*.swc' -o labelled
   willis classify scan.nii.gz -o phenotype --landmarks labelled.landmarks.csv")]
 pub struct LabelArgs {
+    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of
+    /// points) or a candidate graph (GraphML, CSV of edges); several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column
+    /// input, a row a subject) are a cohort: a folder each, and a table of all
+    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
+    inputs: Vec<PathBuf>,
     #[command(flatten)]
-    input: InputArgs,
-    /// The labelled vessels to write; the ending says the format, as for convert
-    #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    reading: ReadingArgs,
+    /// The labelled vessels to write, the ending says the format, as for convert; of several inputs the folder, which must not exist, unless it is that
+    /// of a cohort to go on with
+    #[arg(short, long, value_name = "FILE|FOLDER", value_hint = clap::ValueHint::AnyPath)]
     output: PathBuf,
     /// A model of `willis train --model labels` in place of the one that ships
     #[arg(long, value_name = "MODEL.toml", value_hint = clap::ValueHint::FilePath)]
     model: Option<PathBuf>,
     #[command(flatten)]
     candidates: CandidateArgs,
-    /// Print a summary on standard output, as JSON
+    /// Print a summary on standard output, as JSON; of a cohort, its row of each subject
     #[arg(long)]
     json: bool,
 }
 
 impl LabelArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
+        let input = match expand(&self.inputs, false)? {
+            Inputs::One(input) => input,
+            Inputs::Many(subjects) => {
+                if Format::of_ending(&self.output).is_some() {
+                    let accepted = "is the name of a file; expected a folder, since there are several inputs";
+                    return Err(Error::parameter("output", self.output.display(), accepted));
+                }
+                let options = RunOptions { read: self.reading.shared()?, infer: self.options().infer };
+                let mut parameters = self.reading.compared(options.comparable(&Value::Null));
+                parameters["model"] = json!(self.model);
+                let cohort = Cohort { command: "label", parameters, output: &self.output, force, json: self.json };
+                return cohort.run(&subjects, &self, terminal);
+            }
+        };
         let target = Target::new(&self.output, None)?;
         Labelled::check(&target, force)?;
-        let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
-        self.candidates.put(&mut options.infer);
-        let input = self.input.reading.read(&self.input.input, command_line("again.graphml"), terminal)?;
-        let found = label(input, &options, &mut Follower::new(terminal))?;
-        let notes = found.notes();
-        for note in &notes {
-            terminal.say("note", note);
-        }
+        let found = self.label(&input, command_line("again.graphml"), terminal)?;
         let files = found.write(&target, force)?;
-        let named = found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count();
-        let doubtful = found.doubtful();
-        terminal.say(
-            "named",
-            format!(
-                "{named} of {}, {}, {doubtful} of them to be looked at",
-                plural(found.network.vessel_count(), "vessel"),
-                plural(found.landmarks.len(), "landmark")
-            ),
-        );
-        let segment = |(artery, p): (&Artery, &f64)| format!("{artery} {p:.2}");
-        let segments: Vec<String> = RING.iter().zip(&found.names.presence).map(segment).collect();
-        terminal.say("segments", segments.join(", "));
         let files: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         terminal.say("written", files.join(", "));
         if self.json {
-            let presence: serde_json::Map<String, Value> =
-                RING.iter().zip(&found.names.presence).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
-            print_json(&json!({
-                "willis": env!("CARGO_PKG_VERSION"),
-                "command": found.prepared.provenance.command,
-                "input": found.prepared.provenance.of_input(),
-                "frame": found.names.frame.name(),
-                "frame_was_found": found.names.frame_was_found,
-                "notes": found.prepared.provenance.notes.iter().chain(&notes).collect::<Vec<_>>(),
-                "output": files,
-                "counts": { "vessels": found.network.vessel_count(), "named": named, "landmarks": found.landmarks.len() },
-                "segments": presence,
-            }))?;
+            let mut record = found.record();
+            record["output"] = json!(files);
+            print_json(&record)?;
         }
         Ok(())
+    }
+
+    fn options(&self) -> LabelOptions {
+        let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
+        self.candidates.put(&mut options.infer);
+        options
+    }
+
+    fn label(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Labelled> {
+        let input = self.reading.read(input, command, terminal)?;
+        let found = label(input, &self.options(), &mut Follower::new(terminal))?;
+        for note in &found.notes() {
+            terminal.say("note", note);
+        }
+        terminal.say(
+            "named",
+            format!(
+                "{} of {}, {}, {} of them to be looked at",
+                found.named(),
+                plural(found.network.vessel_count(), "vessel"),
+                plural(found.landmarks.len(), "landmark"),
+                found.doubtful()
+            ),
+        );
+        let segments = RING.iter().zip(&found.names.presence).map(|(artery, p)| format!("{artery} {p:.2}"));
+        terminal.say("segments", segments.collect::<Vec<_>>().join(", "));
+        Ok(found)
+    }
+}
+
+impl Work for LabelArgs {
+    fn of(words: &[String]) -> Result<Self> {
+        parsed(words)
+    }
+
+    fn files(&self, input: &Path) -> Vec<PathBuf> {
+        [self.reading.loops(input), self.model.clone()].into_iter().flatten().collect()
+    }
+
+    fn check(&self) -> Result<()> {
+        self.reading.shared().map(drop)
+    }
+
+    fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
+        let found = self.label(&subject.input, format!("{}.graphml", subject.line), terminal)?;
+        found.write(&Target::new(&folder.path().join(LABELLED), None)?, false)?;
+        write_record(&folder.path(), &found.record())
+    }
+
+    fn figures(&self, record: &Value) -> Figures {
+        label_figures(record)
     }
 }

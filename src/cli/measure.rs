@@ -8,12 +8,14 @@ use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
 use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::StagedFolder;
-use crate::internals::output::names::{BIFURCATIONS, COMPARISON, ENDS, INTERVALS, SUBJECTS, VESSELS};
+use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::write_file;
 use crate::internals::output::write_record;
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
+use crate::internals::report::page::write_comparison_page;
+use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
 use crate::internals::support::suggestions::did_you_mean;
-use crate::{BoundaryOptions, ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, two_groups};
+use crate::{BoundaryOptions, ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, twice_read, two_groups};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -57,7 +59,7 @@ pub struct MeasureArgs {
     /// go into subjects.csv
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Comparison")]
     participants: Option<PathBuf>,
-    /// Compare the two groups that a column of the participants, or of a manifest, makes: comparison.csv
+    /// Compare the two groups that a column of the participants, or of a manifest, makes: comparison.csv, and report.html with the points of both
     #[arg(long, value_name = "COLUMN", help_heading = "Comparison")]
     compare: Option<String>,
     /// Only compare these columns of subjects.csv, so that p is corrected for fewer [default: all]
@@ -67,6 +69,10 @@ pub struct MeasureArgs {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true,
         help_heading = "Comparison", hide_short_help = true)]
     seed: u64,
+    /// What a reader decided on the connections of a run (decisions.csv of its page), given once for each of two readers: readers.csv has Cohen's kappa, differences.csv
+    /// where they differ; in its name {} is INPUT
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Comparison")]
+    reader: Vec<PathBuf>,
     /// Print the row of each subject on standard output too, as JSON
     #[arg(long)]
     json: bool,
@@ -89,9 +95,13 @@ impl MeasureArgs {
             let own = subject.own().join(" ");
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
         }
+        if !matches!(self.reader.len(), 0 | 2) {
+            let given: Vec<String> = self.reader.iter().map(|path| path.display().to_string()).collect();
+            return Err(Error::parameter("reader", given.join(", "), "expected two of them, one for each reader"));
+        }
         let known = self.covariates(&subjects)?;
         let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
-        let measured = Mutex::new((0..subjects.len()).map(|_| None).collect::<Vec<Option<Measurement>>>());
+        let measured = Mutex::new((0..subjects.len()).map(|_| None).collect::<Vec<Option<(Measurement, Vec<TwiceRead>)>>>());
         let one = |at: usize, terminal: TextTerminal| -> Result<()> {
             let found = self.measure(&subjects[at], terminal)?;
             measured.lock().unwrap_or_else(PoisonError::into_inner)[at] = Some(found);
@@ -106,12 +116,27 @@ impl MeasureArgs {
             let each = Each { subjects: &subjects, done: &done, heading: "measured", noun: "subject", place: &self.output };
             each.make(|at| one(at, terminal.of_many()), terminal)?
         };
-        let measured = measured.into_inner().unwrap_or_else(PoisonError::into_inner);
+        let (measured, read): (Vec<Option<Measurement>>, Vec<Vec<TwiceRead>>) = measured
+            .into_inner()
+            .unwrap_or_else(PoisonError::into_inner)
+            .into_iter()
+            .map(Option::unzip)
+            .map(|(found, read)| (found, read.unwrap_or_default()))
+            .unzip();
+        let read = (!self.reader.is_empty()).then(|| read.concat());
         let rows: Vec<CohortRow> = (0..subjects.len())
             .map(|at| row_of(&subjects[at], &known[at], measured[at].as_ref(), failures[at].clone()))
             .collect();
-        let comparison = groups.map(|(names, first)| self.comparison(&names, &first, &measured, terminal)).transpose()?;
-        self.write(&rows, measured.iter().flatten(), comparison.as_deref(), force)?;
+        let compared = |(names, first): ([String; 2], Vec<Option<bool>>)| -> Result<_> {
+            Ok((self.comparison(&names, &first, &measured, terminal)?, first))
+        };
+        let comparison = groups.map(compared).transpose()?;
+        if let Some(read) = &read {
+            let found = kappa_of(read);
+            let kappa = if found.kappa.is_nan() { "no kappa".to_owned() } else { format!("kappa {:.2}", found.kappa) };
+            terminal.say("readers", format!("{} of {} alike, {kappa}", found.alike, plural(found.count, "decision")));
+        }
+        self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
         if self.json {
             rows.iter().try_for_each(|row| print_json(&row.record()))?;
         }
@@ -119,14 +144,19 @@ impl MeasureArgs {
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
     }
 
-    fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<Measurement> {
+    fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<(Measurement, Vec<TwiceRead>)> {
         let path = &subject.input;
         let input = self.runs.reading.read_run(path, subject.line.clone(), terminal)?;
+        let files: Vec<PathBuf> = self.reader.iter().map(|name| file_of(name, path)).collect();
+        let read = match &*files {
+            [a, b] => twice_read(&subject.name, &input, [a, b])?,
+            _ => Vec::new(),
+        };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
         for note in &found.notes {
             terminal.say("note", note);
         }
-        Ok(found)
+        Ok((found, read))
     }
 
     fn options(&self, input: &Path) -> MeasureOptions {
@@ -189,7 +219,8 @@ impl MeasureArgs {
         &self,
         rows: &[CohortRow],
         measured: impl Iterator<Item = &'a Measurement>,
-        comparison: Option<&[Column]>,
+        comparison: Option<(Vec<Column>, Vec<Option<bool>>)>,
+        read: Option<&[TwiceRead]>,
         force: bool,
     ) -> Result<()> {
         let tables: Vec<[Vec<Column>; 4]> = measured.map(Measurement::tables).collect();
@@ -199,10 +230,16 @@ impl MeasureArgs {
             write_file(&folder.path().join(name), |out| write_stacked(out, &own))?;
         }
         write_file(&folder.path().join(SUBJECTS), |out| write_csv(out, &cohort_columns(rows)))?;
-        if let Some(columns) = comparison {
-            write_file(&folder.path().join(COMPARISON), |out| write_csv(out, columns))?;
+        let record = self.record(rows);
+        if let Some((columns, first)) = comparison {
+            write_file(&folder.path().join(COMPARISON), |out| write_csv(out, &columns))?;
+            write_file(&folder.path().join(PAGE), |out| write_comparison_page(out, &record, columns, rows, &first))?;
         }
-        write_record(&folder.path(), &self.record(rows))?;
+        if let Some(read) = read {
+            write_file(&folder.path().join(READERS), |out| write_csv(out, &reader_columns(read)))?;
+            write_file(&folder.path().join(DIFFERENCES), |out| write_csv(out, &difference_columns(read)))?;
+        }
+        write_record(&folder.path(), &record)?;
         folder.commit()
     }
 
@@ -219,6 +256,7 @@ impl MeasureArgs {
                 "compare": self.compare,
                 "measures": self.measures,
                 "seed": self.seed,
+                "reader": self.reader,
             },
             "subjects": rows.iter().map(CohortRow::record).collect::<Vec<Value>>(),
         })

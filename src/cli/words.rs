@@ -100,7 +100,7 @@ pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
         say_outcome(terminal, &run.outcome(), run.seconds());
         if let Some((posterior, how)) = run.posterior() {
             terminal.say("drawn", how);
-            say_variant(terminal, &posterior.best(), run.hypoplastic(), Some(posterior));
+            say_variant(terminal, &posterior.best(), &run.hypoplastic(), Some(posterior));
         }
     })
 }

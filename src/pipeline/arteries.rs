@@ -19,10 +19,11 @@ use willis_io::formats::{LandmarkFormat, read_landmarks};
 use willis_io::output::names::LANDMARKS;
 use willis_io::output::write_file;
 use willis_models::circle_of_willis::{
-    Artery, Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, RING, Variant, artery_of_label, collaterals,
-    hypoplastic, identify_landmarks, in_axes_of, segment_diameters,
+    Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
+    identify_landmarks, in_axes_of, segment_diameters,
 };
 use willis_models::naming::{NamedCircle, Names, NamingModels};
+use willis_report::CircleFigures;
 
 impl ArterySource {
     /// Labels or geometry in the place of [`ArterySource::Automatic`], by what an input has.
@@ -170,26 +171,23 @@ impl FoundArteries {
 
     /// The diameter of each segment of [`RING`] in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its
     /// vessels.
-    pub(crate) fn diameters(&self, network: &Network, kept: &[bool]) -> [Option<f64>; 7] {
+    fn diameters(&self, network: &Network, kept: &[bool]) -> [Option<f64>; 7] {
         let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
         let named = self.named.as_ref().map_or([None; 7], |named| named.diameters);
         std::array::from_fn(|s| named[s].or(seen[s]))
     }
 
-    /// The segments of a `variant` that are thin, in the topology of the vessels `kept`.
-    pub(crate) fn hypoplastic(
+    /// The figures of a `variant` in the topology of the vessels `kept`.
+    pub(crate) fn circle_figures(
         &self,
         network: &Network,
         variant: &Variant,
         kept: &[bool],
         phenotypes: &PhenotypeOptions,
-    ) -> Vec<Artery> {
-        let thin = hypoplastic(&self.diameters(network, kept), phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
-        RING.into_iter()
-            .zip(thin)
-            .filter(|(artery, is_thin)| *is_thin && variant.has(*artery))
-            .map(|(artery, _)| artery)
-            .collect()
+    ) -> CircleFigures {
+        let diameters = self.diameters(network, kept);
+        let thin = hypoplastic(&diameters, phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
+        CircleFigures::of(variant, &diameters, thin)
     }
 
     /// The plausible topologies, and how they were drawn: by the evidence, or without any those that the samples vote for, by the

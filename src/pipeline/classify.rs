@@ -19,10 +19,10 @@ use willis_core::sampling::{SamplingOptions, infer};
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::names::SUPPLY;
 use willis_io::output::write_file;
-use willis_models::circle_of_willis::{Artery, Collateral, Posterior, Supply, Variant, present_vessels, supplies};
+use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
-    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
-    write_classified, write_phenotype,
+    CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns,
+    supply_json, write_classified, write_phenotype,
 };
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
@@ -38,8 +38,8 @@ pub struct Phenotype {
     pub supplies: Vec<Supply>,
     /// How many vessels counted.
     pub counted: usize,
-    /// The segments that are there but thin.
-    pub hypoplastic: Vec<Artery>,
+    /// The segments that are there, and those of them that are thin.
+    pub circle: CircleFigures,
     /// What the arteries were known by: `names`, `icafe`, `topcow` or `landmarks`.
     pub known_by: String,
     /// What a person should know.
@@ -188,8 +188,8 @@ fn phenotype(
     let who_feeds = |boundary: &Boundary| supplies(&found.circle, network, &topologies, boundary, viscosity);
     let supplies = boundary.as_ref().map_or_else(Vec::new, who_feeds);
     let counted = kept.iter().filter(|kept| **kept).count();
-    let hypoplastic = found.hypoplastic(network, &variant, &kept, phenotypes);
-    let json = phenotype_json(network, &variant, &hypoplastic, posterior.as_ref());
+    let circle = found.circle_figures(network, &variant, &kept, phenotypes);
+    let json = phenotype_json(network, &variant, &circle, posterior.as_ref());
     let classified = Classified {
         network,
         counted,
@@ -203,7 +203,7 @@ fn phenotype(
     let record = classification_record(&classified, &input.provenance);
     let supply_table = supply_columns(network, &supplies);
     let known_by = found.known_by;
-    Phenotype { variant, posterior, collaterals, supplies, counted, hypoplastic, known_by, notes, json, supply_table, record }
+    Phenotype { variant, posterior, collaterals, supplies, counted, circle, known_by, notes, json, supply_table, record }
 }
 
 /// Refuses landmarks of the run that have changed since.
@@ -224,7 +224,7 @@ impl Phenotype {
     ///
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
-        write_phenotype(folder, subject, (&self.variant, &self.hypoplastic), self.posterior.as_ref(), &self.json)?;
+        write_phenotype(folder, subject, (&self.variant, &self.circle), self.posterior.as_ref(), &self.json)?;
         write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
         write_classified(folder, &self.record, collateral_columns(&self.collaterals))
     }

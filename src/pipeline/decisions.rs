@@ -1,6 +1,6 @@
 //! Decisions of a person on connections: accepted ones are certain, rejected ones are gone, and those beside them follow.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -86,14 +86,14 @@ impl DecisionList {
     /// A file that was made for another input or another graph.
     pub(super) fn on(self, graph: &Network, input_sha256: &str) -> Result<Decided> {
         let Self { listed, source } = self;
-        let mut made: Vec<ConnectionDecision> = Vec::new();
+        let (mut made, mut decided) = (Vec::new(), BTreeSet::new());
         for decision in listed.connections {
             let places = decision.places.filter(|_| decision.input.is_empty() || decision.input == input_sha256);
             let row = check(&decision, graph, input_sha256).map(|()| decision.edge);
             let row = row.or_else(|fault| places.and_then(|at| moved(graph, at)).ok_or(fault));
             let edge = row.map_err(|fault| fault.in_file(&source.path))?;
             let ListedDecision { line, accepted, who, when, comment, .. } = decision;
-            if made.iter().any(|other| other.edge == edge) {
+            if !decided.insert(edge) {
                 let fault = Fault::line(line, format!("edge {edge} comes again, by its places"), "expected one decision an edge");
                 return Err(fault.in_file(&source.path));
             }

@@ -25,8 +25,8 @@ use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::run_record::Built;
 use willis_report::{
-    Outcome, Summary, phenotype_json, review_columns, supply_columns, supply_json, topology_columns, vessel_columns,
-    write_outcome, write_phenotype,
+    CircleFigures, Outcome, Summary, phenotype_json, review_columns, supply_columns, supply_json, topology_columns,
+    vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -41,7 +41,7 @@ pub struct Inference {
     stable: Option<bool>,
     posterior: Option<(Posterior, String)>,
     /// The segments of the most probable variant that are thin.
-    hypoplastic: Vec<Artery>,
+    circle: Option<CircleFigures>,
     /// Who feeds each territory and outlet, where the arteries are known.
     supplies: Vec<Supply>,
     /// How long sampling took, on what; for run.json.
@@ -156,7 +156,7 @@ impl Prepared {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
         let until_stable = self.options.infer.until_stable;
         let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
-        let (mut posterior, mut hypoplastic, mut supplies) = (None, Vec::new(), Vec::new());
+        let (mut posterior, mut circle, mut supplies) = (None, None, Vec::new());
         if let Some(found) = &self.arteries {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
@@ -164,12 +164,12 @@ impl Prepared {
             let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above)?;
             let phenotypes = &self.options.infer.phenotypes;
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
-            hypoplastic = found.hypoplastic(&self.graph, &said.best(), &said.topology, phenotypes);
+            circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));
             posterior = Some((said, how));
             supplies = who_feeds(&found.circle, &self.graph, &topologies.weighted, &self.boundary, options.viscosity);
         }
         let (prepared, sampling) = (self.clone(), options.clone());
-        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, hypoplastic, supplies, time })
+        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, circle, supplies, time })
     }
 }
 
@@ -202,7 +202,7 @@ impl Inference {
     /// The plausible topology, with the conditions that hold in it: the vessels that are kept, as topology.graphml has them, whole where no
     /// candidate is left that ended on them.
     pub fn topology(&self) -> Network {
-        self.outcome().topology(&self.decision.kept).network
+        self.outcome().topology(&self.decision.kept).network.into_owned()
     }
 
     /// What plausible topologies say of the Circle of Willis, where its arteries are known, and how the topologies were drawn.
@@ -211,8 +211,8 @@ impl Inference {
     }
 
     /// The segments of the most probable variant of the circle that are thin; none where its arteries are not known.
-    pub fn hypoplastic(&self) -> &[Artery] {
-        &self.hypoplastic
+    pub fn hypoplastic(&self) -> Vec<Artery> {
+        self.circle.as_ref().map_or_else(Vec::new, CircleFigures::thin)
     }
 
     /// Everything that the files of the run are made of.
@@ -356,24 +356,25 @@ impl Inference {
         let built = prepared.candidates.as_ref().map_or(Built::Given, Built::Candidates);
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
+        let tables = write_tables(folder, &outcome)?;
         let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
         summary.state_prior(json!(prepared.records.prior));
         summary.state_cut(json!(prepared.records.cut));
         summary.state_image(json!(prepared.records.image));
         summary.state_decisions(json!(prepared.records.decisions));
         summary.time = self.time.clone();
-        if let (Some((posterior, _)), Some(found)) = (&self.posterior, &prepared.arteries) {
+        if let (Some((posterior, _)), Some(circle), Some(found)) = (&self.posterior, &self.circle, &prepared.arteries) {
             let variant = posterior.best();
-            let phenotype = phenotype_json(&prepared.graph, &variant, &self.hypoplastic, Some(posterior));
+            let phenotype = phenotype_json(&prepared.graph, &variant, circle, Some(posterior));
             let subject = stem(Path::new(&prepared.provenance.input));
-            write_phenotype(folder, &subject, (&variant, &self.hypoplastic), Some(posterior), &phenotype)?;
+            write_phenotype(folder, &subject, (&variant, circle), Some(posterior), &phenotype)?;
             summary.state_phenotype(phenotype, &found.known_by, found.record());
             summary.named = found.by_geometry_record();
             summary.supply = supply_json(&prepared.graph, &self.supplies);
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
-        let notes = write_outcome(folder, &outcome, &mut summary, options.dpi)?;
+        let notes = write_outcome(folder, &outcome, tables, &mut summary, options.dpi)?;
         // Known only once all else is written.
         summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
         write_record(folder, &summary)?;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 
 use super::artery_options::load_models;
 use super::{Follow, InferOptions, Input, Prepared, prepare, stage_target};
@@ -18,6 +19,7 @@ use willis_io::output::StagedFiles;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
+use willis_report::Provenance;
 
 /// How arteries are named.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -144,6 +146,33 @@ impl Labelled {
     /// How many landmarks a person should look at.
     pub fn doubtful(&self) -> usize {
         self.landmarks.iter().filter(|mark| mark.probability < SURE).count()
+    }
+
+    /// How many vessels have a name.
+    pub fn named(&self) -> usize {
+        self.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count()
+    }
+
+    /// What came out, in short.
+    pub fn record(&self) -> Value {
+        let Provenance { command, notes, .. } = &self.prepared.provenance;
+        let segments: serde_json::Map<String, Value> =
+            RING.iter().zip(&self.names.presence).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
+        json!({
+            "willis": env!("CARGO_PKG_VERSION"),
+            "command": command,
+            "input": self.prepared.provenance.of_input(),
+            "frame": self.names.frame.name(),
+            "frame_was_found": self.names.frame_was_found,
+            "notes": notes.iter().chain(&self.notes()).collect::<Vec<_>>(),
+            "counts": {
+                "vessels": self.network.vessel_count(),
+                "named": self.named(),
+                "landmarks": self.landmarks.len(),
+                "doubtful": self.doubtful(),
+            },
+            "segments": segments,
+        })
     }
 
     /// What a person should know: where the frame comes from.

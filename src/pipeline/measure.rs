@@ -19,7 +19,7 @@ use willis_core::sampling::SamplingOptions;
 use willis_core::support::geometry::{Point, cross, dot, norm_squared};
 use willis_io::formats::{Column, ReadOptions, read_image};
 use willis_io::masks::Picture;
-use willis_models::circle_of_willis::{RING, present_vessels};
+use willis_models::circle_of_willis::present_vessels;
 use willis_report::cohort::Figures;
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
 
@@ -177,14 +177,7 @@ impl Measuring<'_> {
     fn circle(&self, kept: &[bool]) -> Option<CircleFigures> {
         let found = self.found.as_ref()?;
         let variant = found.circle.variant(self.network, |row| kept[row]);
-        let thin = found.hypoplastic(self.network, &variant, kept, &self.phenotypes);
-        let diameters = found.diameters(self.network, kept);
-        let of_present = |at: usize| diameters[at].filter(|_| variant.has(RING[at]));
-        Some(CircleFigures {
-            diameters: std::array::from_fn(of_present),
-            hypoplastic: RING.map(|artery| variant.has(artery).then(|| thin.contains(&artery))),
-            fetal: variant.fetal,
-        })
+        Some(found.circle_figures(self.network, &variant, kept, &self.phenotypes))
     }
 
     /// The vessels of the topologies that a run finds plausible, with their weights, as a classification draws them.

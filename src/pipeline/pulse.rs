@@ -1,5 +1,6 @@
 //! The pulse of a simulation: the waveforms that inlets get, and the pulse of both states of the network.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use num_complex::Complex64;
@@ -14,7 +15,7 @@ use willis_core::flow::{Boundary, Tube, WallLaw};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Network, Role, locate};
-use willis_core::simulation::pulse::fourier::{beyond, coefficients};
+use willis_core::simulation::pulse::fourier::{beyond, coefficients, samples};
 use willis_core::simulation::pulse::typical::{self, Typical};
 use willis_core::simulation::pulse::womersley::Fluid;
 use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, walled};
@@ -33,7 +34,7 @@ enum WaveSource {
 #[derive(Debug)]
 pub struct Waves {
     sources: Vec<(usize, WaveSource)>,
-    period: f64,
+    pub(super) period: f64,
     coefficients: Vec<Vec<Complex64>>,
 }
 
@@ -120,6 +121,17 @@ impl Waves {
         Ok(steady)
     }
 
+    /// One period at each inlet that is driven, by the id of its node.
+    pub(super) fn courses(&self, network: &Network, state: &State) -> BTreeMap<String, Waveform> {
+        let course = |drive: Drive| {
+            let mut values = samples(&drive.coefficients, COURSE_STEPS);
+            values.push(values[0]);
+            let times = (0..=COURSE_STEPS).map(|k| self.period * k as f64 / COURSE_STEPS as f64).collect();
+            (network.node(drive.node).id.clone(), Waveform { quantity: drive.quantity, times, values })
+        };
+        self.drives(network, state).into_iter().map(course).collect()
+    }
+
     /// What drives the inlets on top of a steady flow.
     fn drives(&self, network: &Network, state: &State) -> Vec<Drive> {
         let inflow = |node: usize| -> f64 {
@@ -140,8 +152,21 @@ impl Waves {
     }
 }
 
+/// The blood of a pulse, of a viscosity in Pa s.
+pub(super) fn fluid(options: &PulseOptions, viscosity: f64) -> Fluid {
+    Fluid { viscosity, density: options.density, friction: options.friction, wall_viscosity: options.wall_viscosity }
+}
+
+/// The law of the walls of a network in a pulse.
+pub(super) fn law(options: &PulseOptions, network: &Network) -> WallLaw {
+    let usual = if network.vessels().any(|(_, v)| v.wall.is_some()) { WallLaw::Stated } else { WallLaw::OLUFSEN };
+    options.wall.unwrap_or(usual)
+}
+
 /// The share of a waveform's variance above the harmonics that goes without saying.
 const LEFT_OUT: f64 = 1e-3;
+/// So many even steps of a period are written for solvers in time.
+const COURSE_STEPS: usize = 1000;
 
 fn is_word(text: &str) -> bool {
     ["carotid", "vertebral", "typical"].contains(&text)
@@ -245,10 +270,7 @@ impl Waves {
         simulation: &Simulation,
     ) -> Result<(Pulses, Value)> {
         let viscosity = flow.viscosity;
-        let fluid =
-            Fluid { viscosity, density: options.density, friction: options.friction, wall_viscosity: options.wall_viscosity };
-        let usual = if network.vessels().any(|(_, v)| v.wall.is_some()) { WallLaw::Stated } else { WallLaw::OLUFSEN };
-        let law = options.wall.unwrap_or(usual);
+        let (fluid, law) = (fluid(options, viscosity), law(options, network));
         let windkessels = flow.boundary.windkessels(network)?;
         let at_rest = Tube::at_rest(network, viscosity);
         let vessels = walled(network, &at_rest, &[], &law, &fluid)?;

@@ -94,10 +94,10 @@ pub fn simulate_with<'a>(
 
 /// What flow is solved for: the vessels of an input, or those that inlets feed, with their conditions.
 #[derive(Debug)]
-struct Solved<'a> {
+pub(super) struct Solved<'a> {
     input: &'a Input,
-    network: Cow<'a, Network>,
-    boundary: Boundary,
+    pub(super) network: Cow<'a, Network>,
+    pub(super) boundary: Boundary,
     outlets: FoundOutlets,
     /// The rows that its vessels have in the input, where some are left out.
     rows: Option<Vec<usize>>,
@@ -105,7 +105,7 @@ struct Solved<'a> {
 }
 
 impl<'a> Solved<'a> {
-    fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
+    pub(super) fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
         let (boundary, outlets) = conditions(input, options, progress)?;
         let (network, provenance) = (Cow::Borrowed(&input.network), Cow::Borrowed(&input.provenance));
         let whole = Self { input, network, boundary, outlets, rows: None, provenance };

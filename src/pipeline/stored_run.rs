@@ -28,12 +28,15 @@ pub(crate) struct StoredRun {
     pub(crate) landmarks: Option<String>,
     /// Its arteries, where it found them by their geometry.
     pub(crate) named: Option<FoundArteries>,
+    /// The SHA-256 of its input.
+    pub(crate) input_sha256: String,
     sha256: String,
 }
 
 /// What is read of run.json.
 #[derive(Deserialize)]
 struct StoredRecord {
+    input: Value,
     options: RunOptions,
     parameters: Value,
     boundary_conditions: Vec<StoredCondition>,
@@ -88,6 +91,7 @@ impl StoredRun {
             given: record.boundary_conditions.iter().filter(|c| !c.found).map(|c| c.node).collect(),
             landmarks: record.parameters["landmarks"]["sha256"].as_str().map(str::to_owned),
             named: record.named,
+            input_sha256: record.input["sha256"].as_str().unwrap_or_default().to_owned(),
             sha256: record.graph.map(|graph| graph.sha256).unwrap_or_default(),
         })
     }

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use willis_core::error::{Error, Result};
 use willis_core::network::Network;
 use willis_io::formats::convert::{Target, Written, losses, refusal, write_into};
-use willis_io::formats::write_loops;
+use willis_io::formats::{write_loops, write_openbf_inlet};
 use willis_io::output::StagedFiles;
 
 /// What came of writing a network.
@@ -53,7 +53,9 @@ pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<W
 pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles) -> Result<WrittenFiles> {
     let (network, mut notes) = target.network(network)?;
     let network = &*network;
-    let lost = losses(network, target.format);
+    let mut lost = losses(network, target.format);
+    // Those of inlets that pulsate are beside the model.
+    lost.retain(|what| target.setting.courses.is_empty() || !what.contains("inlet-N.dat"));
     let nodes = target.nodes.as_ref().map(|path| staged.add(path)).transpose()?;
     let mut written = Written::default();
     let made = staged.write_main(|out| {
@@ -71,6 +73,12 @@ pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles
     })?;
     if !written.loops.is_empty() {
         staged.write(&target.loops(), |out| write_loops(out, &written.loops))?;
+    }
+    for (number, id) in written.inlets.iter().enumerate() {
+        if let Some(course) = target.setting.courses.get(id) {
+            staged
+                .write(&target.path.with_file_name(format!("inlet-{}.dat", number + 1)), |out| write_openbf_inlet(out, course))?;
+        }
     }
     notes.append(&mut written.notes);
     Ok(WrittenFiles { files: Vec::new(), notes, lost, counts: [network.node_count(), network.vessel_count()] })

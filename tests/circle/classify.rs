@@ -11,6 +11,13 @@ fn json(path: &Path) -> serde_json::Value {
     serde_json::from_slice(&fs::read(path).expect("a file")).expect("JSON")
 }
 
+/// The cells of a column of a table.
+fn column(table: &str, name: &str) -> Vec<String> {
+    let mut rows = csv::Reader::from_reader(table.as_bytes());
+    let at = rows.headers().expect("a header").iter().position(|column| column == name).expect(name);
+    rows.records().map(|row| row.expect("a row")[at].to_owned()).collect()
+}
+
 #[test]
 fn the_folder_holds_the_phenotype_and_its_record() {
     let here = folder();
@@ -49,8 +56,8 @@ fn the_folder_holds_the_phenotype_and_its_record() {
     assert_eq!(contents(here.path()), before);
 }
 
-/// AComm and PComm of the published circle are 1.48 and 1.46 mm wide (Alastruey et al., J Biomech 40:1794-1805, 2007), so that they are
-/// hypoplastic below 1.5 mm, and nothing is below 1 mm. A cohort has a column of them.
+/// The diameters of the circle of Alastruey et al. (J Biomech 40:1794-1805, 2007), table 1: AComm and PComm are 1.48 and 1.46 mm wide, so that
+/// they are hypoplastic below 1.5 mm, and nothing is below 1 mm.
 #[test]
 fn hypoplastic_segments_are_told_in_every_table() {
     let here = folder();
@@ -72,10 +79,29 @@ fn hypoplastic_segments_are_told_in_every_table() {
     assert!(table.lines().nth(1).is_some_and(|row| row.ends_with(",AComm L-PComm R-PComm")), "{table}");
     run(&["classify", &inputs[0], &inputs[1], "-o", "cohort", "--hypoplastic", "1.5mm"]);
     let table = fs::read_to_string(here.path().join("cohort/cohort.csv")).expect("a table");
-    let mut rows = csv::Reader::from_reader(table.as_bytes());
-    let at = rows.headers().expect("a header").iter().position(|name| name == "hypoplastic").expect("a column");
-    let column: Vec<String> = rows.records().map(|row| row.expect("a row")[at].to_owned()).collect();
-    assert_eq!(column, ["AComm L-PComm R-PComm", "L-PComm R-PComm"]);
+    assert_eq!(column(&table, "hypoplastic"), ["AComm L-PComm R-PComm", "L-PComm R-PComm"]);
+    for (name, truth) in [
+        ("circle_L-A1_diameter_mm", [2.34, 2.34]),
+        ("circle_AComm_diameter_mm", [1.48, f64::NAN]),
+        ("circle_L-PComm_diameter_mm", [1.46, 1.46]),
+        ("circle_AComm_hypoplastic", [1.0, f64::NAN]),
+        ("circle_L-A1_hypoplastic", [0.0, 0.0]),
+        ("circle_A1_asymmetry", [0.0, 0.0]),
+        ("fetal_L-PCA", [0.0, 0.0]),
+    ] {
+        for (cell, truth) in column(&table, name).iter().zip(truth) {
+            assert!(cell.parse::<f64>().map_or(truth.is_nan(), |x| (x - truth).abs() < 1e-9), "{name}: {cell:?}");
+        }
+    }
+    // The tables of subjects have the same cells.
+    run(&["measure", &inputs[0], &inputs[1], "-o", "measured", "--hypoplastic", "1.5mm"]);
+    let subjects = fs::read_to_string(here.path().join("measured/subjects.csv")).expect("a table");
+    let header = subjects.lines().next().expect("a header").split(',');
+    let shared: Vec<&str> = header.filter(|name| name.starts_with("circle_") || name.starts_with("fetal_")).collect();
+    assert_eq!(shared.len(), 7 + 7 + 3 + 2);
+    for name in shared {
+        assert_eq!(column(&table, name), column(&subjects, name), "{name}");
+    }
     for wrong in ["0mm", "-1mm", "thin"] {
         let output = willis(here.path(), &["classify", &inputs[0], "-o", "bad", &format!("--hypoplastic={wrong}")]);
         assert_eq!(output.status.code(), Some(2), "{wrong}");

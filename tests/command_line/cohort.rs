@@ -99,6 +99,44 @@ fn a_subject_is_its_single_run() {
     assert_eq!(number("wall_s"), record(&here.path().join("out/scan2"))["time"]["wall_s"].as_f64().expect("seconds"));
 }
 
+/// The truth is the single run here too. What failed is a row, and what is done is not done again until its file changes.
+#[test]
+fn a_labelled_subject_is_its_single_label() {
+    let here = folder();
+    scans(here.path(), &[1]);
+    fs::write(here.path().join("bad.swc"), "1 0 a b c d -1\n").expect("written");
+    let label = |words: &[&str]| willis(here.path(), &[&["label", "scan1.swc", "bad.swc", "-o"], words].concat());
+    let output = label(&["out"]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert_eq!(column(here.path(), "status"), ["ok", "failed"]);
+    assert!(column(here.path(), "error")[1].starts_with("bad.swc:1: "));
+    fs::create_dir(here.path().join("single")).expect("made");
+    let printed = willis(here.path(), &["label", "scan1.swc", "-o", "single/labelled.graphml", "--json", "-q"]);
+    done(&printed);
+    let mut files = contents(&here.path().join("out/scan1"));
+    files.retain(|(path, _)| !path.ends_with("run.json"));
+    assert_eq!(files.len(), 5, "{files:?}");
+    assert_eq!(files, contents(&here.path().join("single")));
+    let said: Value = serde_json::from_slice(&printed.stdout).expect("JSON");
+    assert_eq!(column(here.path(), "named")[0], said["counts"]["named"].to_string());
+    let found = column(here.path(), "p_L-P1")[0].parse::<f64>().expect("a number");
+    assert_eq!(Some(found), said["segments"]["L-P1"].as_f64());
+    let marker = here.path().join("out/scan1/labelled.names.csv");
+    fs::remove_file(&marker).expect("there");
+    let output = label(&["out"]);
+    assert!(stderr(&output).contains("1 of 2 subjects done already"), "{}", stderr(&output));
+    assert!(!marker.exists());
+    let before = contents(here.path());
+    for (words, why) in [
+        (&["out", "--max-gap", "3"][..], "with other parameters (max-gap-m was not given"),
+        (&["named.vtp"], "expected a folder"),
+    ] {
+        let output = label(words);
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(why), "{}", stderr(&output));
+    }
+    assert_eq!(contents(here.path()), before);
+}
+
 #[test]
 fn the_threads_change_nothing() {
     let here = folder();

@@ -9,6 +9,7 @@ use willis::internals::formats::read_decisions;
 use willis::internals::network::{Evidence, Network, Node, Origin, Vessel};
 use willis::internals::pipeline::ConnectionDecision;
 use willis::internals::pipeline::decisions::apply;
+use willis::internals::support::kappa::cohen_kappa;
 
 type Row = std::collections::HashMap<String, String>;
 
@@ -210,4 +211,88 @@ fn edits_are_made_kept_and_replayed_to_the_same_bytes() {
     let said = stderr(&output);
     assert_eq!((output.status.code(), said.lines().count(), here.join("no").exists()), (Some(2), 1, false), "{said}");
     assert!(said.contains("decisions.csv:2: delete 900 900 900"), "{said}");
+}
+
+/// Pairs of answers by a table of counts.
+fn answers(table: &[&[usize]]) -> Vec<[usize; 2]> {
+    let cells = table.iter().enumerate().flat_map(|(a, row)| row.iter().enumerate().map(move |(b, n)| (a, b, *n)));
+    cells.flat_map(|(a, b, n)| std::iter::repeat_n([a, b], n)).collect()
+}
+
+/// Kappa by scikit-learn 1.7 (`cohen_kappa_score`), its interval by statsmodels 0.14 (`cohens_kappa`). The first by hand: p_o = 35/50,
+/// p_e = .5·.6 + .5·.4 = .5, so κ = .2/.5; the third: p_o = 8/12, p_e = (6·5 + 4·5 + 2·2)/144 = 3/8, so κ = 7/15.
+#[test]
+fn kappa_is_that_of_scikit_learn() {
+    let known: [(&[&[usize]], [f64; 3]); 4] = [
+        (&[&[20, 5], &[10, 15]], [0.4, 0.151_092_290_476_661, 0.648_907_709_523_338_9]),
+        (&[&[44, 5, 1], &[7, 20, 3], &[9, 5, 6]], [0.491_525_423_728_813_6, 0.350_158_201_217_486_86, 0.632_892_646_240_140_1]),
+        (&[&[4, 1, 1], &[1, 3, 0], &[0, 1, 1]], [7.0 / 15.0, 0.052_267_845_466_458_96, 0.881_065_487_866_874_2]),
+        (&[&[3, 0, 0], &[0, 2, 0], &[0, 0, 0]], [1.0, 1.0, 1.0]),
+    ];
+    for (table, truth) in known {
+        let pairs = answers(table);
+        let found = cohen_kappa(&pairs, table.len());
+        let [low, high] = found.interval;
+        for (x, truth) in [found.kappa, low, high].into_iter().zip(truth) {
+            assert!((x - truth).abs() < 1e-12, "{table:?}: {found:?}");
+        }
+        assert_eq!((found.count, found.alike), (pairs.len(), (0..table.len()).map(|i| table[i][i]).sum()));
+    }
+    // Chance alone makes the same of one answer only.
+    assert!(cohen_kappa(&answers(&[&[7, 0, 0], &[0, 0, 0], &[0, 0, 0]]), 3).kappa.is_nan());
+    assert!(cohen_kappa(&[], 3).kappa.is_nan());
+}
+
+/// Two readers of one run who answer as in the third table above, and one question each that the other left out.
+#[test]
+fn two_readers_of_a_run_are_compared() {
+    let here = folder();
+    let here = here.path();
+    infer(here, "run", &[]);
+    let (edges, nodes) = (table(&here.join("run/edges.csv")), table(&here.join("run/nodes.csv")));
+    let candidates: Vec<usize> = (0..edges.len()).filter(|row| edges[*row]["origin"] == "candidate").take(14).collect();
+    let id = |row: usize, end: &str| &nodes[edges[row][end].parse::<usize>().expect("a row")]["id"];
+    let words = ["accept", "reject", "unsure"];
+    let pairs = answers(&[&[4, 1, 1], &[1, 3, 0], &[0, 1, 1]]);
+    let made = |reader: usize| -> String {
+        let line = |row: usize, word: &str| format!("{row},{},{},{word},R{reader},why\n", id(row, "node_a"), id(row, "node_b"));
+        let both: String = pairs.iter().zip(&candidates).map(|(pair, row)| line(*row, words[pair[reader]])).collect();
+        format!("edge,id_a,id_b,decision,who,comment\n{both}{}", line(candidates[12 + reader], "accept"))
+    };
+    for (reader, name) in ["run-a.csv", "run-b.csv"].into_iter().enumerate() {
+        fs::write(here.join(name), made(reader)).expect("written");
+    }
+    let output = willis(here, &["measure", "run", "-o", "out", "--reader", "{}-a.csv", "--reader", "{}-b.csv"]);
+    assert!(output.status.success() && stderr(&output).contains("8 of 12 decisions alike, kappa 0.47"), "{}", stderr(&output));
+    let found = table(&here.join("out/readers.csv"));
+    assert_eq!(found.iter().map(|row| &*row["kind"]).collect::<Vec<_>>(), ["candidate", "all"]);
+    for row in &found {
+        let of = |name: &str| row[name].parse::<f64>().expect("a number");
+        assert!((of("kappa") - 7.0 / 15.0).abs() < 1e-12 && (of("kappa_low") - 0.052_267_845_466_458_96).abs() < 1e-12);
+        let counts = ["decided", "alike", "accept_accept", "accept_unsure", "reject_accept", "unsure_accept", "only_a", "only_b"];
+        assert_eq!(counts.map(of), [12.0, 8.0, 4.0, 1.0, 1.0, 0.0, 1.0, 1.0]);
+    }
+    let differ = table(&here.join("out/differences.csv"));
+    let truth: Vec<(usize, &str, &str)> = pairs
+        .iter()
+        .zip(&candidates)
+        .filter(|([a, b], _)| a != b)
+        .map(|([a, b], row)| (*row, words[*a], words[*b]))
+        .chain([(candidates[12], "accept", ""), (candidates[13], "", "accept")])
+        .collect();
+    let listed = |row: &Row| (row["edge"].parse::<usize>().expect("a row"), row["decision_a"].clone(), row["decision_b"].clone());
+    let said: Vec<_> = differ.iter().map(listed).collect();
+    assert_eq!(said, truth.iter().map(|(row, a, b)| (*row, (*a).to_owned(), (*b).to_owned())).collect::<Vec<_>>());
+    assert!(differ.iter().all(|row| row["id_a"] == *id(row["edge"].parse().expect("a row"), "node_a")));
+    assert_eq!((&*differ[0]["who_a"], &*differ[0]["who_b"], &*differ[0]["comment_b"]), ("R0", "R1", "why"));
+    fs::write(here.join("run-b.csv"), made(1).replacen(&candidates[0].to_string(), "99999", 1)).expect("written");
+    for (words, why) in [
+        (&["run", "--reader", "run-a.csv"][..], "--reader run-a.csv: expected two of them"),
+        (&["run", "--reader", "run-a.csv", "--reader", "run-b.csv"], "run-b.csv:2: edge 99999"),
+        (&["run/topology.graphml", "--reader", "run-a.csv", "--reader", "run-a.csv"], "no run, so nobody decided on it"),
+    ] {
+        let output = willis(here, &[&["measure", "-o", "bad"], words].concat());
+        assert!(output.status.code() == Some(2) && stderr(&output).contains(why), "{}", stderr(&output));
+        assert!(!here.join("bad").exists());
+    }
 }

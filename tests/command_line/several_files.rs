@@ -23,13 +23,19 @@ fn commands() -> Vec<(Vec<String>, &'static str)> {
     ]
 }
 
-/// Runs a command that is killed as it begins its `at`-th rename; whether it was.
-fn killed(here: &Path, words: &[String], at: usize) -> bool {
-    let inject = format!("inject=rename,renameat,renameat2:signal=KILL:when={at}");
+const RENAMES: &str = "rename,renameat,renameat2";
+
+/// Runs a command that is killed as it begins its `at`-th call of a kind; whether it was.
+fn killed_at(here: &Path, words: &[String], calls: &str, at: usize) -> bool {
+    let [trace, inject] = [format!("trace={calls}"), format!("inject={calls}:signal=KILL:when={at}")];
     let mut strace = Command::new("strace");
-    strace.args(["-f", "-qq", "-o", "/dev/null", "-e", "trace=rename,renameat,renameat2", "-e", &inject]);
+    strace.args(["-f", "-qq", "-o", "/dev/null", "-e", &trace, "-e", &inject]);
     let output = strace.arg(env!("CARGO_BIN_EXE_willis")).args(words).current_dir(here).output().expect("strace runs");
     output.status.signal() == Some(9) || output.status.code() == Some(128 + 9)
+}
+
+fn killed(here: &Path, words: &[String], at: usize) -> bool {
+    killed_at(here, words, RENAMES, at)
 }
 
 /// Whether there is a strace that may trace; elsewhere the tests say that they are skipped.
@@ -80,6 +86,30 @@ fn a_command_that_is_killed_at_a_rename_is_completed_by_the_same_command() {
             }
         }
         assert!(renames >= 3, "{words:?}: {renames} renames");
+    }
+}
+
+/// A run that is killed when its output is whole, and only its lock is left, leaves that to the next, which says that the output is there.
+#[test]
+fn a_command_that_is_killed_at_its_end_leaves_nothing_hidden_for_long() {
+    if !can_trace() {
+        return;
+    }
+    for (words, main) in commands().into_iter().filter(|(words, _)| words[0] == "convert" || words[0] == "phantom") {
+        let mut left = 0;
+        for at in 1.. {
+            let here = folder();
+            if !killed_at(here.path(), &words, "unlink,unlinkat,rmdir", at) {
+                break;
+            }
+            let whole = here.path().join(main).exists();
+            left += usize::from(whole && here.path().join(format!(".willis-{main}")).exists());
+            assert_eq!(again(here.path(), &words).0, Some(if whole { 2 } else { 0 }), "{words:?} killed at removal {at}");
+            let hidden = |name: &str| name.starts_with('.');
+            let names = fs::read_dir(here.path()).expect("a folder").map(|e| e.expect("a name").file_name());
+            assert!(!names.into_iter().any(|name| hidden(&name.to_string_lossy())), "{words:?} killed at removal {at}");
+        }
+        assert!(left > 0, "{words:?}");
     }
 }
 

@@ -380,6 +380,21 @@ fn each_vessel_is_closed_in_turn() {
     assert_eq!(record(here.path())["murray"]["exponent_median"], serde_json::Value::Null);
 }
 
+/// The phantom of a tree is made by Murray's law, with an exponent of 3 at each bifurcation, and that of the outlets found is 3 by definition.
+#[test]
+fn the_exponent_of_murray_is_told_beside_that_of_the_outlets() {
+    let here = folder();
+    assert!(willis(here.path(), &["phantom", "tree", "-o", "tree.swc", "-q"]).status.success());
+    for (outlets, truth) in [("murray=700", serde_json::json!(3)), ("ground", serde_json::Value::Null)] {
+        let output = willis(here.path(), &["simulate", "tree.swc", "-o", "out", "--outlets", outlets, "--dpi", "36", "--force"]);
+        assert!(output.status.success(), "{}", stderr(&output));
+        let murray = &record(here.path())["murray"];
+        let median = murray["exponent_median"].as_f64().expect("an exponent");
+        assert!((median - 3.0).abs() < 0.05, "{murray}");
+        assert_eq!(murray["exponent_of_outlets"], truth);
+    }
+}
+
 /// Kirchhoff's law by NumPy for every vessel of a circle that is closed; its outlets are terminal resistances.
 const BY_NUMPY: &str = "
 import json, sys, numpy as np, pandas as pd

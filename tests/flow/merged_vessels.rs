@@ -1,5 +1,7 @@
 //! Vessels in a row that are merged to one. Truth: the flow in the network as it was, and a case by hand.
 
+use std::borrow::Cow;
+
 use willis::internals::flow::unfed::fed;
 use willis::internals::network::{Network, Node, Origin, PathPoint, Role, Vessel, Wall, cycles, merge};
 use willis::internals::simulation::simulate;
@@ -52,7 +54,7 @@ fn flow_through_merged_vessels_is_that_of_their_parts() {
         let mut draw = Draw::new(seed);
         let whole = random_network(&mut draw, 12, 18, log_radii(0.2, 3.0));
         let cut = in_pieces(&whole, &mut draw);
-        let merged = merge(&cut, |_| true);
+        let merged = merge(Cow::Borrowed(&cut), |_| true);
         assert_eq!((merged.network.node_count(), merged.network.vessel_count()), (12, 18), "seed {seed}");
         let conditions = random_conditions(&mut draw, 12);
         let of =
@@ -91,7 +93,7 @@ fn two_parts_by_hand() {
     let row = |change: &dyn Fn(&mut Network)| {
         let mut row = network(3, [([0, 1], along(0.0, 10.0, 1.0)), ([2, 1], along(40.0, 10.0, 2.0))]);
         change(&mut row);
-        merge(&row, |_| true)
+        merge(Cow::Owned(row), |_| true)
     };
     let merged = row(&|_| {});
     let vessel = merged.network.vessel(0);
@@ -116,7 +118,10 @@ fn two_parts_by_hand() {
     for (what, change) in apart {
         assert_eq!(row(change).network.vessel_count(), 2, "{what}");
     }
-    assert_eq!(merge(&network(3, [([0, 1], along(0.0, 10.0, 1.0)), ([1, 2], along(10.0, 40.0, 2.0))]), |_| false).parts.len(), 2);
+    assert_eq!(
+        merge(Cow::Owned(network(3, [([0, 1], along(0.0, 10.0, 1.0)), ([1, 2], along(10.0, 40.0, 2.0))])), |_| false).parts.len(),
+        2
+    );
 }
 
 /// A ring, alone or on a stem, keeps the nodes without which a vessel would run from a node to itself.
@@ -126,7 +131,7 @@ fn no_vessel_comes_to_run_from_a_node_to_itself() {
     let ring = |first: usize| [[first, first + 1], [first + 1, first + 2], [first + 2, first + 3], [first + 3, first]];
     let edges = ring(0).into_iter().chain(ring(4)).chain([[4, 8]]);
     let rings = network(9, edges.map(|ends| (ends, piece())));
-    let merged = merge(&rings, |_| true).network;
+    let merged = merge(Cow::Owned(rings), |_| true).network;
     assert!(merged.vessels().all(|([a, b], _)| a != b));
     assert_eq!((merged.vessel_count(), cycles(&merged)), (5, 2));
     assert_eq!(fed(&merged, |node| node == 0).iter().filter(|fed| **fed).count(), 2);

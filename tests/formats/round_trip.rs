@@ -85,7 +85,7 @@ fn node_columns(network: &Network) -> Vec<Column> {
             values: Values::Real(network.nodes().map(|n| millimetres(n.radius.unwrap())).collect()),
         },
         Column { name: "label".into(), values: Values::Text(network.nodes().map(|n| n.label.clone()).collect()) },
-        Column { name: "role".into(), values: Values::Text(network.nodes().map(|n| n.role.unwrap().name().into()).collect()) },
+        Column { name: "role".into(), values: Values::Text(network.nodes().map(|n| n.role.unwrap().name()).collect()) },
         Column { name: "pressure_mmHg".into(), values: Values::Real(pressure.collect()) },
         Column { name: "found".into(), values: Values::Text(network.nodes().map(|n| n.found.to_string()).collect()) },
     ]
@@ -99,7 +99,7 @@ fn vessel_columns(network: &Network) -> Vec<Column> {
         Column { name: "length_mm".into(), values: real(&|v| millimetres(v.length)) },
         Column { name: "radius_mm".into(), values: real(&|v| millimetres(v.radius)) },
         Column { name: "prior".into(), values: real(&|v| v.prior) },
-        Column { name: "origin".into(), values: Values::Text(network.vessels().map(|(_, v)| v.origin.name().into()).collect()) },
+        Column { name: "origin".into(), values: Values::Text(network.vessels().map(|(_, v)| v.origin.name()).collect()) },
         Column {
             name: "likelihood".into(),
             values: Values::Real((0..network.vessel_count()).map(|r| [f64::NAN, f64::INFINITY, 1e-300][r % 3]).collect()),
@@ -183,7 +183,7 @@ fn tables_hold_numbers_that_come_back() {
     let columns = [
         Column { name: "a".into(), values: Values::Real(vec![1.0, f64::NAN, f64::NEG_INFINITY, 0.1 + 0.2, 1e-300, -1e22]) },
         Column { name: "b".into(), values: Values::Integer(vec![1, 2, 3, 4, 5, -6]) },
-        Column { name: "c".into(), values: Values::Text(["", "x,y", "\"q\"", "é", "", "l\nm"].map(Into::into).to_vec()) },
+        Column { name: "c".into(), values: Values::Text(["", "x,y", "\"q\"", "é", "", "l\nm"].into_iter().collect()) },
     ];
     write_csv(&mut bytes, &columns).unwrap();
     let expected = "a,b,c\n1,1,\n,2,\"x,y\"\n-inf,3,\"\"\"q\"\"\"\n0.30000000000000004,4,é\n1e-300,5,\n-1e22,-6,\"l\nm\"\n";

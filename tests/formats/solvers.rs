@@ -1,6 +1,7 @@
 //! Models for other solvers: a fork solved by hand in their units, and what they cannot hold.
 
 use std::borrow::Cow;
+use std::fs;
 
 use serde_json::Value;
 use willis::internals::formats::convert::Target;
@@ -9,6 +10,7 @@ use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel,
 use willis::internals::phantom::{Anatomy, Recipe};
 use willis::{ReadOptions, Unfed};
 
+use crate::command::{folder, stderr, willis};
 use crate::peers::python;
 
 /// A tube of 100 mm and 2 mm with a wave speed of 8 m/s that forks into two, one behind a Windkessel and written against the flow.
@@ -263,5 +265,66 @@ fn openbf_finds_every_key_that_it_demands() {
         let figures: Vec<f64> = line.split(' ').skip(1).map(|x| x.parse().expect("a number")).collect();
         assert!((figures[0] - 1.0).abs() < 1e-12, "{line}");
         assert!((figures[1] * figures[2] - 0.69).abs() < 1e-12, "{line}");
+    }
+}
+
+/// A carotid under a square pulse, as the options of a simulation say: the inlet file has its mean and its extremes, the blood is what was stated, and outlets
+/// have the time constant. Without the options a model is as before.
+#[test]
+fn conditions_of_a_simulation_go_into_models() {
+    let here = folder();
+    fs::write(here.path().join("wave.csv"), "time_s,flow_mL_per_min\n0,120\n0.4,120\n0.4,360\n0.8,360\n0.8,120\n")
+        .expect("written");
+    let edges = "node_a,node_b,label,length_mm,radius_mm\n0,1,ICA,100,2\n1,2,M1,50,1.5\n1,3,A1,50,1\n";
+    fs::write(here.path().join("edges.csv"), edges).expect("written");
+    fs::write(here.path().join("nodes.csv"), "node,id,x_mm,y_mm,z_mm\n0,in,0,0,0\n1,fork,0,0,100\n2,m,50,0,100\n3,a,0,50,100\n")
+        .expect("written");
+    let convert = |more: &[&str]| willis(here.path(), &[&["convert", "edges.csv"], more].concat());
+    let conditions = ["--inlet", "in", "--outlet", "m=20mmHg.s/mL", "--outlet", "a=40mmHg.s/mL"];
+    let pulse =
+        ["--pulse", "wave.csv", "--viscosity", "4cP", "--density", "1050kg/m3", "--wall", "pwv=8m/s", "--harmonics", "200"];
+    let made = convert(&[&["model.yaml"], &conditions[..], &pulse[..]].concat());
+    assert!(made.status.success(), "{}", stderr(&made));
+    let text = fs::read_to_string(here.path().join("model.yaml")).expect("a model");
+    for part in ["rho: 1050.0", "mu: 0.004", "inlet: Q", "inlet file: inlet-1.dat"] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    let rows: Vec<Vec<f64>> = fs::read_to_string(here.path().join("inlet-1.dat"))
+        .expect("an inlet")
+        .lines()
+        .map(|line| line.split(' ').map(|x| x.parse().expect("a number")).collect())
+        .collect();
+    assert!((rows[0][0], rows[rows.len() - 1][0]) == (0.0, 0.8) && rows[0][1] == rows[rows.len() - 1][1]);
+    let mean = rows[1..].iter().map(|row| row[1]).sum::<f64>() / (rows.len() - 1) as f64;
+    let of = |ml_per_min: f64| ml_per_min * 1e-6 / 60.0;
+    assert!((mean / of(240.0) - 1.0).abs() < 1e-9, "{mean}");
+    // Within a part of the square, far from its steps, harmonics ring by little.
+    let near = |time: f64| rows.iter().find(|row| row[0] >= time).expect("a row")[1];
+    assert!((near(0.2) / of(120.0) - 1.0).abs() < 0.01 && (near(0.6) / of(360.0) - 1.0).abs() < 0.01);
+    let made = convert(&[&["model.json", "--to", "svzerod"], &conditions[..], &pulse[..]].concat());
+    assert!(made.status.success(), "{}", stderr(&made));
+    let model: Value = serde_json::from_slice(&fs::read(here.path().join("model.json")).expect("a model")).expect("JSON");
+    let of_name = |name: &str| {
+        let all = model["boundary_conditions"].as_array().expect("a list");
+        all.iter().find(|of| of["bc_name"] == name).unwrap_or_else(|| panic!("{name} in {all:?}"))
+    };
+    assert_eq!((of_name("INLET_in")["bc_type"].as_str(), of_name("OUTLET_m")["bc_type"].as_str()), (Some("FLOW"), Some("RCR")));
+    let values = |name: &str, key: &str| of_name(name)["bc_values"][key].as_f64().expect(key);
+    // R1 is ρ c/A, and RC is .69 s; in dyn, cm and s.
+    let area = std::f64::consts::PI * 0.15 * 0.15;
+    assert!((values("OUTLET_m", "Rp") / (1.05 * 800.0 / area) - 1.0).abs() < 1e-9);
+    let whole = values("OUTLET_m", "Rp") + values("OUTLET_m", "Rd");
+    assert!((whole / (20.0 * 1_333.223_684) - 1.0).abs() < 1e-6 && (whole * values("OUTLET_m", "C") - 0.69).abs() < 1e-9);
+    let poiseuille = 8.0 * 0.04 * 5.0 / (std::f64::consts::PI * 0.15_f64.powi(4));
+    let m1 = &model["vessels"][1]["zero_d_element_values"];
+    assert!((m1["R_poiseuille"].as_f64().expect("a number") / poiseuille - 1.0).abs() < 1e-9, "{m1}");
+    assert!((m1["L"].as_f64().expect("a number") / (1.05 * 5.0 / area) - 1.0).abs() < 1e-9, "{m1}");
+    for (words, why) in [
+        (&["out.vtp", "--pulse"][..], "go with --to svzerod or --to openbf"),
+        (&["out.yaml", "--wall", "rigid"], "--wall"),
+        (&["model.yaml", "--inlet", "in"], "model.yaml"),
+    ] {
+        let refused = convert(words);
+        assert!(refused.status.code() == Some(2) && stderr(&refused).contains(why), "{}", stderr(&refused));
     }
 }

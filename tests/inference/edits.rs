@@ -108,9 +108,38 @@ fn a_join_divides_what_it_ends_on_and_a_deleted_vessel_keeps_its_row() {
     let join = joined.vessel(3);
     assert!((join.origin, joined.ends(3)[1]) == (Origin::Candidate, 2) && (join.length - 2e-3).abs() < 1e-12);
     assert!((joined.vessel(0).length - 5e-3).abs() < 1e-12 && (joined.vessel(2).length - 5e-3).abs() < 1e-12);
+    let by = edited(two.clone(), "join 5 0 0 + 5 1 1 + 5 2 0").expect("edited");
+    assert!((by.vessel(3).length - 2e-3 * f64::sqrt(2.0)).abs() < 1e-12 && by.vessel(3).path.len() == 3);
     let deleted = edited(two, "delete 5 5 0").expect("edited");
     assert_eq!((deleted.vessel(1).origin, deleted.vessel(1).prior, deleted.ends(1)), (Origin::Candidate, 0.0, [2, 3]));
     assert!((length(&deleted) - 10.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_group_that_nothing_joins_is_joined_by_a_straight_vessel() {
+    let two = drawn(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 5.0, 0.0], [10.0, 5.0, 0.0]], &[[0, 1], [2, 3]]);
+    let parted = edited(two, "part 2 0 0 + 8 5 0 | 8 0 0").expect("edited");
+    assert_eq!(parts(&parted, &[0, 1, 2, 3]), [0, 1, 0, 0]);
+    let straight = parted.vessels().filter(|(_, v)| v.certain && v.origin == Origin::Candidate).map(|(_, v)| v.length);
+    assert_eq!(straight.map(|length| (length * 1e6).round()).collect::<Vec<f64>>(), [f64::sqrt(61.0) * 1e3].map(f64::round));
+}
+
+#[test]
+fn groups_meet_beyond_their_places_and_where_they_share_one() {
+    // A ladder of two rungs: the first is between the places of both, the second beyond them.
+    let places = [[0.0, 1.0, 0.0], [4.0, 1.0, 0.0], [8.0, 1.0, 0.0], [0.0, -1.0, 0.0], [4.0, -1.0, 0.0], [8.0, -1.0, 0.0]];
+    let ladder = drawn(&places, &[[0, 1], [1, 2], [3, 4], [4, 5], [1, 4], [2, 5]]);
+    let parted = edited(ladder, "part 2 1 0 + 7 1 0 | 2 -1 0 + 7 -1 0").expect("edited");
+    assert_eq!([4, 5].map(|rung| is_there(parted.vessel(rung))), [false, true]);
+    // Two vessels along one line from the fork at 4 on: they part at 5, and meet at the fork.
+    let shared = edited(crossing(), "part 0 1 0 + 5 0 0 + 12 1 0 | 5 0 0 + 12 -1 0").expect("edited");
+    assert_eq!(shared.vessels().filter(|(ends, v)| is_there(v) && ends.contains(&4)).count(), 4);
+    assert!((length(&shared) - length(&crossing()) - 2.0).abs() < 1e-9);
+    // A place of one group on the way of another is of both ways, and they stay apart.
+    let line = drawn(&[[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [8.0, 0.0, 0.0], [4.0, 3.0, 0.0]], &[[0, 1], [1, 2], [1, 3]]);
+    let apart = edited(line, "part 1 0 0 + 7 0 0 | 4 0 0").expect("edited");
+    assert_eq!(parts(&apart, &[0, 2]), [0, 0]);
+    assert_eq!(parts(&apart, &[0, 3]), [0, 3]);
 }
 
 #[test]
@@ -119,8 +148,7 @@ fn what_cannot_be_made_says_why() {
     for (text, why) in [
         ("delete 5 20 0", "15.0 mm from the nearest vessel"),
         ("join 5 0 0 + 5 0 0", "both places are one"),
-        ("part 1 0 0 + 9 5 0 | 9 0 0", "join them first"),
-        ("part 1 0 0 | 1 0 0", "two places are at one node"),
+        ("part 1 0 0 + 1 0 0 | 2 0 0", "two places of a group are at one node"),
         ("part 1 0 0 + 9 0 0", "two or more groups"),
         ("join 1 0 0", "two places"),
         ("delete 1 0 x", "finite numbers"),
@@ -133,4 +161,7 @@ fn what_cannot_be_made_says_why() {
     assert!(edited(Network::new(), "delete 0 0 0").expect_err("nothing").contains("no vessel"));
     let text = "part 1.5 -2 3 + 0.1 5 6 | 7 8 9";
     assert_eq!(Edit::try_from(text.to_owned()).expect("an edit").to_string(), text);
+    let powers = "join 1.5e+00 -2E+0 3 + 1e-01 5 6e+17";
+    assert!(edited(two(), "delete -1e300 0 1e-320").expect_err("far").len() < 120);
+    assert_eq!(Edit::try_from(powers.to_owned()), Ok(Edit::Join([[1.5, -2.0, 3.0], [0.1, 5.0, 6e17]])));
 }

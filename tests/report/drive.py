@@ -384,6 +384,24 @@ def check_cohort(page):
     page.no_error()
 
 
+def check_comparison(page):
+    """A panel for each measure, the most different first, with a point for each subject that has it; p and n as in comparison.csv."""
+    rows = list(csv.DictReader(open(page.folder / "comparison.csv")))
+    while page.one("#more-cards").is_displayed():
+        page.click("#more-cards")
+    cards = page.driver.execute_script(
+        "return [...document.querySelectorAll('.card')].map(c => [c.querySelector('h3').textContent, c.querySelectorAll('.point.a').length,"
+        " c.querySelectorAll('.point.b').length, c.textContent, c.querySelectorAll('.median').length])"
+    )
+    assert len(cards) == len(rows) > 10
+    of = {row["measure"]: row for row in rows}
+    assert [float(of[card[0]]["p_holm"]) for card in cards] == sorted(float(row["p_holm"]) for row in rows)
+    for name, a, b, text, medians in cards:
+        assert (a, b, medians) == (int(of[name]["n_a"]), int(of[name]["n_b"]), 2), (name, a, b)
+        assert f"{of[name]['group_b']}: n {b}, median" in text, text
+    page.no_error()
+
+
 def main():
     chromium, folders = sys.argv[1], sys.argv[2:]
     with tempfile.TemporaryDirectory() as profile:
@@ -399,6 +417,10 @@ def main():
                 page = Page(driver, folder)
                 check_access(page)
                 page = Page(driver, folder)
+                if (Path(folder) / "comparison.csv").exists():
+                    check_comparison(page)
+                    print(folder, "holds")
+                    continue
                 if not page.edges:
                     check_circle(page)
                     print(folder, "holds")

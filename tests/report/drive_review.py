@@ -191,6 +191,52 @@ def check_decisions(page, downloads):
     driver.execute_script("localStorage.clear()")
 
 
+def check_edits(page, downloads):
+    """A missing vessel by typed places, and a place by a click; kept over a reload, saved, made by the replay, and taken back."""
+    driver = page.driver
+    page.click("#edits summary")
+    candidate = next(e for e in page.edges if e["origin"] == "candidate")
+    place = lambda node: " ".join(page.nodes[int(node)][axis] for axis in ("x_mm", "y_mm", "z_mm"))
+    places = f"{place(candidate['node_a'])} + {place(candidate['node_b'])}"
+    assert not page.one("#edit-add").is_enabled()
+    page.one("#edit-places").send_keys("1 2 +")
+    assert not page.one("#edit-add").is_enabled() and "three numbers" in page.text("#edit-guide")
+    page.click("#edit-clear")
+    page.one("#edit-places").send_keys(places)
+    page.click("#edit-add")
+    assert "join" in page.text("#edit-list").lower() and page.one("#edit-places").get_property("value") == ""
+    # A click in the view is a place on a vessel.
+    driver.execute_script("document.querySelector('[data-view=fit]').click(); document.getElementById('view').scrollIntoView({block: 'center'})")
+    page.rest()
+    canvas, taken = page.one("#canvas"), ""
+    for step in range(300):
+        x, y = (step * 0.618) % 1 - 0.5, (step * 0.755) % 1 - 0.5
+        ActionChains(driver, duration=0).move_to_element_with_offset(canvas, int(0.9 * x * canvas.size["width"]), int(0.9 * y * canvas.size["height"])).click().perform()
+        taken = page.one("#edit-places").get_property("value")
+        if taken:
+            break
+    points = [list(map(float, point.split()[:3])) for *_, d in nx.read_graphml(page.folder / "candidates.graphml").edges(data=True) for point in d.get("points", "").split(";") if point.strip()]
+    points += [[float(node[axis]) for axis in ("x_mm", "y_mm", "z_mm")] for node in page.nodes]
+    at = list(map(float, taken.split()))
+    assert len(at) == 3 and min(sum((a - b) ** 2 for a, b in zip(at, point)) for point in points) < 20**2, taken
+    page.click("#edit-clear")
+    page.open()
+    page.click("#threshold summary")
+    page.click("#edits summary")
+    assert "join" in page.text("#edit-list").lower()
+    target = save(page, downloads)
+    *_, edit = csv.DictReader(open(target))
+    assert (edit["decision"], edit["places"].strip(), edit["edge"]) == ("join", places, ""), edit
+    command = page.record["command"].split()
+    done = subprocess.run([os.environ["WILLIS_BINARY"], *command[1 : command.index("-o")], "--decisions", str(target), "-o", "edited", "-q", "--force"],
+        cwd=page.folder.parent, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    *before, made = csv.DictReader(open(page.folder.parent / "edited/edges.csv"))
+    assert len(before) == len(page.edges) and (made["kept"], float(made["probability"])) == ("1", 1), made
+    page.click("#undo")
+    assert page.text("#edit-list") == ""
+
+
 def save(page, downloads):
     """Downloads the decisions, under the name of the input."""
     name = Path(page.record["input"]["path"]).name.removesuffix(".gz")
@@ -272,3 +318,5 @@ def review(page):
         check_picture(page, downloads)
         if any(e["probability"] for e in page.edges) and len(page.listed()) > 1:
             check_decisions(page, downloads)
+            if any(e["origin"] == "candidate" for e in page.edges):
+                check_edits(page, downloads)

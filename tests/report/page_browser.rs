@@ -36,7 +36,13 @@ fn pages_work_in_chromium() {
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
     let complete = data("circle-of-willis/complete.graphml");
     fs::write(here.path().join("line.swc"), "1 0 0 0 0 1 -1\n2 0 5 0 0 1 1\n3 0 10 0 0 1 2\n").expect("written");
-    let runs: [(&str, &[&str]); 15] = [
+    fs::write(
+        here.path().join("groups.csv"),
+        "input,subject,group\none.swc,a,</script>\ntwo.swc,b,</script>\ntree.swc,c,x\ncontrol.swc,d,x\n",
+    )
+    .expect("written");
+    run(here.path(), &["phantom", "cerebral", "-o", "control.swc", "-q"]);
+    let runs: [(&str, &[&str]); 16] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
@@ -49,6 +55,7 @@ fn pages_work_in_chromium() {
         ("circle", &["infer", "one.swc", "--landmarks", "one.landmarks.csv", "-n", "64"]),
         ("classified", &["classify", "circle"]),
         ("cohort", &["infer", "one.swc", "two.swc", "--landmarks", "{}.landmarks.csv", "-n", "64"]),
+        ("compared", &["measure", "groups.csv", "--compare", "group"]),
         ("simulate", &["simulate", small, "--occlude", "</script>"]),
         ("modulate", &["modulate", &complete, "-n", "64"]),
         ("pulse", &["simulate", &complete, "--pulse", "--transport", "--occlude", "L-A1"]),

@@ -4,6 +4,7 @@
 
 mod accuracy;
 pub mod bids_table;
+mod circle_figures;
 pub mod cohort;
 pub mod figures;
 mod inference;
@@ -12,18 +13,23 @@ mod morphometry;
 pub mod node_blocks;
 pub mod page;
 mod phenotype;
+mod readers;
 pub mod run_record;
 mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
-pub use inference::{Outcome, agreement, few_perfused, review_columns, topology_columns, vessel_columns, write_outcome};
+pub use circle_figures::CircleFigures;
+pub use inference::{
+    Outcome, agreement, few_perfused, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
+};
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use morphometry::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
+pub use morphometry::{MeasuredSubject, NamedFigures, named_figures};
 pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };
+pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
 pub use run_record::{Provenance, Summary, outlets_found};
 pub use simulation::node_columns as simulated_nodes;
 pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};

@@ -3,18 +3,19 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
+use super::circle_figures::CircleFigures;
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::geometry::Point;
 use willis_core::support::statistics::weighted_quantile;
 use willis_io::formats::Column;
-use willis_models::circle_of_willis::{RING, TERRITORIES};
+use willis_models::circle_of_willis::TERRITORIES;
 
 const MM2: f64 = 1e6;
 const MM3: f64 = 1e9;
 /// The sides of a body in the names of arteries.
-const SIDES: [&str; 2] = ["L-", "R-"];
+pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
 
 /// What was measured of a subject, and of which network.
 #[derive(Debug, Clone, Copy)]
@@ -155,17 +156,6 @@ impl MeasuredSubject<'_> {
 /// Figures of a whole network, by the names of their columns.
 pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
 
-/// The segments of [`RING`] and the posterior cerebral arteries in a topology.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CircleFigures {
-    /// The mean diameter of each segment that is there, m.
-    pub diameters: [Option<f64>; 7],
-    /// Whether each segment that is there is hypoplastic.
-    pub hypoplastic: [Option<bool>; 7],
-    /// Whether the left and the right posterior cerebral artery are of fetal type.
-    pub fetal: [bool; 2],
-}
-
 /// All figures of a network: of the whole, by label, by territory, and of its circle where one is known.
 pub fn named_figures(of: &NetworkFigures, circle: Option<&CircleFigures>) -> NamedFigures {
     let mut row: NamedFigures = OF_NETWORK.iter().map(|(name, figure)| ((*name).into(), figure(of))).collect();
@@ -184,25 +174,8 @@ pub fn named_figures(of: &NetworkFigures, circle: Option<&CircleFigures>) -> Nam
         row.extend(figures_of(&format!("territory_{artery}"), totals));
     }
     pairs.extend(asymmetries(&territories, "territory_", |totals| totals.length));
-    if let Some(circle) = circle {
-        for (at, artery) in RING.iter().enumerate() {
-            let thin = circle.hypoplastic[at].map_or(f64::NAN, |thin| f64::from(u8::from(thin)));
-            let diameter = circle.diameters[at].map_or(f64::NAN, millimetres);
-            row.extend([
-                (format!("circle_{artery}_diameter_mm").into(), diameter),
-                (format!("circle_{artery}_hypoplastic").into(), thin),
-            ]);
-            let opposite = RING.iter().position(|other| *other == artery.opposite()).filter(|other| *other > at);
-            if let Some([left, right]) = opposite.map(|other| [diameter, circle.diameters[other].map_or(f64::NAN, millimetres)]) {
-                let name = artery.to_string();
-                pairs.push((format!("circle_{}_asymmetry", name.trim_start_matches(SIDES[0])).into(), asymmetry(left, right)));
-            }
-        }
-        row.extend(
-            ["fetal_L-PCA", "fetal_R-PCA"].iter().zip(circle.fetal).map(|(name, is)| ((*name).into(), f64::from(u8::from(is)))),
-        );
-    }
     row.extend(pairs);
+    row.extend(circle.iter().flat_map(|circle| circle.columns()));
     row
 }
 
@@ -217,7 +190,7 @@ fn figures_of(name: &str, totals: &VesselTotals) -> [(Cow<'static, str>, f64); 4
 }
 
 /// 2 (L - R)/(L + R).
-fn asymmetry(left: f64, right: f64) -> f64 {
+pub(crate) fn asymmetry(left: f64, right: f64) -> f64 {
     2.0 * (left - right) / (left + right)
 }
 

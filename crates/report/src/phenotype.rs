@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
+use super::circle_figures::CircleFigures;
 use super::page::phenotype::write_phenotype_page;
 use super::run_record::Provenance;
 use willis_core::error::Result;
@@ -39,10 +40,10 @@ pub struct Classified<'a> {
 }
 
 /// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
-/// segments, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
-pub fn phenotype_json(network: &Network, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) -> Value {
+/// segments with their diameters, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
+pub fn phenotype_json(network: &Network, variant: &Variant, circle: &CircleFigures, posterior: Option<&Posterior>) -> Value {
     let mut phenotype = anatomy_json(variant);
-    phenotype["hypoplastic"] = json!(names(hypoplastic));
+    circle.put(&mut phenotype);
     if let Some(posterior) = posterior {
         phenotype["probabilities"] = probabilities_json(network, posterior);
     }
@@ -123,7 +124,7 @@ fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
 }
 
 /// The columns of phenotype.csv, which has one row.
-fn phenotype_columns(subject: &str, (variant, hypoplastic): (&Variant, &[Artery]), posterior: Option<&Posterior>) -> Vec<Column> {
+fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures), posterior: Option<&Posterior>) -> Vec<Column> {
     let text = |name: &'static str, text: &str| Column::text(name, [text.to_owned()].into_iter());
     let flag = |name: String, flag: bool| Column::whole(name, [usize::from(flag)].into_iter());
     let share = |name: String, share: f64| Column::real(name, [share].into_iter());
@@ -140,7 +141,7 @@ fn phenotype_columns(subject: &str, (variant, hypoplastic): (&Variant, &[Artery]
         columns.extend(RING.iter().zip(posterior.segments).map(|(artery, p)| share(format!("p_{artery}"), p)));
         columns.push(text("not_seen", &names(&not_seen(posterior)).join(" ")));
     }
-    columns.push(text("hypoplastic", &names(hypoplastic).join(" ")));
+    columns.push(text("hypoplastic", &names(&circle.thin()).join(" ")));
     columns
 }
 
@@ -172,12 +173,12 @@ pub fn classification_record(classified: &Classified<'_>, provenance: &Provenanc
 pub fn write_phenotype(
     folder: &Path,
     subject: &str,
-    (variant, hypoplastic): (&Variant, &[Artery]),
+    (variant, circle): (&Variant, &CircleFigures),
     posterior: Option<&Posterior>,
     phenotype: &Value,
 ) -> Result<()> {
     write_json(&folder.join(PHENOTYPE), phenotype)?;
-    let columns = phenotype_columns(subject, (variant, hypoplastic), posterior);
+    let columns = phenotype_columns(subject, (variant, circle), posterior);
     write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &columns))
 }
 

@@ -1,8 +1,11 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
+use std::ops::Deref;
 use std::path::Path;
+use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap as _;
+use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::inference::Outcome;
@@ -43,7 +46,7 @@ pub struct Summary {
     /// The options as they were given; every later command reads these back.
     options: Value,
     parameters: Value,
-    boundary_conditions: Vec<ConditionRecord>,
+    boundary_conditions: ConditionRecords,
     counts: Value,
     threshold: Value,
     convergence: Value,
@@ -112,58 +115,104 @@ pub(crate) fn counts(network: &Network, boundary: &Boundary) -> Value {
     json!({ "nodes": network.node_count(), "vessels": network.vessel_count(), "inlets": inlets, "outlets": outlets })
 }
 
-/// A boundary condition of a run, with its keys in alphabetical order, as in all records.
-#[derive(Debug, Clone, Default, Serialize)]
-pub(crate) struct ConditionRecord {
-    #[serde(rename = "flow_mL_per_min", skip_serializing_if = "Option::is_none")]
-    flow: Option<f64>,
-    found: bool,
-    /// Whether it holds in the kept topology.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    holds: Option<bool>,
-    id: String,
-    node: usize,
-    #[serde(rename = "pressure_mmHg", skip_serializing_if = "Option::is_none")]
-    pressure: Option<f64>,
-    #[serde(rename = "resistance_mmHg_s_per_mL", skip_serializing_if = "Option::is_none")]
-    resistance: Option<f64>,
-    role: &'static str,
+/// A boundary condition of a run.
+#[derive(Debug)]
+pub struct ConditionRecord {
+    /// The row of its node.
+    pub node: usize,
+    /// The id of its node.
+    pub id: Box<str>,
+    /// Inlet or outlet.
+    pub role: Role,
+    /// What holds there.
+    pub condition: Condition,
+    /// Whether it was found, not stated.
+    pub found: bool,
+    /// Whether it holds in the kept topology, of a run that keeps one.
+    pub holds: Option<bool>,
     /// Whether the input states by its direction that blood enters here.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    source: bool,
-    #[serde(rename = "venous_pressure_mmHg", skip_serializing_if = "Option::is_none")]
-    venous_pressure: Option<f64>,
+    pub source: bool,
 }
 
-/// The boundary conditions that were used, by node.
-pub(crate) fn conditions(network: &Network, boundary: &Boundary) -> Vec<ConditionRecord> {
-    let each = boundary.conditions.iter().map(|(node, condition)| {
-        let record = ConditionRecord {
-            found: boundary.is_found(*node),
-            id: network.node(*node).id.clone(),
-            node: *node,
-            role: boundary.roles[*node].name(),
-            source: boundary.found_inlets.binary_search(node).is_ok() && network.node(*node).is_source,
-            ..ConditionRecord::default()
-        };
-        match condition {
-            Condition::Pressure(p) => ConditionRecord { pressure: Some(mmhg(*p)), ..record },
-            Condition::Resistance { resistance, venous } => {
-                ConditionRecord { resistance: Some(mmhg_s_per_ml(*resistance)), venous_pressure: Some(mmhg(*venous)), ..record }
-            }
-            Condition::Flow(flow) => ConditionRecord { flow: Some(ml_per_min(*flow)), ..record },
+impl ConditionRecord {
+    /// What it states of pressure (mmHg), resistance (mmHg s/mL), venous pressure (mmHg) and flow (mL/min).
+    pub fn figures(&self) -> [Option<f64>; 4] {
+        match self.condition {
+            Condition::Pressure(p) => [Some(mmhg(p)), None, None, None],
+            Condition::Resistance { resistance, venous } => [None, Some(mmhg_s_per_ml(resistance)), Some(mmhg(venous)), None],
+            Condition::Flow(flow) => [None, None, None, Some(ml_per_min(flow))],
         }
-    });
-    each.collect()
+    }
 }
 
-/// The boundary conditions of a run, and which of them hold in the kept topology.
-fn conditions_that_hold(network: &Network, boundary: &Boundary, held: &Boundary) -> Vec<ConditionRecord> {
-    let mut all = conditions(network, boundary);
-    for (record, (node, _)) in all.iter_mut().zip(&boundary.conditions) {
-        record.holds = Some(held.condition(*node).is_some());
+impl Serialize for ConditionRecord {
+    /// With its keys in alphabetical order, as in all records.
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let [pressure, resistance, venous, flow] = self.figures();
+        let mut map = serializer.serialize_map(None)?;
+        let figure = |map: &mut S::SerializeMap, name: &str, figure: Option<f64>| {
+            figure.map_or(Ok(()), |figure| map.serialize_entry(name, &figure))
+        };
+        figure(&mut map, "flow_mL_per_min", flow)?;
+        map.serialize_entry("found", &self.found)?;
+        if let Some(holds) = self.holds {
+            map.serialize_entry("holds", &holds)?;
+        }
+        map.serialize_entry("id", &self.id)?;
+        map.serialize_entry("node", &self.node)?;
+        figure(&mut map, "pressure_mmHg", pressure)?;
+        figure(&mut map, "resistance_mmHg_s_per_mL", resistance)?;
+        map.serialize_entry("role", self.role.name())?;
+        if self.source {
+            map.serialize_entry("source", &true)?;
+        }
+        figure(&mut map, "venous_pressure_mmHg", venous)?;
+        map.end()
     }
-    all
+}
+
+/// The boundary conditions of a run by node; copies share the list, which is as long as a million vessels have ends.
+#[derive(Debug, Clone, Default)]
+pub struct ConditionRecords(Arc<Vec<ConditionRecord>>);
+
+impl Deref for ConditionRecords {
+    type Target = [ConditionRecord];
+
+    fn deref(&self) -> &[ConditionRecord] {
+        &self.0
+    }
+}
+
+impl Serialize for ConditionRecords {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.iter())
+    }
+}
+
+/// The record of a run of any command.
+pub trait Recorded: Clone + Serialize {
+    /// Its boundary conditions.
+    fn conditions(&mut self) -> &mut ConditionRecords;
+}
+
+impl Recorded for Summary {
+    fn conditions(&mut self) -> &mut ConditionRecords {
+        &mut self.boundary_conditions
+    }
+}
+
+/// The boundary conditions that were used, by node; and which of them hold in the kept topology, where there is one.
+pub(crate) fn conditions(network: &Network, boundary: &Boundary, held: Option<&Boundary>) -> ConditionRecords {
+    let each = boundary.conditions.iter().map(|(node, condition)| ConditionRecord {
+        node: *node,
+        id: (&*network.node(*node).id).into(),
+        role: boundary.roles[*node],
+        condition: *condition,
+        found: boundary.is_found(*node),
+        holds: held.map(|held| held.condition(*node).is_some()),
+        source: boundary.found_inlets.binary_search(node).is_ok() && network.node(*node).is_source,
+    });
+    ConditionRecords(Arc::new(each.collect()))
 }
 
 fn topology(t: &Topology) -> Value {
@@ -247,7 +296,7 @@ impl Summary {
                 "outlets_found": outlets_found(outlets),
                 "candidates": candidate_parameters(built),
             }),
-            boundary_conditions: conditions_that_hold(network, outcome.boundary, &outcome.held()),
+            boundary_conditions: conditions(network, outcome.boundary, Some(&outcome.held())),
             counts: json!({
                 "nodes": network.node_count(),
                 "observed": count(Origin::Observed),

@@ -11,7 +11,7 @@ use super::figures::{figure, whole};
 const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
                     pwv=8m/s, graph or rigid";
 
-#[derive(Debug, Args)]
+#[derive(Debug, Default, Args)]
 #[command(next_help_heading = "Pulse")]
 pub struct PulseArgs {
     /// Let the flow pulsate: one period at every inlet, or at one, as a table (time_s, and pressure_mmHg or flow_mL_per_min), or as a

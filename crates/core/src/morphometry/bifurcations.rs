@@ -48,7 +48,7 @@ struct Leg {
 pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> Vec<MeasuredBifurcation> {
     let mut legs: Vec<Vec<(usize, bool)>> = vec![Vec::new(); network.node_count()];
     for (row, line) in lines.iter().enumerate() {
-        for (node, last) in line.ends.into_iter().zip([false, true]) {
+        for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] > 2) {
             legs[node].push((row, last));
         }
     }

@@ -87,6 +87,7 @@ pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<Ves
         for (row, node) in run {
             line.add(network, row, node);
         }
+        line.shrink();
         line
     };
     runs(network, &at, passes).into_iter().map(line).collect()
@@ -96,6 +97,14 @@ impl VesselLine {
     fn from(node: usize, label: &str) -> Self {
         let (pieces, points, radii, at) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
         Self { ends: [node; 2], pieces, label: label.to_owned(), length: 0.0, points, radii, at }
+    }
+
+    /// Gives back the room for points that it has not: of a million short lines that is as much as the points take.
+    fn shrink(&mut self) {
+        self.pieces.shrink_to_fit();
+        self.points.shrink_to_fit();
+        self.radii.shrink_to_fit();
+        self.at.shrink_to_fit();
     }
 
     /// Adds a piece that begins or ends at `node`.

@@ -12,6 +12,7 @@ use super::path_places::length_of;
 use super::paths::ShortestPaths;
 use super::units::millimetres;
 use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use crate::error::in_few_digits;
 use crate::support::geometry::{Point, distance, lerp};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
@@ -28,10 +29,11 @@ type MmPoint = [f64; 3];
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Edit {
-    /// A vessel goes from one place to the other.
-    Join([MmPoint; 2]),
-    /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places. What
-    /// two groups share is doubled; what joins them and is of none is deleted. Groups of one place cut a vessel off.
+    /// A vessel goes from the first place to the last, straight or by the places between.
+    Join(Vec<MmPoint>),
+    /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places, but
+    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, and where no vessel leads from a place to the others of its
+    /// group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
     Part(Vec<Vec<MmPoint>>),
     /// The vessel at the place is none.
     Delete(MmPoint),
@@ -48,11 +50,13 @@ impl Edit {
     /// Another word, or other places than it takes: what is expected.
     pub fn parse(word: &str, places: &str) -> Result<Self, &'static str> {
         const POINT: &str = "expected places of three finite numbers of mm, with + between places and | between groups";
+        // The sign of a power of ten separates nothing: 1.5e+01.
+        let places = places.replace("e+", "e").replace("E+", "E");
         let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<MmPoint>>>();
         let groups: Vec<Vec<MmPoint>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
         match (word, &groups[..]) {
-            ("join", [pair]) => <[MmPoint; 2]>::try_from(&pair[..]).map(Self::Join).map_err(|_| "expected two places to join"),
-            ("join", _) => Err("expected two places to join"),
+            ("join", [way]) if way.len() > 1 => Ok(Self::Join(way.clone())),
+            ("join", _) => Err("expected two places to join, or those of the way between too"),
             ("delete", [one]) if one.len() == 1 => Ok(Self::Delete(one[0])),
             ("delete", _) => Err("expected one place on the vessel to delete"),
             ("part", [_, _, ..]) => Ok(Self::Part(groups)),
@@ -73,7 +77,7 @@ impl Edit {
     /// Its places as text.
     pub fn places(&self) -> String {
         match self {
-            Self::Join(pair) => text_of(pair),
+            Self::Join(way) => text_of(way),
             Self::Part(groups) => groups.iter().map(|group| text_of(group)).collect::<Vec<String>>().join(" | "),
             Self::Delete(place) => text_of(&[*place]),
         }
@@ -88,7 +92,7 @@ fn place(text: &str) -> Option<MmPoint> {
 }
 
 fn text_of(places: &[MmPoint]) -> String {
-    places.iter().map(|[x, y, z]| format!("{x} {y} {z}")).collect::<Vec<String>>().join(" + ")
+    places.iter().map(|place| place.map(|x| in_few_digits(x.to_string())).join(" ")).collect::<Vec<String>>().join(" + ")
 }
 
 impl fmt::Display for Edit {
@@ -162,7 +166,7 @@ impl GraphEditor {
     /// Why it cannot be: a place that no vessel is at, places of a group that nothing connects. Then the graph is of no more use.
     pub fn edit(&mut self, edit: &Edit) -> Result<(), String> {
         match edit {
-            Edit::Join(pair) => self.join(*pair),
+            Edit::Join(way) => self.join(way),
             Edit::Part(groups) => self.part(groups),
             Edit::Delete(place) => {
                 let (row, _) = self.nearest(*place)?;
@@ -218,9 +222,9 @@ impl GraphEditor {
             return Err("the nodes have no coordinates".to_owned());
         }
         if away > REACH.max(self.vessels[row].1.radius) {
-            let [away, reach] = [away, REACH].map(millimetres);
+            let (away, reach) = (in_few_digits(format!("{:.1}", millimetres(away))), millimetres(REACH));
             return Err(format!(
-                "{} is {away:.1} mm from the nearest vessel; expected a place within {reach} mm of one",
+                "{} is {away} mm from the nearest vessel; expected a place within {reach} mm of one",
                 text_of(&[place])
             ));
         }
@@ -280,18 +284,29 @@ impl GraphEditor {
         }
     }
 
-    fn join(&mut self, pair: [MmPoint; 2]) -> Result<(), String> {
-        let ends = [self.node_at(pair[0])?, self.node_at(pair[1])?];
-        if ends[0] == ends[1] {
+    fn join(&mut self, way: &[MmPoint]) -> Result<(), String> {
+        let ends = [self.node_at(way[0])?, self.node_at(way[way.len() - 1])?];
+        if ends[0] == ends[1] && way.len() == 2 {
             return Err("both places are one; expected two".to_owned());
         }
+        self.connect(ends, &way[1..way.len() - 1]);
+        Ok(())
+    }
+
+    /// A vessel between two nodes that is there for certain, by the places between; its row.
+    fn connect(&mut self, ends: [usize; 2], between: &[MmPoint]) -> usize {
         let radius = ends.map(|end| self.radius_at(end));
         let radius = f64::midpoint(radius[0], radius[1]);
-        let length = distance(self.at(ends[0]), self.at(ends[1])).max(SHORTEST * radius);
+        let between = between.iter().map(|place| place.map(|x| x * 1e-3));
+        let course: Vec<Point> = [self.at(ends[0])].into_iter().chain(between).chain([self.at(ends[1])]).collect();
+        let length = course.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>().max(SHORTEST * radius);
         let evidence = self.has_evidence.then(|| Evidence::undirected(1.0));
-        self.joined.push(self.vessels.len());
-        self.vessels.push((ends, Vessel { evidence, ..Vessel::new(length, radius, Origin::Candidate) }));
-        Ok(())
+        let point = |position: &Point| PathPoint { position: *position, radius, id: None };
+        let path = if course.len() > 2 { course.iter().map(point).collect() } else { Vec::new() };
+        let row = self.vessels.len();
+        self.joined.push(row);
+        self.vessels.push((ends, Vessel { evidence, path, ..Vessel::new(length, radius, Origin::Candidate) }));
+        row
     }
 
     /// The mean radius of the vessels at a node, m.
@@ -323,25 +338,32 @@ impl GraphEditor {
         for group in groups {
             nodes.push(group.iter().map(|place| self.node_at(*place)).collect::<Result<_, String>>()?);
         }
-        let mut seen = BTreeSet::new();
-        for (place, node) in groups.iter().flatten().zip(nodes.iter().flatten()) {
-            if !seen.insert(*node) {
+        for (places, own) in groups.iter().zip(&nodes) {
+            if let Some(second) = (1..own.len()).find(|at| own[..*at].contains(&own[*at])) {
                 return Err(format!(
-                    "two places are at one node, the second {}; expected each on a vessel of its own",
-                    text_of(&[*place])
+                    "two places of a group are at one node, the second {}; expected each on a vessel of its own",
+                    text_of(&[places[second]])
                 ));
             }
         }
-        let trees: Vec<GroupPart> = nodes.iter().map(|own| self.tree(own, &seen)).collect::<Result<_, String>>()?;
+        let seen: BTreeSet<usize> = nodes.iter().flatten().copied().collect();
+        let trees: Vec<GroupPart> = nodes.iter().map(|own| self.tree(own, &seen)).collect();
         let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
+        for (group, own) in nodes.iter().enumerate() {
+            for node in own {
+                group_of.entry(*node).or_insert(group);
+            }
+        }
         for (group, tree) in trees.iter().enumerate() {
             tree.vessels.iter().for_each(|row| self.keep(*row));
             for node in &tree.nodes {
                 group_of.entry(*node).or_insert(group);
             }
         }
-        self.cut(&trees, &group_of, &seen);
-        self.double(&trees, &group_of);
+        // Beyond the places of a group that has several, vessels may meet.
+        let beyond: BTreeSet<usize> = nodes.iter().filter(|own| own.len() > 1).flatten().copied().collect();
+        self.cut(&trees, &group_of, &seen, &beyond);
+        self.double(&trees, &group_of, &nodes);
         Ok(())
     }
 
@@ -355,45 +377,66 @@ impl GraphEditor {
         edges
     }
 
-    /// The shortest ways that join the nodes of a group, each to the nearest node of those before it; none through a place of another group.
-    fn tree(&self, own: &[usize], places: &BTreeSet<usize>) -> Result<GroupPart, String> {
-        let edges = self.edges(|row| self.is_there(row));
-        let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
-        let mut paths = ShortestPaths::new(self.nodes.len());
-        for goal in &own[1..] {
-            let sources: Vec<usize> = tree.nodes.iter().copied().collect();
-            let open = |node: usize| own.contains(&node) || !places.contains(&node);
-            let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| open(*to)).collect::<Vec<_>>();
-            paths.search(&sources, f64::INFINITY, next, |_, node| node != *goal);
-            if paths.lengths()[*goal].is_infinite() {
-                let [a, b] = [own[0], *goal].map(|node| self.at(node).map(millimetres));
-                return Err(format!(
-                    "no vessel leads from {} to {} past the other places; join them first",
-                    text_of(&[a]),
-                    text_of(&[b])
-                ));
-            }
-            let (nodes, vessels) = paths.path_to(*goal);
-            tree.nodes.extend(nodes);
-            tree.vessels.extend(vessels);
-        }
-        Ok(tree)
-    }
-
-    /// Deletes what joins two groups within the ball around the places: of a way a contact, or else the vessel nearest to the centre.
-    fn cut(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>) {
+    /// The ball around all places: its centre and its radius.
+    fn ball(&self, places: &BTreeSet<usize>) -> (Point, f64) {
         let count = places.len() as f64;
         let centre = places.iter().fold([0.0; 3], |sum, node| {
             let at = self.at(*node);
             [0, 1, 2].map(|axis| sum[axis] + at[axis] / count)
         });
-        let ball = places.iter().map(|node| distance(centre, self.at(*node))).fold(0.0, f64::max) * (1.0 + 1e-9);
+        (centre, places.iter().map(|node| distance(centre, self.at(*node))).fold(0.0, f64::max) * (1.0 + 1e-9))
+    }
+
+    /// The shortest ways that join the nodes of a group, each to the nearest node of those before it, no further off than twice the ball
+    /// around all places, and through places of other groups only where there is no other. Where there is none, a straight vessel.
+    fn tree(&mut self, own: &[usize], places: &BTreeSet<usize>) -> GroupPart {
+        let edges = self.edges(|row| self.is_there(row));
+        let (centre, ball) = self.ball(places);
+        let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
+        let mut paths = ShortestPaths::new(self.nodes.len());
+        for (before, goal) in own.iter().enumerate().skip(1) {
+            let sources: Vec<usize> = tree.nodes.iter().copied().collect();
+            for through in [false, true] {
+                let open = |node: usize| {
+                    own.contains(&node) || (through || !places.contains(&node)) && distance(centre, self.at(node)) <= 2.0 * ball
+                };
+                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| open(*to)).collect::<Vec<_>>();
+                paths.search(&sources, f64::INFINITY, next, |_, node| node != *goal);
+                if paths.lengths()[*goal].is_finite() {
+                    break;
+                }
+            }
+            if paths.lengths()[*goal].is_finite() {
+                let (nodes, vessels) = paths.path_to(*goal);
+                tree.nodes.extend(nodes);
+                tree.vessels.extend(vessels);
+            } else {
+                let away = |node: &usize| distance(self.at(*node), self.at(*goal));
+                let near = own[..before].iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)));
+                tree.vessels.insert(self.connect([near.unwrap_or(own[0]), *goal], &[]));
+                tree.nodes.insert(*goal);
+            }
+        }
+        tree
+    }
+
+    /// Deletes what joins two groups within the ball around the places, and between the places of each: of a way a contact, or else the
+    /// vessel nearest to the centre.
+    fn cut(
+        &mut self,
+        trees: &[GroupPart],
+        group_of: &BTreeMap<usize, usize>,
+        places: &BTreeSet<usize>,
+        beyond: &BTreeSet<usize>,
+    ) {
+        let (centre, ball) = self.ball(places);
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
         let within = |(ends, _): &([usize; 2], Vessel)| ends.iter().all(|node| inside(*node));
         let mut open: BTreeSet<usize> =
             (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
-        let between = |ends: &[usize; 2]| matches!(ends.map(|node| group_of.get(&node)), [Some(a), Some(b)] if a != b);
+        let group_at = |node: usize| group_of.get(&node).filter(|_| !beyond.contains(&node));
+        let between = |ends: &[usize; 2]| matches!(ends.map(group_at), [Some(a), Some(b)] if a != b);
         for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {
             open.remove(&row);
             self.delete(row);
@@ -401,16 +444,16 @@ impl GraphEditor {
         open.retain(|row| self.is_there(*row));
         let mut paths = ShortestPaths::new(self.nodes.len());
         for group in 0..trees.len() {
-            let own: Vec<usize> = group_of.iter().filter(|(_, of)| **of == group).map(|(node, _)| *node).collect();
+            let own: Vec<usize> = group_of.keys().copied().filter(|node| group_at(*node) == Some(&group)).collect();
             loop {
                 let edges = self.edges(|row| open.contains(&row));
                 let mut other = None;
                 paths.search(
                     &own,
                     f64::INFINITY,
-                    |node| edges[node].iter().copied(),
+                    |node| edges[node].iter().copied().filter(|(_, to, _)| !beyond.contains(to)),
                     |_, node| {
-                        other = group_of.get(&node).filter(|of| **of != group).map(|_| node);
+                        other = group_at(node).filter(|of| **of != group).map(|_| node);
                         other.is_none()
                     },
                 );
@@ -431,13 +474,13 @@ impl GraphEditor {
         lerp(course[middle - 1].position, course[middle].position, if course.len() == 2 { 0.5 } else { 1.0 })
     }
 
-    /// Gives each group nodes and vessels of its own, copies of what an earlier one has.
-    fn double(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>) {
+    /// Gives each group nodes and vessels of its own, copies of what an earlier one has; but places are where they are.
+    fn double(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>, places: &[Vec<usize>]) {
         // Rows that a group has, with their nodes as they were.
         let mut taken: BTreeMap<usize, [usize; 2]> = BTreeMap::new();
         for (group, tree) in trees.iter().enumerate() {
             let mut own: BTreeMap<usize, usize> = BTreeMap::new();
-            for node in tree.nodes.iter().filter(|node| group_of[node] != group) {
+            for node in tree.nodes.iter().filter(|node| group_of[node] != group && !places[group].contains(node)) {
                 let id = self.free_id(&self.nodes[*node].id.clone());
                 let Node { position, radius, .. } = self.nodes[*node];
                 own.insert(*node, self.nodes.len());

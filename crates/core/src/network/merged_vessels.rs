@@ -1,14 +1,16 @@
 //! Merges vessels that follow each other without a junction, as candidates leave them behind that were rejected.
 
+use std::borrow::Cow;
+
 use super::runs::{other_end, runs, vessels_at};
 use super::units::as_stored;
 use super::{Network, Origin, PathPoint, Role, Vessel};
 
 /// A network in which vessels are merged, and what its rows were.
 #[derive(Debug, Clone)]
-pub struct Merged {
+pub struct Merged<'a> {
     /// The network.
-    pub network: Network,
+    pub network: Cow<'a, Network>,
     /// Per node the row that it had.
     pub nodes: Vec<usize>,
     /// Per vessel the rows of its parts, from its first node to its second.
@@ -21,34 +23,43 @@ pub struct Merged {
 ///
 /// A merged vessel has the points of its parts, the sum of their lengths, and the radius r = (l / Σ lᵢ/rᵢ⁴)^¼, with which it resists as they
 /// do in a row; resistances that they state add up.
-pub fn merge(network: &Network, may_go: impl Fn(usize) -> bool) -> Merged {
-    let at = vessels_at(network);
+pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merged<'_> {
+    // No copy and no list of what may be a million nodes, where none of them can go.
+    let at = if (0..network.node_count()).any(&may_go) { vessels_at(&network) } else { Vec::new() };
     // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
-    let mut grown = Runs::of(network);
+    let mut grown = Runs::of(&network);
     let mut is_gone = vec![false; network.node_count()];
-    for node in 0..network.node_count() {
+    for node in 0..at.len() {
         let [a, b] = at[node][..] else { continue };
         let alike = || are_alike(network.vessel(a), network.vessel(b));
-        is_gone[node] = a != b && may_go(node) && is_plain(network, node) && alike() && grown.join(node, a, b);
+        is_gone[node] = a != b && may_go(node) && is_plain(&network, node) && alike() && grown.join(node, a, b);
     }
+    if !is_gone.contains(&true) {
+        let parts = (0..network.vessel_count()).map(|row| vec![row]).collect();
+        return Merged { nodes: (0..network.node_count()).collect(), parts, network };
+    }
+    let runs = runs(&network, &at, |node| is_gone[node]);
+    let joined = |run: &Vec<(usize, usize)>| {
+        let [(_, start), (last, before)] = [run[0], run[run.len() - 1]];
+        (run.len() > 1).then(|| ([start, other_end(&network, last, before)], in_a_row(&network, run)))
+    };
+    let joined: Vec<_> = runs.iter().map(joined).collect();
     let mut made = Network { frame: network.frame, ..Network::new() };
-    let nodes: Vec<usize> = (0..network.node_count()).filter(|node| !is_gone[*node]).collect();
-    let mut row_of = vec![usize::MAX; network.node_count()];
-    for node in &nodes {
-        row_of[*node] = made.add_node(network.node(*node).clone());
+    let (nodes, vessels) = network.into_owned().into_parts();
+    let mut row_of = vec![usize::MAX; is_gone.len()];
+    for (row, node) in nodes.enumerate().filter(|(row, _)| !is_gone[*row]) {
+        row_of[row] = made.add_node(node);
     }
-    let mut parts = Vec::new();
-    for run in runs(network, &at, |node| is_gone[node]) {
-        let [(first, start), (last, before)] = [run[0], run[run.len() - 1]];
-        let (ends, vessel) = if run.len() == 1 {
-            (network.ends(first), network.vessel(first).clone())
-        } else {
-            ([start, other_end(network, last, before)], in_a_row(network, &run))
-        };
-        made.add_vessel(ends.map(|node| row_of[node]), vessel);
-        parts.push(run.into_iter().map(|(row, _)| row).collect());
+    let mut vessels: Vec<Option<([usize; 2], Vessel)>> = vessels.map(Some).collect();
+    for (run, joined) in runs.iter().zip(joined) {
+        let own = vessels[run[0].0].take();
+        if let Some((ends, vessel)) = joined.or(own) {
+            made.add_vessel(ends.map(|node| row_of[node]), vessel);
+        }
     }
-    Merged { network: made, nodes, parts }
+    let nodes = (0..is_gone.len()).filter(|node| !is_gone[*node]).collect();
+    let network = Cow::Owned(made);
+    Merged { network, nodes, parts: runs.into_iter().map(|run| run.into_iter().map(|(row, _)| row).collect()).collect() }
 }
 
 /// Whether nothing is known of a node but its place.

@@ -156,11 +156,11 @@ impl Network {
 
     /// The same nodes with the vessels that `keep` admits, and the rows they had.
     pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
-        let mut part = Self { frame: self.frame, ..Self::default() };
+        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
+        let mut part = Self { frame: self.frame, graph: UnGraph::with_capacity(self.node_count(), rows.len()) };
         for node in self.nodes() {
             part.add_node(node.clone());
         }
-        let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
         for row in &rows {
             part.add_vessel(self.ends(*row), self.vessel(*row).clone());
         }
@@ -201,6 +201,11 @@ impl Network {
             }
         }
         Cow::Owned(turned)
+    }
+
+    /// Gives back the room for more nodes and vessels, of which a reader leaves up to as much again as there are.
+    pub fn shrink_to_fit(&mut self) {
+        self.graph.shrink_to_fit();
     }
 
     /// Whether every node has a position.

@@ -9,7 +9,7 @@ use super::random::stream;
 use super::statistics::quantile;
 
 /// Half of the width of a normal interval of 95 %, in standard deviations.
-const Z: f64 = 1.959_963_984_540_054;
+pub(crate) const Z: f64 = 1.959_963_984_540_054;
 /// So many ways to divide subjects into groups are drawn, or all are taken, where there are no more.
 pub const PERMUTATIONS: usize = 9999;
 /// The least values of a group.

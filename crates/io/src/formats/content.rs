@@ -64,7 +64,7 @@ impl Content {
             "without any radius: took `default_radius`, {} mm",
             default_radius.map_or(String::new(), |r| millimetres(r).to_string())
         );
-        let (network, lines) = match self {
+        let (mut network, lines) = match self {
             Self::Centerlines(mut lines) => {
                 note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
                 let made = contract(&lines, rule, default_radius)?;
@@ -94,6 +94,7 @@ impl Content {
         if network.vessel_count() == 0 {
             return Err(Fault::file("no vessel", "expected centerlines with at least two linked points, or edges"));
         }
+        network.shrink_to_fit();
         Ok(BuiltNetwork { network, lines, notes })
     }
 }

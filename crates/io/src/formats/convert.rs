@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
+use crate::formats::solvers::{
+    MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed, write_openbf_with, write_svzerod_with,
+};
 use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
@@ -19,7 +21,7 @@ use willis_core::support::geometry::{distance, lerp};
 pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .am, .npz or .yaml";
 
 /// What to write, and where.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Target {
     /// The format.
     pub format: Format,
@@ -29,6 +31,8 @@ pub struct Target {
     pub nodes: Option<PathBuf>,
     /// What becomes of vessels that no blood enters. Solvers in time cannot do with them.
     pub unfed: Unfed,
+    /// What a solver in time gets besides the network.
+    pub setting: SolverSetting,
 }
 
 impl Target {
@@ -60,7 +64,7 @@ impl Target {
             _ => None,
         };
         let unfed = if is_for_a_solver(format) { Unfed::Drop } else { Unfed::Keep };
-        Ok(Self { format, path: path.to_owned(), nodes, unfed })
+        Ok(Self { format, path: path.to_owned(), nodes, unfed, setting: SolverSetting::default() })
     }
 
     /// The same, with another rule for vessels that no blood enters, if there is one.
@@ -118,10 +122,12 @@ pub struct Written {
     pub loops: Vec<[u64; 2]>,
     /// Notes for the user.
     pub notes: Vec<String>,
+    /// The ids of the nodes whose courses openBF takes from inlet files, in the order of their numbers.
+    pub inlets: Vec<String>,
 }
 
 /// Whether a format is the input of a solver in time.
-fn is_for_a_solver(format: Format) -> bool {
+pub fn is_for_a_solver(format: Format) -> bool {
     matches!(format, Format::SvZeroD | Format::OpenBf)
 }
 
@@ -148,7 +154,11 @@ pub fn write_into(
     } else {
         network
     };
-    written.loops = target.format.write(network, &mut vessels, nodes)?;
+    match target.format {
+        Format::SvZeroD => write_svzerod_with(&mut vessels, network, &target.setting)?,
+        Format::OpenBf => written.inlets = write_openbf_with(&mut vessels, network, &target.setting)?,
+        format => written.loops = format.write(network, &mut vessels, nodes)?,
+    }
     if !written.loops.is_empty() {
         let path = target.loops();
         written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));

@@ -44,7 +44,7 @@ pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 pub use options::ReadOptions;
 pub use read::{bytes_of, read, read_bytes};
 pub use regular::{is_there, open_regular};
-pub use solvers::{write_openbf, write_svzerod};
+pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod, write_svzerod_with};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
 pub use tables::graph::{
@@ -60,7 +60,7 @@ pub use tables::reader::number;
 pub use tables::unread::unread_columns;
 pub use tables::waveform::read_waveform;
 pub use tables::write::escape_formula;
-pub use tables::write::{Column, Values, write_csv, write_stacked};
+pub use tables::write::{Column, Texts, Values, write_csv, write_stacked};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
 pub use vendors::icafe::{TracedVessel, name_stretches, read_traced_vessels};

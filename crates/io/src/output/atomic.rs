@@ -42,9 +42,9 @@ impl StagedFolder {
     ///
     /// It exists and `force` is off, it holds files that willis did not write, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        Self::check_target(target, force)?;
-        check_file_size(target)?;
-        InProgress::check(target)
+        // What a run left that was killed at its end goes too where its output refuses the next.
+        let (vacant, left) = (Self::check_target(target, force), InProgress::check(target));
+        vacant.and_then(|()| check_file_size(target)).and(left)
     }
 
     fn check_target(target: &Path, force: bool) -> Result<()> {
@@ -144,8 +144,8 @@ impl StagedFile {
     ///
     /// It exists and `force` is off, it is a folder, or another process is writing it.
     pub fn check(target: &Path, force: bool) -> Result<()> {
-        Self::check_target(target, force)?;
-        InProgress::check(target)
+        let (vacant, left) = (Self::check_target(target, force), InProgress::check(target));
+        vacant.and(left)
     }
 
     fn check_target(target: &Path, force: bool) -> Result<()> {

@@ -22,6 +22,10 @@ pub const ENDS: &str = "ends.csv";
 pub const INTERVALS: &str = "intervals.csv";
 /// How two groups of subjects differ in what is measured.
 pub const COMPARISON: &str = "comparison.csv";
+/// How far two readers agree.
+pub const READERS: &str = "readers.csv";
+/// Where two readers differ.
+pub const DIFFERENCES: &str = "differences.csv";
 /// What is measured of whole networks, a row each.
 pub const SUBJECTS: &str = "subjects.csv";
 /// The nodes.
@@ -76,6 +80,8 @@ pub const INSTANCES: &str = "samples.npz";
 pub const PHENOTYPE: &str = "phenotype.json";
 /// The Circle of Willis as a row of a table.
 pub const PHENOTYPE_TABLE: &str = "phenotype.csv";
+/// The labelled vessels of a subject; the names of the files beside it begin with its own.
+pub const LABELLED: &str = "labelled.graphml";
 /// How often a classification of a cohort is right.
 pub const ACCURACY: &str = "accuracy.csv";
 /// What takes over when a feeding artery is lost.

@@ -3,7 +3,8 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde::Deserialize;
+use serde::de::IgnoredAny;
 
 use super::in_progress::{entries, is_in_progress};
 use super::names::{
@@ -80,13 +81,17 @@ fn is_run_file(path: &Path) -> bool {
     is_known || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 
+/// What tells a record of willis, without the conditions of a million vessels that it may hold.
+#[derive(Deserialize)]
+struct OwnRecord {
+    #[serde(rename = "willis")]
+    _version: IgnoredAny,
+}
+
 /// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
-    let is_written_by_willis = |mark| {
-        folder.join(mark).is_file()
-            && read_json::<Value>(&folder.join(mark), "").is_ok_and(|record| record.get("willis").is_some())
-    };
+    let is_written_by_willis = |mark| folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok();
     if folder.join(RECORD).exists() {
         return if is_written_by_willis(RECORD) {
             paths.into_iter().find(|p| !is_run_file(p))

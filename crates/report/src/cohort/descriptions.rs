@@ -33,6 +33,11 @@ pub fn describe(column: &str) -> Option<Value> {
         "expected_wrong" => count("Expected number of wrong connections among those that are kept, by their probabilities."),
         "expected_missed" => count("Expected number of true connections among those that are cut, by their probabilities."),
         "wall_s" => json!({ "Description": "Time that the run took; it differs from run to run.", "Units": "s" }),
+        "frame" => text("The axes of the file, RAS or LPS."),
+        "vessels" => count("Vessels, divided where the name of the artery changes."),
+        "named" => count("Vessels with the name of an artery."),
+        "landmarks" => count("Bifurcations and ends of arteries that were found."),
+        "doubtful" => count("Landmarks that a person should look at: those of a probability below 0.5."),
         "variant" => text("The variant of the Circle of Willis."),
         "completeness" => text("Which parts of the Circle of Willis are closed."),
         "p_variant" => count("The probability of the variant."),
@@ -52,6 +57,21 @@ pub fn describe(column: &str) -> Option<Value> {
     }
     if let Some(segment) = column.strip_prefix("p_").filter(|name| is_segment(name)) {
         return Some(count(&format!("The probability that the segment {segment} of the Circle of Willis is there.")));
+    }
+    let of_circle = column.strip_prefix("circle_");
+    if let Some(segment) = of_circle.and_then(|rest| rest.strip_suffix("_diameter_mm")).filter(|name| is_segment(name)) {
+        let about = format!("The mean diameter of the segment {segment} of the Circle of Willis, where it is there.");
+        return Some(json!({ "Description": about, "Units": "mm" }));
+    }
+    if let Some(segment) = of_circle.and_then(|rest| rest.strip_suffix("_hypoplastic")).filter(|name| is_segment(name)) {
+        return Some(levels(
+            &format!("Whether the segment {segment} of the Circle of Willis is hypoplastic, where it is there."),
+            is_there(),
+        ));
+    }
+    if let Some(pair) = of_circle.and_then(|rest| rest.strip_suffix("_asymmetry")).filter(|name| is_segment(&format!("L-{name}")))
+    {
+        return Some(count(&format!("The diameter of the left {pair} minus that of the right, over their mean.")));
     }
     if let Some(artery) = column.strip_prefix("fetal_") {
         return Some(levels(&format!("Whether {artery}, a posterior cerebral artery, is of fetal type."), is_there()));

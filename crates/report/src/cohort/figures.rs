@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use serde_json::{Value, json};
 
+use crate::circle_figures::CircleFigures;
 use willis_io::formats::tables::reader::plural;
 use willis_models::circle_of_willis::{FEEDERS, RING, TERRITORIES};
 
@@ -93,6 +94,17 @@ pub fn infer_figures(record: &Value) -> Figures {
     all
 }
 
+/// The figures of a naming: counts, and the probability that each segment of the circle is there. `doubtful` landmarks are those that a person
+/// should look at.
+pub fn label_figures(record: &Value) -> Figures {
+    let doubtful = record.pointer("/counts/doubtful").and_then(Value::as_u64).unwrap_or_default();
+    let why = if doubtful > 0 { format!("{} uncertain", plural(doubtful as usize, "landmark")) } else { String::new() };
+    let mut figures: Figures = vec![(NEEDS_PERSON.into(), json!(why)), ("frame".into(), text(&record["frame"]))];
+    figures.extend(["vessels", "named", "landmarks", "doubtful"].map(|name| (name.into(), number(&record["counts"][name]))));
+    figures.extend(RING.map(|artery| (format!("p_{artery}").into(), number(&record["segments"][artery.to_string()]))));
+    figures
+}
+
 /// The figures of a Circle of Willis; none where it was not classified. `margin` is the probability of the variant less that of the
 /// next.
 pub fn phenotype_figures(record: &Value) -> Figures {
@@ -101,7 +113,6 @@ pub fn phenotype_figures(record: &Value) -> Figures {
     let mut figures: Figures =
         ["variant", "completeness"].map(|name| (name.into(), text(&phenotype[name]))).into_iter().collect();
     figures.extend(segments().map(|segment| (segment.clone().into(), flag(&phenotype["segments"][segment]))));
-    figures.extend(["L-PCA", "R-PCA"].map(|side| (format!("fetal_{side}").into(), flag(&phenotype["fetal"][side]))));
     figures.push((NEEDS_PERSON.into(), json!(needs_person(record))));
     let thin: Vec<&str> = phenotype["hypoplastic"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     figures.push(("hypoplastic".into(), json!(thin.join(" "))));
@@ -111,6 +122,7 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         let of_segment = |segment| (format!("p_{segment}").into(), number(&probabilities["segments"][segment]));
         figures.extend(segments().map(of_segment));
     }
+    figures.extend(CircleFigures::in_phenotype(phenotype).columns().into_iter().map(|(name, x)| (name, json!(x))));
     for feeder in FEEDERS.map(|artery| artery.to_string()) {
         let Some(collateral) = record["collateral"].get(&feeder) else { continue };
         figures.push((format!("takes_over_{feeder}").into(), text(&collateral["takes_over"])));

@@ -14,7 +14,7 @@ use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
 use willis_io::output::write_file;
 
 pub use descriptions::describe;
-pub use figures::{Figures, WALL_TIME, infer_figures, needs_person, phenotype_figures};
+pub use figures::{Figures, WALL_TIME, infer_figures, label_figures, needs_person, phenotype_figures};
 pub use table::{CohortRow, CohortRun, cohort_columns, uncertainty};
 
 /// Writes the table and the page into the folder of a cohort, in place of earlier ones.

@@ -17,7 +17,7 @@ pub struct CohortRow {
     pub sha256: String,
     /// What else is said of it: the same columns in all rows, or nothing.
     pub covariates: Covariates,
-    /// The page that it opens, seen from the folder of the cohort; `None` for the one in the folder of its name.
+    /// The page that it opens, or its record where it has none, seen from the folder of the cohort; `None` for the one in the folder of its name.
     pub page: Option<String>,
     /// What came out, by column, or why nothing did.
     pub figures: Result<Figures, String>,
@@ -47,7 +47,8 @@ impl CohortRow {
         self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
     }
 
-    fn number(&self, column: &str) -> f64 {
+    /// A figure; not a number where it is missing.
+    pub(crate) fn number(&self, column: &str) -> f64 {
         self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
@@ -100,7 +101,7 @@ pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
 }
 
 /// How uncertain a subject is: by the probability that its variant is another; without a variant by the errors expected of it, or its
-/// undecided connections where there is no evidence. One that failed is the most uncertain.
+/// undecided connections where there is no evidence, or its doubtful landmarks. One that failed is the most uncertain.
 pub fn uncertainty(row: &CohortRow) -> f64 {
     if row.figures.is_err() {
         return f64::INFINITY;
@@ -110,6 +111,6 @@ pub fn uncertainty(row: &CohortRow) -> f64 {
         return 1.0 - variant;
     }
     let expected = row.number("expected_wrong") + row.number("expected_missed");
-    let figure = if expected.is_nan() { row.number("undecided") } else { expected };
-    if figure.is_nan() { 0.0 } else { figure }
+    let figures = [expected, row.number("undecided"), row.number("doubtful")];
+    figures.into_iter().find(|figure| !figure.is_nan()).unwrap_or_default()
 }

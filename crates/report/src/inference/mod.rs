@@ -4,6 +4,7 @@ mod outcome;
 mod pictures;
 pub(crate) mod tables;
 
+use std::borrow::Cow;
 use std::path::Path;
 
 use super::page::{infer_page, write_page};
@@ -11,8 +12,8 @@ use super::run_record::Summary;
 use pictures::{overview, pictures};
 use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
-use willis_core::flow::{Circuit, pressures};
-use willis_core::network::fragments;
+use willis_core::flow::{Boundary, Circuit, pressures};
+use willis_core::network::{Network, fragments};
 use willis_io::formats::{
     Checksummed, Column, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
     write_npz, write_swc, write_vtp,
@@ -31,23 +32,47 @@ pub const DENSE_LIMIT: usize = 8192;
 /// The largest network that gets a page: a browser takes seconds for so many vessels.
 const PAGE_LIMIT: usize = 100_000;
 
-/// Writes every file of an inference into a folder and returns what a person should know about files left out.
+/// What remains of the tables of an inference that are written.
+#[derive(Debug)]
+pub struct OutcomeTables {
+    /// The columns of nodes.csv for a page, where there will be one.
+    nodes: Option<Vec<Column>>,
+    notes: Vec<String>,
+}
+
+/// Writes the tables of an inference and its topologies into a folder: before its record is made, which is as long as it has free ends.
 ///
 /// # Errors
 ///
 /// A file that cannot be written, or pressures that cannot be solved for.
-pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary, dpi: u32) -> Result<Vec<String>> {
+pub fn write_tables(folder: &Path, outcome: &Outcome<'_>) -> Result<OutcomeTables> {
     let mut notes = Vec::new();
-    let network = outcome.network;
-    let vessels = vessel_columns(outcome);
-    write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
-    let kept_nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &vessels, &mut notes)?;
-    write_file(&folder.join(NODES), |out| write_csv(out, &kept_nodes))?;
+    // Columns are made for each file again: those of a million vessels are not held while a circuit is solved, nor for a page that is not made.
+    write_file(&folder.join(EDGES), |out| write_csv(out, &vessel_columns(outcome)))?;
+    let nodes = topology(folder, TOPOLOGY, outcome, &outcome.answer.kept, &mut notes)?;
+    write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
+    let nodes = (outcome.network.vessel_count() <= PAGE_LIMIT).then_some(nodes);
     if outcome.answer.kept == outcome.answer.above_median {
         copy(folder, ["graphml", "vtp"])?;
     } else {
-        topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &vessels, &mut notes)?;
+        topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &mut notes)?;
     }
+    Ok(OutcomeTables { nodes, notes })
+}
+
+/// Writes the other files of an inference and returns what a person should know about files left out.
+///
+/// # Errors
+///
+/// A file that cannot be written.
+pub fn write_outcome(
+    folder: &Path,
+    outcome: &Outcome<'_>,
+    tables: OutcomeTables,
+    summary: &mut Summary,
+    dpi: u32,
+) -> Result<Vec<String>> {
+    let OutcomeTables { nodes: for_page, mut notes } = tables;
     if !outcome.suggested_cuts.is_empty() {
         write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
     }
@@ -57,8 +82,6 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     if let Some(columns) = review_columns(outcome) {
         write_file(&folder.join(REVIEW), |out| write_csv(out, &columns))?;
     }
-    // Columns of a large network are not kept for a page that is not made.
-    let for_page = (network.vessel_count() <= PAGE_LIMIT).then_some((vessels, kept_nodes));
     matrices(folder, outcome, &mut notes)?;
     summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
     if let Some(picture) = overview(outcome, summary) {
@@ -66,8 +89,8 @@ pub fn write_outcome(folder: &Path, outcome: &Outcome<'_>, summary: &mut Summary
     }
     let figures = pictures(folder, outcome, dpi)?;
     write_record(folder, summary)?;
-    if let Some((vessels, nodes)) = for_page {
-        let page = infer_page(outcome, &*summary, &vessels, nodes, figures);
+    if let Some(nodes) = for_page {
+        let page = infer_page(outcome, &*summary, vessel_columns(outcome), nodes, figures);
         write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     } else {
         notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));
@@ -123,33 +146,40 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
 /// Pressures that cannot be solved for.
 pub fn topology_columns(outcome: &Outcome<'_>, kept: &[bool]) -> Result<Vec<Column>> {
     let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
-    let (graph, _) = outcome.network.subgraph(|row| kept[row]);
-    let circuit = Circuit::new(&graph, &boundary, outcome.sampling.viscosity)?;
-    let pressure = pressures::pressures(&circuit, |_| true)?;
-    let mut nodes = node_columns(&graph, &boundary, &pressure, &fragments(&graph, |_, _| true).of_node);
-    nodes.extend(condition_columns(&graph, &boundary));
+    columns_of_nodes(&outcome.network.subgraph(|row| kept[row]).0, &boundary, outcome.sampling.viscosity)
+}
+
+fn columns_of_nodes(graph: &Network, boundary: &Boundary, viscosity: f64) -> Result<Vec<Column>> {
+    let pressure = pressures::pressures(&Circuit::new(graph, boundary, viscosity)?, |_| true)?;
+    let mut nodes = node_columns(graph, boundary, &pressure, &fragments(graph, |_, _| true).of_node);
+    nodes.extend(condition_columns(graph, boundary));
     Ok(nodes)
 }
 
-/// Writes a topology, every vessel of it kept, in every format that can hold it and returns its node columns, those of merged nodes too.
-fn topology(
-    folder: &Path,
-    name: &str,
-    outcome: &Outcome<'_>,
-    kept: &[bool],
-    vessels: &[Column],
-    notes: &mut Vec<String>,
-) -> Result<Vec<Column>> {
-    let all_nodes = topology_columns(outcome, kept)?;
-    let merged = outcome.topology(kept);
-    let graph = &merged.network;
-    let vessels = merged_columns(outcome.network, &merged, vessels);
+/// Writes a topology, every vessel of it kept, in every format that can hold it, and returns its node columns, those of merged nodes too.
+fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], notes: &mut Vec<String>) -> Result<Vec<Column>> {
+    let boundary = outcome.boundary.held(outcome.network, |row| kept[row]);
+    // A graph of which all is kept is not copied.
+    let (graph, rows) = if kept.contains(&false) {
+        let (graph, rows) = outcome.network.subgraph(|row| kept[row]);
+        (Cow::Owned(graph), rows)
+    } else {
+        (Cow::Borrowed(outcome.network), (0..kept.len()).collect())
+    };
+    let mut all_nodes = columns_of_nodes(&graph, &boundary, outcome.sampling.viscosity)?;
+    let merged = outcome.merged(&boundary, graph, &rows);
+    let graph = &*merged.network;
+    let mut vessels = merged_columns(outcome.network, &merged, vessel_columns(outcome));
+    let (shown, known) = (vessels.len(), all_nodes.len());
+    vessels.extend(stated_columns(graph));
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
-    write_file(&file("graphml"), |out| {
-        let mut nodes = select(&all_nodes, &merged.nodes);
-        nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
-        write_graphml(out, graph, &nodes, &[&vessels[..], &stated_columns(graph)].concat())
-    })?;
+    // A copy only of what differs.
+    let mut some = (merged.nodes.len() < outcome.network.node_count()).then(|| select(&all_nodes, &merged.nodes));
+    let nodes = some.as_mut().unwrap_or(&mut all_nodes);
+    nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+    write_file(&file("graphml"), |out| write_graphml(out, graph, nodes, &vessels))?;
+    vessels.truncate(shown);
+    all_nodes.truncate(known);
     if graph.has_positions() {
         write_file(&file("vtp"), |out| write_vtp(out, graph, &vessels))?;
         if name == TOPOLOGY {

@@ -1,5 +1,7 @@
 //! An inference with everything its files are made of.
 
+use std::borrow::Cow;
+
 use crate::page::{ImageCut, Segmentation};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
@@ -86,15 +88,25 @@ impl Outcome<'_> {
 
     /// A topology of the vessels that are kept, with the conditions that hold there. Where only a candidate or a contact ended that is not kept,
     /// the vessel goes on: its parts are one again, but for those that were uncertain one by one.
-    pub fn topology(&self, kept: &[bool]) -> Merged {
+    pub fn topology(&self, kept: &[bool]) -> Merged<'static> {
         let boundary = self.boundary.held(self.network, |row| kept[row]);
         let (graph, rows) = self.network.subgraph(|row| kept[row]);
+        self.merged(&boundary, Cow::Owned(graph), &rows)
+    }
+
+    /// The same of the graph of the kept vessels, with their rows and the conditions that hold there. One that is borrowed, and of which no node can
+    /// go, is as it is, with what its nodes state.
+    pub(super) fn merged<'g>(&self, boundary: &Boundary, graph: Cow<'g, Network>, rows: &[usize]) -> Merged<'g> {
         let mut may_go = vec![true; graph.node_count()];
         may_go[..self.own_nodes].fill(false);
         for row in rows.iter().filter(|row| self.result.uncertain[**row]) {
             self.network.ends(*row).into_iter().for_each(|node| may_go[node] = false);
         }
-        let mut merged = merge(&boundary.stated_in(graph), |node| may_go[node]);
+        let graph = match graph {
+            Cow::Borrowed(_) if !may_go.contains(&true) => graph,
+            graph => Cow::Owned(boundary.stated_in(graph.into_owned())),
+        };
+        let mut merged = merge(graph, |node| may_go[node]);
         merged.parts.iter_mut().flatten().for_each(|part| *part = rows[*part]);
         merged
     }

@@ -28,11 +28,19 @@ pub fn agreement(decisions: &[(f64, Decision)], uncertain: &[bool]) -> Vec<Colum
 
 /// The columns of the vessels of a topology from those of edges.csv. Of vessels that were merged, L and its error are means weighted by volume,
 /// as ρ is of what it adds up over, and the frequency is the least; their other figures are equal.
-pub fn merged_columns(network: &Network, merged: &Merged, vessels: &[Column]) -> Vec<Column> {
+pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Column>) -> Vec<Column> {
     let parts = &merged.parts;
-    let own = willis_io::formats::vessel_columns(&merged.network);
+    let words = parts.iter().map(|parts| parts.iter().map(usize::to_string).collect::<Vec<_>>().join("+"));
+    let edges = Column::text("edges", words);
+    let kept = Column::whole("kept", parts.iter().map(|_| 1));
     let first: Vec<usize> = parts.iter().filter_map(|parts| parts.iter().min().copied()).collect();
-    let mut columns = select(vessels, &first);
+    if parts.len() == network.vessel_count() {
+        // All are as they were.
+        let each = vessels.into_iter().map(|column| if column.name == "kept" { kept.clone() } else { column });
+        return each.chain([edges]).collect();
+    }
+    let is_merged = parts.iter().any(|parts| parts.len() > 1);
+    let mut own = if is_merged { willis_io::formats::vessel_columns(&merged.network) } else { Vec::new() };
     let volume = |row: &usize| network.vessel(*row).volume();
     let mean = |of: &[f64], parts: &[usize]| {
         if let [row] = parts {
@@ -42,27 +50,22 @@ pub fn merged_columns(network: &Network, merged: &Merged, vessels: &[Column]) ->
         parts.iter().map(|row| of[*row] * (volume(row) / whole)).sum()
     };
     let least = |of: &[f64], parts: &[usize]| parts.iter().map(|row| of[*row]).fold(f64::INFINITY, f64::min);
-    for (column, all) in columns.iter_mut().zip(vessels) {
-        match (&*all.name, &all.values) {
-            ("likelihood" | "std_error", Values::Real(of)) => {
-                column.values = Values::Real(parts.iter().map(|parts| mean(of, parts)).collect());
-            }
-            ("frequency", Values::Real(of)) => {
-                column.values = Values::Real(parts.iter().map(|parts| least(of, parts)).collect());
-            }
-            ("kept", _) => *column = Column::whole("kept", parts.iter().map(|_| 1)),
-            ("node_a" | "node_b", _) => {
-                let side = usize::from(column.name == "node_b");
-                let ends = merged.network.vessels().map(|(ends, _)| merged.nodes[ends[side]]);
-                *column = Column::whole(column.name.clone(), ends);
-            }
-            ("edge", _) => {}
-            (name, _) => own.iter().filter(|own| own.name == name).for_each(|own| *column = own.clone()),
+    let column = |all: Column| match (&*all.name, &all.values) {
+        ("likelihood" | "std_error", Values::Real(of)) => {
+            Column { values: Values::Real(parts.iter().map(|parts| mean(of, parts)).collect()), name: all.name }
         }
-    }
-    let words = parts.iter().map(|parts| parts.iter().map(usize::to_string).collect::<Vec<_>>().join("+"));
-    columns.push(Column::text("edges", words));
-    columns
+        ("frequency", Values::Real(of)) => Column::real("frequency", parts.iter().map(|parts| least(of, parts))),
+        ("kept", _) => kept.clone(),
+        ("node_a" | "node_b", _) => {
+            let side = usize::from(all.name == "node_b");
+            Column::whole(all.name, merged.network.vessels().map(|(ends, _)| merged.nodes[ends[side]]))
+        }
+        (name, _) => match own.iter().position(|own| own.name == name && name != "edge") {
+            Some(at) => own.swap_remove(at),
+            None => Column { values: picked(&all.values, &first), name: all.name },
+        },
+    };
+    vessels.into_iter().map(column).chain([edges]).collect()
 }
 
 /// The columns of nodes.csv. `pressure` in Pa.
@@ -172,10 +175,13 @@ pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
 
 /// The rows of some columns.
 pub fn select(columns: &[Column], rows: &[usize]) -> Vec<Column> {
-    let pick = |values: &Values| match values {
+    columns.iter().map(|c| Column { name: c.name.clone(), values: picked(&c.values, rows) }).collect()
+}
+
+fn picked(values: &Values, rows: &[usize]) -> Values {
+    match values {
         Values::Real(v) => Values::Real(rows.iter().map(|r| v[*r]).collect()),
         Values::Integer(v) => Values::Integer(rows.iter().map(|r| v[*r]).collect()),
-        Values::Text(v) => Values::Text(rows.iter().map(|r| v[*r].clone()).collect()),
-    };
-    columns.iter().map(|c| Column { name: c.name.clone(), values: pick(&c.values) }).collect()
+        Values::Text(v) => Values::Text(rows.iter().map(|r| &v[*r]).collect()),
+    }
 }

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::outcome::ModulationOutcome;
-use crate::run_record::{ConditionRecord, conditions, counts, outlets_found};
+use crate::run_record::{ConditionRecords, Recorded, conditions, counts, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use willis_core::support::Distribution;
@@ -23,14 +23,14 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
 }
 
 /// The content of run.json.
-#[derive(Debug, Serialize)]
-struct ModulationRecord<'a> {
+#[derive(Debug, Clone, Serialize)]
+pub(super) struct ModulationRecord<'a> {
     willis: &'static str,
     command: &'a str,
     input: Value,
     seed: u64,
     parameters: Value,
-    boundary_conditions: Vec<ConditionRecord>,
+    boundary_conditions: ConditionRecords,
     counts: Value,
     unperturbed: Value,
     classes: Vec<Value>,
@@ -39,9 +39,15 @@ struct ModulationRecord<'a> {
     time: Value,
 }
 
+impl Recorded for ModulationRecord<'_> {
+    fn conditions(&mut self) -> &mut ConditionRecords {
+        &mut self.boundary_conditions
+    }
+}
+
 impl<'a> ModulationRecord<'a> {
     /// Gathers the record of a run.
-    fn of(outcome: &ModulationOutcome<'a>) -> Self {
+    pub(super) fn of(outcome: &ModulationOutcome<'a>) -> Self {
         let (network, boundary, params, provenance) = (outcome.network, outcome.boundary, outcome.params, outcome.provenance);
         let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
         let by_class = outcome.result.classes.iter().zip(&outcome.hypertension.classes);
@@ -64,7 +70,7 @@ impl<'a> ModulationRecord<'a> {
                 "threshold_mmHg_per_mm2": mmhg_per_mm2(outcome.hypertension.threshold),
                 "outlets_found": outlets_found(outcome.outlets),
             }),
-            boundary_conditions: conditions(network, boundary),
+            boundary_conditions: conditions(network, boundary, None),
             counts: counts(network, boundary),
             unperturbed: figures(outcome, &outcome.result.unperturbed, &outcome.hypertension.unperturbed),
             classes: classes.collect(),

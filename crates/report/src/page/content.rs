@@ -12,7 +12,9 @@ use super::lead;
 use super::scene::PageScene;
 use crate::figures::colour::Rgb;
 use crate::figures::{DEFAULT_DPI, Figure};
+use crate::run_record::{ConditionRecord, ConditionRecords, Recorded};
 use willis_core::error::Result;
+use willis_core::network::Role;
 use willis_io::formats::{Column, Values};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
@@ -85,13 +87,10 @@ pub fn facts(record: &Value, names: &[(&'static str, &str, &'static str)]) -> Ve
 const MOST_WARNINGS: usize = 6;
 
 /// What a reader of a run should know before anything else: inlets that nobody stated, parts without flow, doubtful units.
-pub fn warnings(record: &Value) -> Vec<String> {
+pub fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<String> {
     let mut all = Vec::new();
-    let conditions = record["boundary_conditions"].as_array().map_or(&[][..], Vec::as_slice);
-    let of = |role: &str| conditions.iter().filter(|c| c["role"] == role).count();
-    let found = |role: &str| conditions.iter().filter(|c| c["role"] == role && c["found"] == true).count();
     // The direction of the lines in the file states a source.
-    let inlets = found("inlet") - conditions.iter().filter(|c| c["source"] == true).count();
+    let inlets = conditions.iter().filter(|c| c.role == Role::Inlet && c.found && !c.source).count();
     match inlets {
         0 => {}
         1 => all.push(
@@ -102,7 +101,7 @@ pub fn warnings(record: &Value) -> Vec<String> {
             "Nobody stated where blood enters: {n} free ends are assumed to be inlets. The option inlet states them."
         )),
     }
-    if !conditions.is_empty() && of("outlet") == 0 {
+    if !conditions.is_empty() && conditions.iter().all(|c| c.role != Role::Outlet) {
         all.push("There is no outlet, so that no blood flows.".to_owned());
     }
     match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
@@ -241,16 +240,20 @@ pub struct Threshold {
     pub nodes: usize,
 }
 
-/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show.
-pub fn record(of: &impl Serialize) -> Value {
+/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show; and its
+/// boundary conditions.
+pub fn record<R: Recorded>(of: &R) -> (Value, ConditionRecords) {
+    let mut of = of.clone();
+    let conditions = std::mem::take(of.conditions());
     let mut record = serde_json::to_value(of).unwrap_or_default();
     if let Some(fields) = record.as_object_mut() {
         fields.remove("time");
     }
+    take(&mut record, "boundary_conditions");
     if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
         convergence.remove("undecided_edges");
     }
-    record
+    (record, conditions)
 }
 
 /// The heading of a run: its command and the name of its input.
@@ -321,18 +324,21 @@ fn word(value: &Value) -> String {
     }
 }
 
-/// The boundary conditions of a record.
-pub fn conditions(items: &Value) -> Option<PageTable> {
-    const COLUMNS: [&str; 9] = [
-        "node",
-        "id",
-        "role",
-        "found",
-        "holds",
-        "pressure_mmHg",
-        "resistance_mmHg_s_per_mL",
-        "venous_pressure_mmHg",
-        "flow_mL_per_min",
+/// The boundary conditions of a run; `None` without one.
+pub fn conditions(of: &[ConditionRecord]) -> Option<PageTable> {
+    let text = |name, text: fn(&ConditionRecord) -> &str| Column::text(name, of.iter().map(text));
+    let yes = |yes: bool| if yes { "yes" } else { "no" };
+    let figure = |name, at: usize| Column::real(name, of.iter().map(move |c| c.figures()[at].unwrap_or(f64::NAN)));
+    let columns = vec![
+        Column::real("node", of.iter().map(|c| c.node as f64)),
+        text("id", |c| &c.id),
+        text("role", |c| c.role.name()),
+        Column::text("found", of.iter().map(|c| yes(c.found))),
+        Column::text("holds", of.iter().map(|c| c.holds.map_or("", yes))),
+        figure("pressure_mmHg", 0),
+        figure("resistance_mmHg_s_per_mL", 1),
+        figure("venous_pressure_mmHg", 2),
+        figure("flow_mL_per_min", 3),
     ];
-    list("Boundary conditions", items, &COLUMNS)
+    (!of.is_empty()).then(|| PageTable::new("Boundary conditions", columns, false))
 }

@@ -27,24 +27,23 @@ const EXACT: [&str; 7] = ["likelihood", "std_error", "frequency", "probability",
 pub fn page(
     outcome: &Outcome<'_>,
     summary: &Summary,
-    vessels: &[Column],
+    mut columns: Vec<Column>,
     mut nodes: Vec<Column>,
     figures: Vec<PagePicture>,
 ) -> Page {
-    let mut record = record(summary);
-    let mut warnings = warnings(&record);
+    let (mut record, conditions_of_run) = record(summary);
+    let mut warnings = warnings(&record, &conditions_of_run);
     if let Some(warning) = outcome.few_perfused() {
         warnings.insert(0, warning);
     }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     // For a later command, not for a reader.
     take(&mut record, "named");
-    let conditions = conditions(&take(&mut record, "boundary_conditions"));
+    let conditions = conditions(&conditions_of_run);
     let unit = outcome.sampling.weight.unit();
     let (evidence, threshold) = (has_evidence(outcome.network), threshold(outcome, unit));
     // The page draws the positions.
-    let is_drawn = |c: &&Column| END_POSITION_COLUMNS.as_flattened().contains(&&*c.name);
-    let mut columns: Vec<Column> = vessels.iter().filter(|c| !is_drawn(c)).cloned().collect();
+    columns.retain(|column| !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     // What a person decided is certain to the run, and can be taken back on the page.
     let by_person: HashSet<usize> = record["parameters"]["decisions"]["made"]
         .as_array()

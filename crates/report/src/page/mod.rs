@@ -1,6 +1,7 @@
 //! report.html: one self-contained page of a run, to open in any browser and to send to a colleague.
 
 pub(crate) mod cohort;
+mod comparison;
 mod content;
 mod encode;
 mod image;
@@ -13,6 +14,7 @@ pub mod scene;
 mod simulation;
 mod template;
 
+pub use comparison::write_comparison_page;
 pub use content::{Page, PagePicture};
 pub use image::{ImageCut, Segmentation};
 pub use inference::page as infer_page;

@@ -4,8 +4,8 @@ use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable,
 use super::pulse::cycle;
 use super::scene::scene;
 use crate::figures::colour::Rgb;
-use crate::simulation::Simulated;
 use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
+use crate::simulation::{FlowRecord, Simulated};
 use willis_core::simulation::PERTURBED;
 use willis_io::formats::Column;
 
@@ -22,14 +22,14 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
     simulated: &Simulated<'_>,
-    flow_record: &impl serde::Serialize,
+    flow_record: &FlowRecord,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
     figures: Vec<PagePicture>,
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
-    let mut record = record(flow_record);
-    let warnings = warnings(&record);
+    let (mut record, conditions_of_run) = record(flow_record);
+    let warnings = warnings(&record, &conditions_of_run);
     let lead = super::lead::simulation(&record);
     let mut facts = content::facts(&record, &FACTS);
     facts.extend(content::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
@@ -38,7 +38,7 @@ pub fn page(
         list("Perturbations", &part("perturbations"), &PERTURBATION),
         list("Collaterals", &part("collaterals"), &COLLATERAL),
         list("Reversed flows", &part("reversed"), &COLLATERAL),
-        conditions(&part("boundary_conditions")),
+        conditions(&conditions_of_run),
     ];
     let mut tables = vec![PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)];
     tables.extend(lists.into_iter().flatten());

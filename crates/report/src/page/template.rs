@@ -2,10 +2,10 @@
 
 use std::io::{self, Write};
 
-use serde_json::Value;
+use serde::Serialize;
 
 use super::content::Page;
-use super::encode;
+use super::encode::PageData;
 use willis_io::formats::escape;
 
 /// The frame around the content of every page.
@@ -33,6 +33,7 @@ const RUN: Template = Template {
         include_str!("assets/rules.js"),
         include_str!("assets/threshold.js"),
         include_str!("assets/decisions.js"),
+        include_str!("assets/edits.js"),
         include_str!("assets/review.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),
@@ -61,12 +62,12 @@ pub struct Template {
 ///
 /// An error of the writer; a table whose columns differ in length.
 pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
-    RUN.fill(out, &page.title, &encode::page(page)?)
+    RUN.fill(out, &page.title, &PageData::of(page)?)
 }
 
 impl Template {
     /// Writes the frame with the content in its places.
-    pub fn fill(&self, out: &mut impl Write, title: &str, data: &Value) -> io::Result<()> {
+    pub fn fill(&self, out: &mut impl Write, title: &str, data: &impl Serialize) -> io::Result<()> {
         let mut rest = FRAME;
         while let Some((before, after)) = rest.split_once("{{") {
             let (name, after) = after.split_once("}}").unwrap_or((after, ""));
@@ -76,7 +77,7 @@ impl Template {
                 "style" => out.write_all(STYLE.as_bytes())?,
                 "goal" => out.write_all(self.goal.as_bytes())?,
                 "main" => out.write_all(self.main.replace("{{circle}}", CIRCLE).as_bytes())?,
-                "data" => out.write_all(as_script(&serde_json::to_string(data)?).as_bytes())?,
+                "data" => serde_json::to_writer(ScriptSafe(&mut *out), data)?,
                 _ => self.scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
             }
             rest = after;
@@ -85,9 +86,35 @@ impl Template {
     }
 }
 
-/// JSON that is safe within a script element.
-fn as_script(json: &str) -> String {
-    const ESCAPES: [(char, &str); 5] =
-        [('<', "\\u003c"), ('>', "\\u003e"), ('&', "\\u0026"), ('\u{2028}', "\\u2028"), ('\u{2029}', "\\u2029")];
-    ESCAPES.iter().fold(json.to_owned(), |text, (mark, escape)| text.replace(*mark, escape))
+/// Writes JSON so that it is safe within a script element. What it escapes never comes in two pieces: JSON is written by whole characters.
+struct ScriptSafe<W>(W);
+
+impl<W: Write> Write for ScriptSafe<W> {
+    fn write(&mut self, json: &[u8]) -> io::Result<usize> {
+        const ESCAPES: [(&[u8], &str); 5] = [
+            (b"<", "\\u003c"),
+            (b">", "\\u003e"),
+            (b"&", "\\u0026"),
+            ("\u{2028}".as_bytes(), "\\u2028"),
+            ("\u{2029}".as_bytes(), "\\u2029"),
+        ];
+        let (mut written, mut at) = (0, 0);
+        while at < json.len() {
+            let escape = ESCAPES.iter().find(|(mark, _)| json[at..].starts_with(mark));
+            if let Some((mark, escape)) = escape {
+                self.0.write_all(&json[written..at])?;
+                self.0.write_all(escape.as_bytes())?;
+                at += mark.len();
+                written = at;
+            } else {
+                at += 1;
+            }
+        }
+        self.0.write_all(&json[written..])?;
+        Ok(json.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
 }

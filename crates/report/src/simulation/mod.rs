@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::tables::condition_columns;
 use super::page::{PagePicture, simulation_page, write_page};
-use super::run_record::{ConditionRecord, Provenance, conditions, counts, outlets_found};
+use super::run_record::{ConditionRecords, Provenance, Recorded, conditions, counts, outlets_found};
 use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use simulated::picture_names;
 use transport::{transport_columns, write_transports};
@@ -44,7 +44,7 @@ pub struct FlowRecord {
     command: String,
     input: Value,
     parameters: Value,
-    boundary_conditions: Vec<ConditionRecord>,
+    boundary_conditions: ConditionRecords,
     counts: Value,
     #[serde(rename = "rho_G_W_per_m3")]
     network_resilience: f64,
@@ -62,6 +62,12 @@ pub struct FlowRecord {
     #[serde(skip_serializing_if = "Value::is_null")]
     pulse: Value,
     notes: Vec<String>,
+}
+
+impl Recorded for FlowRecord {
+    fn conditions(&mut self) -> &mut ConditionRecords {
+        &mut self.boundary_conditions
+    }
 }
 
 impl FlowRecord {
@@ -94,7 +100,7 @@ impl FlowRecord {
                 "outlets_found": outlets_found(outlets),
                 "stenosis_model": "poiseuille",
             }),
-            boundary_conditions: conditions(network, boundary),
+            boundary_conditions: conditions(network, boundary, None),
             counts,
             network_resilience: before.network_resilience,
             network_resilience_perturbed: after.map(|state| state.network_resilience),

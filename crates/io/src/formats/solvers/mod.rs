@@ -4,20 +4,41 @@ pub(in crate::formats) mod openbf;
 pub(in crate::formats) mod svzerod;
 
 use std::borrow::Cow;
-use std::collections::HashMap;
 use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::PI;
 use std::io;
 
 use crate::formats::tables::reader::plural;
 pub(in crate::formats) use openbf::MOST_JOINED;
-pub use openbf::write_openbf;
-pub use svzerod::write_svzerod;
+pub use openbf::{write_openbf, write_openbf_inlet, write_openbf_with};
+pub use svzerod::{write_svzerod, write_svzerod_with};
 
 use willis_core::flow::WallLaw;
+use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
 use willis_core::flow::state::BLOOD_DENSITY;
 use willis_core::flow::unfed::fed;
+use willis_core::network::waveform::Waveform;
 use willis_core::network::{Condition, Network, Node, Origin, Role, Vessel};
+
+/// What a simulation adds to a network for a solver in time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SolverSetting {
+    /// Blood viscosity, Pa s.
+    pub viscosity: f64,
+    /// Density of blood, kg/m³.
+    pub density: f64,
+    /// The period, s.
+    pub period: f64,
+    /// One period at inlets that pulsate, from 0 to the period, by the ids of their nodes; others are constant in time.
+    pub courses: BTreeMap<String, Waveform>,
+}
+
+impl Default for SolverSetting {
+    fn default() -> Self {
+        Self { viscosity: BLOOD_VISCOSITY, density: BLOOD_DENSITY, period: 1.0, courses: BTreeMap::new() }
+    }
+}
 
 /// Whether blood enters at a node.
 pub(in crate::formats) fn enters(network: &Network, node: usize) -> bool {
@@ -101,6 +122,7 @@ pub(in crate::formats) fn with_few_at_a_node(network: &Network, most: usize) -> 
 /// A network with vessels along the way from inlets to outlets, and what holds at their ends.
 struct Directed<'a> {
     network: &'a Network,
+    setting: &'a SolverSetting,
     /// By row the node where the vessel begins and that where it ends.
     turned: Vec<[usize; 2]>,
     /// By node its vessels.
@@ -118,7 +140,7 @@ impl<'a> Directed<'a> {
     /// # Errors
     ///
     /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
-    fn of(network: &'a Network) -> io::Result<Self> {
+    fn of(network: &'a Network, setting: &'a SolverSetting) -> io::Result<Self> {
         let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
         let mut at = vec![Vec::new(); network.node_count()];
         for (row, (ends, _)) in network.vessels().enumerate() {
@@ -161,11 +183,11 @@ impl<'a> Directed<'a> {
         let wall = |row: usize| {
             let vessel = network.vessel(row);
             let law = if vessel.wall.is_some() { WallLaw::Stated } else { WallLaw::OLUFSEN };
-            let given = law.compliance(vessel.radius, vessel.wall, BLOOD_DENSITY, &network.vessel_name(row));
+            let given = law.compliance(vessel.radius, vessel.wall, setting.density, &network.vessel_name(row));
             given.map_err(|error| refused(error.to_string()))
         };
         let distensibility = (0..network.vessel_count()).map(wall).collect::<io::Result<_>>()?;
-        Ok(Self { network, turned: ends, at, unfed, distensibility })
+        Ok(Self { network, setting, turned: ends, at, unfed, distensibility })
     }
 
     /// The condition of a free end; `None` of an inner node, a flow of zero of an end that states nothing.
@@ -173,10 +195,15 @@ impl<'a> Directed<'a> {
         (self.at[node].len() == 1).then(|| self.network.node(node).condition.unwrap_or(Condition::Flow(0.0)))
     }
 
+    /// What happens in time at an inlet that pulsates.
+    fn course(&self, node: usize) -> Option<&'a Waveform> {
+        self.setting.courses.get(&self.network.node(node).id)
+    }
+
     /// R1 (Pa s/m³) of a terminal resistance at the end of a vessel: as the node states it, else the wave impedance √(ρ/(A C')) of the
     /// vessel, as in `willis simulate --pulse`; at most the resistance.
     fn proximal(&self, node: usize, resistance: f64, row: usize) -> f64 {
-        let matched = (BLOOD_DENSITY / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
+        let matched = (self.setting.density / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
         self.network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
     }
 }

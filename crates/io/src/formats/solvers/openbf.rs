@@ -2,9 +2,8 @@
 
 use std::io::{self, Write};
 
-use super::{Directed, area};
-use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
-use willis_core::flow::state::BLOOD_DENSITY;
+use super::{Directed, SolverSetting, area};
+use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Network, Wall, Windkessel};
 
 /// Walls that are not stated have a thickness of this share of the radius.
@@ -20,7 +19,25 @@ pub(crate) fn is_openbf(text: &[u8]) -> bool {
     [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
 }
 
-/// Writes a network for openBF. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
+/// As [`write_openbf_with`], without the courses of inlets.
+///
+/// # Errors
+///
+/// As [`write_openbf_with`].
+pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
+    write_openbf_with(out, network, &SolverSetting::default()).map(drop)
+}
+
+/// Writes an inlet file of openBF: rows of a time (s) and a flow (m³/s) or a pressure (Pa).
+///
+/// # Errors
+///
+/// The writer's own.
+pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result<()> {
+    course.times.iter().zip(&course.values).try_for_each(|(t, x)| writeln!(out, "{} {}", number_of(*t), number_of(*x)))
+}
+
+/// Writes a network for openBF, and returns the ids of the nodes of its inlets, in the order of their numbers. Walls are those of the vessels, or Olufsen's law with a thickness of a tenth of the radius. Each inlet names
 /// the file that it expects beside this one, `inlet-N.dat` (time in s; flow in m³/s or pressure in Pa), N in the order of the vessels.
 ///
 /// The keys of openBF changed with version 2: up to 1.5, which has several inlets, `project name`, `convergence tolerance` (%) and an
@@ -29,11 +46,11 @@ pub(crate) fn is_openbf(text: &[u8]) -> bool {
 ///
 /// # Errors
 ///
-/// As [`write_svzerod`](super::write_svzerod); a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
+/// As [`write_svzerod_with`](super::write_svzerod_with); a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
 /// flow that is not zero (`InvalidInput`).
-pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
+pub fn write_openbf_with(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
-    let ends = Directed::of(network)?;
+    let ends = Directed::of(network, setting)?;
     let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
     if let Some(row) = ends.unfed {
         return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
@@ -49,11 +66,11 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         number[node] = place + 1;
     }
     writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
-    writeln!(out, "blood:\n  rho: {}\n  mu: {}", number_of(BLOOD_DENSITY), number_of(BLOOD_VISCOSITY))?;
+    writeln!(out, "blood:\n  rho: {}\n  mu: {}", number_of(setting.density), number_of(setting.viscosity))?;
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
     writeln!(out, "  convergence tolerance: 1.0\n  convergence_tolerance: 1.0")?;
     writeln!(out, "network:")?;
-    let mut inlets = 0;
+    let mut inlets = Vec::new();
     for (row, [begins, stops]) in ends.turned.iter().enumerate() {
         let vessel = network.vessel(row);
         let thickness = match vessel.wall {
@@ -68,9 +85,11 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
         let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];
         writeln!(out, "    E: {}\n    h0: {}", number_of(stiffness / thickness), number_of(thickness))?;
         if let Some(condition) = ends.condition(*begins) {
-            inlets += 1;
-            let quantity = if matches!(condition, Condition::Pressure(_)) { "P" } else { "Q" };
-            writeln!(out, "    inlet: {quantity}\n    inlet file: inlet-{inlets}.dat\n    inlet number: {inlets}")?;
+            inlets.push(network.node(*begins).id.clone());
+            let is_pressure =
+                ends.course(*begins).map_or(matches!(condition, Condition::Pressure(_)), |c| c.quantity == Quantity::Pressure);
+            let (quantity, number) = (if is_pressure { "P" } else { "Q" }, inlets.len());
+            writeln!(out, "    inlet: {quantity}\n    inlet file: inlet-{number}.dat\n    inlet number: {number}")?;
         }
         match ends.condition(*stops) {
             None => {}
@@ -96,7 +115,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
             }
         }
     }
-    Ok(())
+    Ok(inlets)
 }
 
 /// A number as YAML 1.1 knows one: with a point, and a sign in its exponent. Without, it is a text.

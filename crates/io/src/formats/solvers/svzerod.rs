@@ -4,10 +4,9 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::{Directed, area};
+use super::{Directed, SolverSetting, area};
 use willis_core::flow::Tube;
-use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
-use willis_core::flow::state::BLOOD_DENSITY;
+use willis_core::network::waveform::Quantity;
 use willis_core::network::{Condition, Network};
 
 /// Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
@@ -23,14 +22,22 @@ pub(crate) fn is_svzerod(text: &[u8]) -> bool {
     text.starts_with(b"{") && has(b"\"boundary_conditions\"") && !has(b"\"markups\"")
 }
 
-/// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh); conditions are constant
-/// in time, over a period of 1 s.
+/// As [`write_svzerod_with`], with conditions that are constant in time, over a period of 1 s.
+///
+/// # Errors
+///
+/// As [`write_svzerod_with`].
+pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
+    write_svzerod_with(out, network, &SolverSetting::default())
+}
+
+/// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh).
 ///
 /// # Errors
 ///
 /// A network without an inlet, with a condition that is not at a free end, or with a self-loop (`InvalidInput`); the writer's own.
-pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
-    let ends = Directed::of(network)?;
+pub fn write_svzerod_with(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<()> {
+    let ends = Directed::of(network, setting)?;
     let mut conditions = Vec::new();
     let mut name = |node: usize, row: usize, is_inlet: bool| -> Option<String> {
         let condition = ends.condition(node)?;
@@ -48,8 +55,8 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> 
             "vessel_length": vessel.length * 100.0,
             "zero_d_element_type": "BloodVessel",
             "zero_d_element_values": {
-                "R_poiseuille": Tube::of(vessel, BLOOD_VISCOSITY).resistance * RESISTANCE,
-                "L": BLOOD_DENSITY * vessel.length / area(vessel) * RESISTANCE,
+                "R_poiseuille": Tube::of(vessel, setting.viscosity).resistance * RESISTANCE,
+                "L": setting.density * vessel.length / area(vessel) * RESISTANCE,
                 "C": ends.distensibility[row] * vessel.length * COMPLIANCE,
                 "stenosis_coefficient": 0.0,
             },
@@ -89,10 +96,18 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> 
 
 /// The kind of a condition at the end of a vessel, and its values.
 fn values(ends: &Directed<'_>, node: usize, row: usize, condition: Condition, is_inlet: bool) -> (&'static str, Value) {
-    let constant = |key: &str, value: f64| json!({ key: [value, value], "t": [0.0, 1.0] });
+    if let Some(course) = ends.course(node) {
+        let (kind, key, unit) = match course.quantity {
+            Quantity::Pressure => ("PRESSURE", "P", PRESSURE),
+            // A flow into the network; out of an outlet it is positive there.
+            Quantity::Flow => ("FLOW", "Q", if is_inlet { VOLUME } else { -VOLUME }),
+        };
+        let values: Vec<f64> = course.values.iter().map(|x| x * unit).collect();
+        return (kind, json!({ key: values, "t": course.times }));
+    }
+    let constant = |key: &str, value: f64| json!({ key: [value, value], "t": [0.0, ends.setting.period] });
     match condition {
         Condition::Pressure(pressure) => ("PRESSURE", constant("P", pressure * PRESSURE)),
-        // A flow into the network; out of an outlet it is positive there.
         Condition::Flow(flow) => ("FLOW", constant("Q", if is_inlet { flow } else { -flow } * VOLUME)),
         Condition::Resistance { resistance, venous } => match ends.network.node(node).windkessel.compliance {
             Some(compliance) => {

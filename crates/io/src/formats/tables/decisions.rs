@@ -1,5 +1,7 @@
 //! What a person decided on connections, as the page of a run writes it: a list that the next run takes as certain.
 
+use std::collections::HashMap;
+
 use crate::formats::tables::reader::TableReader;
 use willis_core::error::Fault;
 use willis_core::network::Edit;
@@ -65,6 +67,7 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     let (edge, a, b, decision) = (edge?, a?, b?, decision?);
     let [who, when, comment, input, places] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
     let mut all = ListedDecisions::default();
+    let mut lines: HashMap<usize, usize> = HashMap::new();
     while let Some(row) = rows.row()? {
         let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
         let (word, line, who, when, comment) = (row.text(decision), row.line, text(who), text(when), text(comment));
@@ -87,14 +90,18 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
                 return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
             }
         };
-        if let Some(first) = all.connections.iter().find(|d| d.edge == number) {
-            let found = format!("edge {number} comes again, after line {}", first.line);
+        if let Some(first) = lines.insert(number, line) {
+            let found = format!("edge {number} comes again, after line {first}");
             return Err(Fault::line(line, found, "expected one decision an edge"));
         }
-        let places = match Edit::parse("join", &placed) {
+        let ends = match Edit::parse("join", &placed) {
+            Ok(Edit::Join(way)) => <[[f64; 3]; 2]>::try_from(way).ok(),
+            _ => None,
+        };
+        let places = match ends {
             _ if placed.is_empty() => None,
-            Ok(Edit::Join(ends)) => Some(ends),
-            _ => {
+            Some(ends) => Some(ends),
+            None => {
                 return Err(Fault::line(
                     line,
                     format!("places \"{placed}\""),

@@ -253,13 +253,13 @@ pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option
     let place = |of_axis: usize| Column::real(POSITION_COLUMNS[of_axis], nodes().map(|n| axis(n.position, of_axis)));
     vec![
         Column::whole("node", 0..network.node_count()),
-        Column::text("id", nodes().map(|n| n.id.clone())),
+        Column::text("id", nodes().map(|n| &n.id)),
         place(0),
         place(1),
         place(2),
         Column::real("radius_mm", nodes().map(|n| n.radius.map_or(f64::NAN, millimetres))),
-        Column::text("label", nodes().map(|n| n.label.clone())),
-        Column::text("role", role.iter().map(|r| r.map_or("", Role::name).to_owned())),
+        Column::text("label", nodes().map(|n| &n.label)),
+        Column::text("role", role.iter().map(|r| r.map_or("", Role::name))),
         Column::real("pressure_mmHg", pressure.iter().map(|p| p.map_or(f64::NAN, mmhg))),
         Column::whole("component", component.iter().copied()),
     ]
@@ -341,8 +341,8 @@ pub fn vessel_columns(network: &Network) -> Vec<Column> {
         end(1, 0),
         end(1, 1),
         end(1, 2),
-        Column::text("label", network.vessels().map(|(_, v)| v.label.clone())),
-        Column::text("origin", network.vessels().map(|(_, v)| v.origin.name().to_owned())),
+        Column::text("label", network.vessels().map(|(_, v)| &v.label)),
+        Column::text("origin", network.vessels().map(|(_, v)| v.origin.name())),
         Column::real("length_mm", network.vessels().map(|(_, v)| millimetres(v.length))),
         Column::real("radius_mm", network.vessels().map(|(_, v)| millimetres(v.radius))),
     ]

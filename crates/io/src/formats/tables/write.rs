@@ -21,7 +21,54 @@ pub enum Values {
     /// Whole numbers.
     Integer(Vec<i64>),
     /// Text.
-    Text(Vec<String>),
+    Text(Texts),
+}
+
+/// The texts of a column behind one another: of a million words in a few forms a string for each would take five times as much.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Texts {
+    all: String,
+    /// Where each ends.
+    ends: Vec<usize>,
+}
+
+impl Texts {
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.ends.is_empty()
+    }
+
+    /// All by row.
+    pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
+        (0..self.len()).map(|row| &self[row])
+    }
+}
+
+impl std::ops::Index<usize> for Texts {
+    type Output = str;
+
+    fn index(&self, row: usize) -> &str {
+        let start = if row == 0 { 0 } else { self.ends[row - 1] };
+        &self.all[start..self.ends[row]]
+    }
+}
+
+impl<S: AsRef<str>> FromIterator<S> for Texts {
+    fn from_iter<I: IntoIterator<Item = S>>(texts: I) -> Self {
+        let mut made = Self::default();
+        for text in texts {
+            made.all.push_str(text.as_ref());
+            made.ends.push(made.all.len());
+        }
+        made.all.shrink_to_fit();
+        made.ends.shrink_to_fit();
+        made
+    }
 }
 
 impl Column {
@@ -36,7 +83,7 @@ impl Column {
     }
 
     /// A column of text.
-    pub fn text(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = String>) -> Self {
+    pub fn text(name: impl Into<Cow<'static, str>>, values: impl Iterator<Item = impl AsRef<str>>) -> Self {
         Self { name: name.into(), values: Values::Text(values.collect()) }
     }
 }

@@ -9,7 +9,7 @@ class Decisions {
     this.idOf = node => String(id ? id.at(node) : node);
     // By row `{decision, when, who, comment}`, in the order of the decisions.
     this.made = new Map();
-    // What to take back: pairs of a row and what was there before it.
+    // What to take back: `{rows, edits}`, pairs of a row and what was there before it, and the edits before, where they changed.
     this.history = [];
     this.saved = true;
     // What earlier decisions made certain is part of the list.
@@ -28,10 +28,10 @@ class Decisions {
   // Takes up what this browser has of the same graph; whether there was any.
   restore() {
     try {
-      const { made, history } = JSON.parse(localStorage.getItem(this.key)) ?? {};
-      if (!made || made.some(([row]) => !this.threshold.uncertain[row])) return false;
-      [this.made, this.history] = [new Map(made), history];
-      return made.length > 0;
+      const { made, history, edits } = JSON.parse(localStorage.getItem(this.key)) ?? {};
+      if (!made || !edits || made.some(([row]) => !this.threshold.uncertain[row])) return false;
+      Object.assign(this, { made: new Map(made), history, edits });
+      return made.length + edits.length > 0;
     } catch {
       return false;
     }
@@ -42,7 +42,7 @@ class Decisions {
     this.threshold.decided = new Map([...this.made].filter(([, of]) => of.decision !== "unsure" && of.decision !== "").map(([row, of]) => [row, of.decision === "accept"]));
     this.threshold.again();
     try {
-      if (this.made.size || this.history.length) localStorage.setItem(this.key, JSON.stringify({ made: [...this.made], history: this.history }));
+      if (this.made.size || this.history.length) localStorage.setItem(this.key, JSON.stringify({ made: [...this.made], history: this.history, edits: this.edits }));
       else localStorage.removeItem(this.key);
       this.stored = true;
     } catch {
@@ -68,16 +68,31 @@ class Decisions {
 
   // Changes rows as one step that can be taken back.
   put(changes) {
-    this.history.push(changes.map(([row]) => [row, this.made.get(row) ?? null]));
-    this.set(changes);
+    this.history.push({ rows: changes.map(([row]) => [row, this.made.get(row) ?? null]) });
+    this.set({ rows: changes });
   }
 
-  set(changes) {
-    for (const [row, of] of changes) {
+  // Other edits than now, as one step that can be taken back.
+  putEdits(edits, changes = []) {
+    this.history.push({ rows: changes.map(([row]) => [row, this.made.get(row) ?? null]), edits: this.edits });
+    this.set({ rows: changes, edits });
+  }
+
+  edit(decision, places) {
+    this.putEdits([...this.edits, { decision, places, when: new Date().toISOString().replace(/\.\d+/, ""), who: byId("who").value.trim() }]);
+  }
+
+  removeEdit(at) {
+    this.putEdits(this.edits.filter((_, i) => i !== at));
+  }
+
+  set({ rows, edits }) {
+    if (edits) this.edits = edits;
+    for (const [row, of] of rows) {
       this.made.delete(row);
       if (of) this.made.set(row, of);
     }
-    this.saved = this.made.size === 0;
+    this.saved = this.made.size + this.edits.length === 0;
     this.follow();
     this.changed();
   }
@@ -87,7 +102,7 @@ class Decisions {
     const last = this.history.pop();
     if (!last) return -1;
     this.set(last);
-    return last[0][0];
+    return last.rows[0]?.[0] ?? -1;
   }
 
   of(row) {
@@ -101,12 +116,14 @@ class Decisions {
       const plain = String(text).replace(/[\r\n]+/g, " ").replace(/^(?=[=+@\t-])/, "'");
       return /[",]/.test(plain) ? `"${plain.replaceAll('"', '""')}"` : plain;
     };
+    // A space before a minus, which is no formula then.
+    const spaced = places => places.replace(/^-/, " -");
     const line = ([row, of]) => {
       const p = this.threshold.probability?.[row];
       const places = ["node_a", "node_b"].map(name => this.placeOf(this.vessels.find(name).at(row)));
-      return [row, ...this.idsOf(row), of.decision || "unsure", Number.isNaN(p) ? "" : p ?? "", of.who || who, of.when, of.comment, data.record.input.sha256, places.every(Boolean) ? places.join(" + ") : ""].map(cell).join(",");
+      return [row, ...this.idsOf(row), of.decision || "unsure", Number.isNaN(p) ? "" : p ?? "", of.who || who, of.when, of.comment, data.record.input.sha256, spaced(places.every(Boolean) ? places.join(" + ") : "")].map(cell).join(",");
     };
-    const edit = of => ["", "", "", of.decision, "", of.who || who, of.when, of.comment ?? "", data.record.input.sha256, of.places].map(cell).join(",");
+    const edit = of => ["", "", "", of.decision, "", of.who || who, of.when, of.comment ?? "", data.record.input.sha256, spaced(of.places)].map(cell).join(",");
     return ["edge,id_a,id_b,decision,probability,who,when,comment,input_sha256,places", ...[...this.made].sort(([a], [b]) => a - b).map(line), ...this.edits.map(edit)].join("\n") + "\n";
   }
 
@@ -137,8 +154,8 @@ class Decisions {
       if (!["accept", "reject", "unsure"].includes(decision)) fault(`decision "${decision}"; expected accept, reject or unsure`);
       changes.set(row, { decision, who: cell("who"), when: cell("when"), comment: cell("comment") });
     });
-    if (edits.length) this.edits = edits;
-    if (changes.size) this.put([...changes]);
+    if (edits.length) this.putEdits(edits, [...changes]);
+    else if (changes.size) this.put([...changes]);
     return changes.size + edits.length;
   }
 }

@@ -10,6 +10,8 @@ class Overlay {
     // `{at: [x, y, z], text, strong}` in mm.
     this.names = [];
     this.chances = [];
+    // `{at, text}` of places of edits.
+    this.places = [];
     this.namesShown = true;
     // `{at, row}` of what is selected.
     this.picked = null;
@@ -29,7 +31,8 @@ class Overlay {
     ink.textBaseline = "middle";
     this.ring(ink, w, h);
     const taken = [];
-    for (const label of this.chances) this.label(ink, w, h, label, taken);
+    for (const place of this.places) this.dot(ink, w, h, place);
+    for (const label of [...this.chances, ...this.places.filter(place => place.text)]) this.label(ink, w, h, label, taken);
     if (this.namesShown) for (const label of this.names) this.label(ink, w, h, label, taken);
     this.edges(ink, w, h);
     this.cross(ink, w, h);
@@ -67,6 +70,16 @@ class Overlay {
     ink.lineTo(x + 9, y - 8);
     ink.stroke();
     this.text(ink, text, x + 11, y - 9, { align: "left", weight: strong ? "bold" : "" });
+  }
+
+  dot(ink, w, h, { at }) {
+    const [x, y] = this.on(w, h, at);
+    for (const [colour, r] of [[this.scene.paper, 7], ["#c8102e", 5]]) {
+      ink.fillStyle = colour;
+      ink.beginPath();
+      ink.arc(x, y, r, 0, 2 * Math.PI);
+      ink.fill();
+    }
   }
 
   ring(ink, w, h) {

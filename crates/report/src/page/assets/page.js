@@ -7,7 +7,7 @@ const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.thresh
 const histogram = threshold && new Histogram(threshold);
 const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
 const frame = data.record.input?.frame;
-let scene = null, slices = null, sheet = null, picked = -1, decisions = null, review = null;
+let scene = null, slices = null, sheet = null, picked = -1, decisions = null, review = null, edits = null;
 
 // Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
 function pick(row, turn = true, reveal = turn) {
@@ -266,12 +266,14 @@ function showReview() {
   if (!threshold) return;
   const show = () => {
     review.show();
+    edits.show();
     if (picked >= 0 && scene?.overlay.chances.length) showChances(picked);
     showThreshold.again();
     if (picked >= 0) showPicked();
   };
   decisions = new Decisions(threshold, vessels, tables.find(t => t.title === "Nodes"), show);
   review = new Review(threshold, decisions, vessels, goTo);
+  edits = new Edits(decisions, scene);
   byId("review").hidden = !threshold.uncertain.some(Boolean);
   byId("review-more").addEventListener("click", () => { review.shown = Infinity; review.show(); });
   for (const id of ["undo", "decide-undo"]) byId(id).addEventListener("click", takeBack);
@@ -337,7 +339,11 @@ function showScene() {
   byId("sides-note").hidden = frame in ANATOMICAL;
   if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
   listen(scene, {
-    pick: row => threshold?.uncertain[row] && row >= 0 ? goTo(row) : pick(row),
+    pick: row => {
+      if (edits?.open) { if (row >= 0) edits.take(scene.touched); }
+      else if (threshold?.uncertain[row] && row >= 0) goTo(row);
+      else pick(row);
+    },
     hover: showTooltip,
     whole: () => { scene.showAll(); dress(); },
     step: by => {

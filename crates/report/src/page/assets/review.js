@@ -98,7 +98,7 @@ class Review {
   show() {
     this.settingShown = this.setting;
     this.refresh();
-    const list = byId("review-list"), { items, open } = this, { made, history, stored } = this.decisions;
+    const list = byId("review-list"), { items, open } = this, { made, history, stored, edits } = this.decisions;
     const here = document.activeElement?.closest?.("#review-list li")?.dataset.row, which = document.activeElement?.className;
     this.lines = new Map([...open.slice(0, this.shown), ...items.slice(open.length)].map(item => [item.row, this.line(item)]));
     list.replaceChildren(...this.lines.values());
@@ -112,10 +112,11 @@ class Review {
     const more = byId("review-more");
     more.hidden = open.length <= this.shown;
     more.textContent = `Show all (${grouped(open.length - this.shown)} more)`;
-    byId("decided").hidden = made.size === 0;
+    byId("decided").hidden = made.size + edits.length === 0;
     const count = decision => [...made.values()].filter(of => of.decision === decision).length;
     const said = [["accept", "accepted"], ["reject", "rejected"], ["unsure", "unsure"]].map(([name, word]) => count(name) && `${grouped(count(name))} ${word}`).filter(Boolean).join(", ");
-    byId("decided-note").textContent = `${said ? `${said}. ` : ""}${stored ? "Kept in this browser." : "This browser keeps nothing: download them before the page is left."} Probabilities beside a decision follow from it.`;
+    const sum = [said, edits.length && `${grouped(edits.length)} edit${edits.length > 1 ? "s" : ""}`].filter(Boolean).join(", ");
+    byId("decided-note").textContent = `${sum ? `${sum}. ` : ""}${stored ? "Kept in this browser." : "This browser keeps nothing: download them before the page is left."} Probabilities beside a decision follow from it.`;
     for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 

@@ -242,7 +242,7 @@ class SceneView {
     return sum;
   }
 
-  // The frontmost vessel at a place of the view, in pixels from its middle; -1 without one.
+  // The frontmost vessel at a place of the view, in pixels from its middle; -1 without one. `touched` is then the place on it, mm.
   at(x, y, room) {
     const { points, starts, vessels } = this.geometry;
     let found = -1, best = [Infinity, -Infinity];
@@ -254,7 +254,10 @@ class SceneView {
         const [dx, dy] = [b[0] - a[0], b[1] - a[1]], length = dx * dx + dy * dy;
         const t = length > 0 ? Math.min(Math.max(((x - a[0]) * dx + (y - a[1]) * dy) / length, 0), 1) : 0;
         const off = Math.max(Math.hypot(x - a[0] - t * dx, y - a[1] - t * dy) - radius, 0), near = a[2] + t * (b[2] - a[2]) + points[4 * i + 3];
-        if (off < room && (off < best[0] || (off === best[0] && near > best[1]))) [found, best] = [row, [off, near]];
+        if (off < room && (off < best[0] || (off === best[0] && near > best[1]))) {
+          [found, best] = [row, [off, near]];
+          this.touched = [0, 1, 2].map(axis => points[4 * i - 4 + axis] + t * (points[4 * i + axis] - points[4 * i - 4 + axis]));
+        }
         a = b;
       }
     }

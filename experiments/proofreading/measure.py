@@ -1,0 +1,300 @@
+"""A person who knows the truth works on the answers to simulated scans; what the topology gains by number of decisions; the table of README.md too.
+
+    measure.py SKELBENCH CASES WORK LEVEL [--subjects a,b] [--orders review,doubt,chance] [--decisions 20,60] [--rounds 4]
+
+Prints results.csv: level, subject, order, asked (0: the default answer; all: every question of that order; right: whatever is seen to be wrong, in so many
+rounds of looking), figure, value. CASES has skelbench's cases with masks. WILLIS names the program. Answers are kept in WORK, and gone on from.
+"""
+import argparse
+import collections
+import csv
+import json
+import os
+import random
+import re
+import shutil
+import sys
+from pathlib import Path
+
+import numpy as np
+from scipy.sparse.csgraph import dijkstra
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+import common
+
+HERE = Path(__file__).resolve().parent
+WILLIS = os.environ.get("WILLIS", "target/release/willis")
+FIGURES = ("path", "nrun", "join_f1", "cut_recall", "lost_connections", "cycles")
+#: The ends of a true link are so near to the stations between which it is missing, mm.
+SITE = 4.0
+#: A person follows a vessel so far from where it touches another, mm, and sees a place as on a vessel so near to its line.
+FOLLOWED, ON = 15.0, 1.5
+
+
+class Person:
+    """One who sees the tracing of a case beside the answer to it."""
+
+    def __init__(self, score, proofread, folder, work):
+        self.score, self.proofread, self.folder, self.work = score, proofread, folder, work
+        self.case = score.Case(folder)
+        self.radius = np.array([station[3] for station in self.case.t["stations"]])
+        self.neighbours = collections.defaultdict(set)
+        for a, b, *_ in self.case.near:
+            self.neighbours[a].add(b)
+            self.neighbours[b].add(a)
+        self.first = self.infer("0", [])
+        self.rows, self.right = proofread.truth(self.case, self.first)
+        self.gaps = {frozenset(pair[:2]) for pair in self.case.near if pair[3] == "gap"}
+        for row, yes in self.right.items():
+            if yes is False and self.rows[row]["origin"].strip() == "candidate":
+                self.right[row] = self.along(self.rows[row])
+        self.ids = [row["id"] for row in common.rows(self.first / "nodes.csv")]
+        self.kept = [bool(float(row["kept"] or 0)) for row in self.rows]
+
+    def along(self, row):
+        """Whether a candidate that makes none of the case's links goes along the tracing all the same: over a gap of it, or else nobody can say."""
+        places = [[float(row[end + axis]) for axis in ("x_mm", "y_mm", "z_mm")] for end in "ab"]
+        a, b = (next((self.case.station_of[node] for node in self.case.snap(place) if node in self.case.station_of), None) for place in places)
+        if a is None or b is None:
+            return False
+        limit = 1.5 * np.linalg.norm(np.subtract(*places)) + 3.0
+        far, before = dijkstra(self.case.true, directed=False, indices=a, limit=limit, return_predecessors=True)
+        if not np.isfinite(far[b]):
+            return False
+        way = [b]
+        while way[-1] != a:
+            way.append(before[way[-1]])
+        # Of several over one gap the one that is kept will do.
+        return True if any(frozenset(pair) in self.gaps for pair in zip(way, way[1:])) and float(row["kept"] or 0) else None
+
+    def infer(self, name, decisions):
+        """The folder of the run with these decisions, (row, whether accepted) or (word, places). What the run refuses is left out of the list."""
+        out, file = self.work / name, self.work / f"{name}.csv"
+        if not decisions:
+            if not (out / "run.json").exists():
+                self.proofread.infer(WILLIS, self.folder, "mask.nii.gz", out)
+            return out
+        while True:
+            text = self.listed(decisions)
+            if file.exists() and file.read_text() == text and (out / "run.json").exists():
+                return out
+            shutil.rmtree(out, ignore_errors=True)
+            file.write_text(text)
+            try:
+                self.proofread.infer(WILLIS, self.folder, "mask.nii.gz", out, file)
+            except SystemExit as refused:
+                line = re.search(rf"{re.escape(str(file))}:(\d+): ", str(refused))
+                if not line:
+                    raise
+                print(f"{self.folder.name}: {refused}", file=sys.stderr)
+                del decisions[int(line[1]) - 2]
+
+    def listed(self, decisions):
+        """decisions.csv."""
+        sha256 = json.loads((self.first / "run.json").read_text())["input"]["sha256"]
+        lines = [["edge", "id_a", "id_b", "decision", "input_sha256", "places"]]
+        for what, how in decisions:
+            if isinstance(how, bool):
+                ends = [self.ids[int(self.rows[what][end])] for end in ("node_a", "node_b")]
+                lines.append([what, *ends, "accept" if how else "reject", sha256, ""])
+            else:
+                lines.append(["", "", "", what, sha256, how])
+        return "\n".join(",".join(map(str, line)) for line in lines) + "\n"
+
+    def seen(self, out):
+        """The figures of an answer, and its lines as skelbench sees them."""
+        lines, rows = self.score.read_answer(out, self.case)
+        figures = self.score.score(self.case, lines, rows)
+        return {name: figures[name] for name in FIGURES}, self.score.Net(lines, self.case.h, self.case.kd)
+
+    def place(self, station):
+        nodes = self.case.xyz[self.case.sides[station]]
+        return nodes[np.linalg.norm(nodes - self.case.station[station], axis=1).argmin()]
+
+    def text(self, groups):
+        place = lambda station: " ".join(f"{x:.3f}" for x in self.place(station))
+        return " | ".join(" + ".join(map(place, group)) for group in groups)
+
+    def sides(self, fusion):
+        """The stations of each vessel of a fusion that are of no other."""
+        sides = [{self.case.station_of[node - 1] for node in side if node - 1 in self.case.station_of} for side in fusion["sides"]]
+        return [side - set().union(*sides[:at], *sides[at + 1 :]) for at, side in enumerate(sides)]
+
+    def part(self, fusion):
+        """The decision that parts a fusion; none where not two vessels of it are seen. A vessel is followed on each way along it to the first station
+        that is shown, outside the fusion's ball, and clear of the others; where it truly meets another first, to there."""
+        case = self.case
+        sides = [side for side in self.sides(fusion) if side]
+        reach = fusion["reach_mm"]
+        far = [dijkstra(case.true, directed=False, indices=sorted(side), limit=reach + FOLLOWED, min_only=True) for side in sides]
+        owner = np.where(np.isfinite(far).any(axis=0), np.argmin(far, axis=0), -1) if sides else None
+        groups = []
+        for side, own in enumerate(sides):
+            rest = np.flatnonzero((owner != side) & (owner >= 0))
+
+            def away(station):
+                apart = np.linalg.norm(case.station[rest] - case.station[station], axis=1) - self.radius[rest] - self.radius[station]
+                return apart.min(initial=np.inf)
+
+            legs, found, todo = set(), set(own), sorted(own)
+            while todo:
+                station = todo.pop()
+                outside = np.linalg.norm(case.station[station] - fusion["place"]) >= reach
+                if case.sides[station] and outside and away(station) > 2 * case.h:
+                    legs.add(station)
+                    continue
+                for near in sorted(self.neighbours[station] - found):
+                    if owner[near] == side:
+                        found.add(near)
+                        todo.append(near)
+                    elif owner[near] >= 0 and (shown := [one for one in sorted((station, near)) if case.sides[one]]):
+                        legs.add(shown[0])
+            if legs := legs or {max((station for station in found if case.sides[station]), key=away, default=None)} - {None}:
+                groups.append(sorted(legs))
+        return ("part", self.text(groups)) if len(groups) > 1 else None
+
+    def fusions_left(self, net):
+        met = lambda parts: any(parts[i] & parts[j] for i in range(len(parts)) for j in range(i))
+        sides = lambda fusion: [[node - 1 for node in side] for side in fusion["sides"]]
+        return [fusion for fusion in self.case.t["fusions"] if fusion["sides"] and met(net.local(fusion["place"], fusion["reach_mm"], sides(fusion)))]
+
+    def joins(self, net):
+        """A vessel for each stretch of the tracing that the answer lacks, from where its lines show it to where they do again."""
+        case = self.case
+        held = lambda a, b, centre, reach: set.intersection(*net.local(centre, reach, [case.sides[a], case.sides[b]]))
+        shown = {station for station, side in enumerate(case.sides) if side and net.kd.query(self.place(station))[0] <= ON}
+        absent = collections.defaultdict(set)
+        for a, b, _, _, centre, reach in case.near:
+            if not case.vein[a] and not (case.sides[a] and case.sides[b] and held(a, b, centre, reach)):
+                absent[a].add(b)
+                absent[b].add(a)
+        found = []
+        for start in sorted(shown & set(absent)):
+            for way in ([start, near] for near in sorted(absent[start])):
+                while way[-1] not in shown and len(further := absent[way[-1]] - {way[-2]}) == 1:
+                    way.append(*further)
+                if way[-1] in shown and start < way[-1]:
+                    found.append(self.join(way))
+        return found
+
+    def join(self, way):
+        """The decision that joins two stations by those between; from the ends of the fragments that a true link is between, where one is."""
+        case, ends = self.case, [way[0], way[-1]]
+        near = [case.kd.query_ball_point(case.station[end], SITE) for end in ends]
+        sites = [(a, b) for a in near[0] for b in near[1] for g, m in case.site.get(a, []) for h, n in case.site.get(b, []) if g == h and m != n]
+        away = lambda pair: sum(np.linalg.norm(case.xyz[node] - case.station[end]) for node, end in zip(pair, ends))
+        first, last = case.xyz[list(min(sites, key=away))] if sites else map(self.place, ends)
+        between = [case.station[station] for station in way[1:-1]]
+        return "join", " + ".join(" ".join(f"{x:.3f}" for x in place) for place in [first, *between, last])
+
+    def answer(self, row):
+        """What is said to the question of a row: a contact of a fusion is parted, all else accepted or rejected; none where the tracing does not say."""
+        if self.rows[row]["origin"].strip() == "contact":
+            at = [float(self.rows[row][name]) for name in ("ax_mm", "ay_mm", "az_mm")]
+            away = lambda fusion: np.linalg.norm(np.subtract(fusion["place"], at)) - fusion["reach_mm"]
+            near = min((fusion for fusion in self.case.t["fusions"] if fusion["sides"]), key=away, default=None)
+            if near and away(near) <= 0 and (parted := self.part(near)):
+                return parted
+        if self.right.get(row) is not False:
+            return None if self.right.get(row) is None else (row, True)
+        # Where a wrong candidate ends, the right one is said if it is among those that are shown beside it.
+        if self.rows[row]["origin"].strip() == "contact":
+            return row, False
+        ends = lambda of: {self.rows[of][end] for end in ("node_a", "node_b")}
+        beside = [other for other, yes in self.right.items() if yes and self.rows[other]["origin"].strip() == "candidate" and ends(other) & ends(row)]
+        return (max(beside, key=lambda other: float(self.rows[other]["probability"])), True) if beside else (row, False)
+
+    def questions(self, order):
+        """Rows in an order."""
+        if order == "review":
+            return [int(row["edge"]) for row in common.rows(self.first / "review.csv")]
+        doubt = lambda row: -(p := float(self.rows[row]["probability"])) * (1 - p)
+        rows = sorted(self.right, key=doubt)
+        if order == "chance":
+            random.Random(0).shuffle(rows)
+        return rows
+
+    def asked(self, order, count):
+        """The first decisions in an order, and the answer with them."""
+        decisions = []
+        for row in self.questions(order):
+            said = self.answer(row)
+            if said and said not in decisions:
+                decisions.append(said)
+            if len(decisions) == count:
+                break
+        return decisions, self.infer(f"{order}-{count or 'all'}", decisions)
+
+    def right_at_last(self, rounds):
+        """All that is seen to be wrong decided, and what is seen then, as often as that."""
+        decisions = [(row, bool(yes)) for row, yes in self.right.items() if yes is not None and bool(yes) != self.kept[row]]
+        out, tried = self.first, set()
+        for count in range(rounds):
+            _, net = self.seen(out)
+            wrong = [part for fusion in self.fusions_left(net) if tuple(fusion["place"]) not in tried and (part := self.part(fusion))]
+            tried.update(tuple(fusion["place"]) for fusion in self.fusions_left(net))
+            if count > 1:
+                wrong = [edit for edit in self.joins(net) if edit not in decisions]
+            if count and not wrong:
+                break
+            decisions += wrong
+            out = self.infer(f"right-{count + 1}", decisions)
+        return decisions, out
+
+
+def measured(given, score, proofread):
+    for folder in sorted(path.parent for path in given.cases.glob(f"{given.level}/*/truth.json")):
+        if given.subjects and folder.name not in given.subjects.split(","):
+            continue
+        work = given.work / given.level / folder.name
+        work.mkdir(parents=True, exist_ok=True)
+        person = Person(score, proofread, folder, work)
+        sessions = [("review", 0, lambda: ([], person.first))]
+        for order in given.orders.split(","):
+            for count in [*map(int, given.decisions.split(",")), None]:
+                sessions.append((order, count or "all", lambda order=order, count=count: person.asked(order, count)))
+        sessions.append(("right", "all", lambda: person.right_at_last(given.rounds)))
+        for order, count, session in sessions:
+            decisions, out = session()
+            words = collections.Counter(what if isinstance(what, str) else "row" for what, _ in decisions)
+            figures = person.seen(out)[0] | {f"decisions_{word}": words[word] for word in ("row", "part", "join")}
+            for figure, value in figures.items():
+                yield [given.level, folder.name, order, count, figure, f"{value:.6g}"]
+
+
+def table():
+    """README.md's table, of results.csv: means over the subjects."""
+    found = collections.defaultdict(list)
+    for row in common.rows(HERE / "results.csv"):
+        found[row["level"], row["order"], row["asked"], row["figure"]].append(float(row["value"]))
+    lines = []
+    for level, order, asked in dict.fromkeys(key[:3] for key in found):
+        mean = lambda figure: np.nanmean(found[level, order, asked, figure])
+        made = [mean(f"decisions_{word}") for word in ("row", "part", "join")]
+        lines.append([level, "" if asked == "0" else order, asked, *(f"{x:.0f}" for x in made), *(f"{mean(name):.3f}" for name in FIGURES[:-1]), f"{mean('cycles'):.1f}"])
+    names = ["level", "order", "asked", "rows", "parted", "joined", "path", "run length", "F1 of joins", "fusions undone", "connections lost", "excess cycles"]
+    common.splice(HERE / "README.md", "proofreading", common.table(names, lines))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    for name in ("bench", "cases", "work"):
+        parser.add_argument(name, type=Path)
+    parser.add_argument("level")
+    parser.add_argument("--subjects")
+    parser.add_argument("--orders", default="review,doubt,chance")
+    parser.add_argument("--decisions", default="20,60")
+    parser.add_argument("--rounds", type=int, default=5)
+    given = parser.parse_args()
+    sys.path.insert(0, str(given.bench))
+    import proofread
+    import score
+
+    out = csv.writer(sys.stdout, lineterminator="\n")
+    for row in measured(given, score, proofread):
+        out.writerow(row)
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    table() if sys.argv[1:] == ["table"] else main()
