@@ -41,7 +41,8 @@ pub fn write_comparison_page(
         rows.iter().zip(first).filter(|(row, _)| row.figures.is_ok()).filter_map(|(row, first)| Some((row, (*first)?))).collect();
     let mut subjects = vec![Column::text("subject", compared.iter().map(|(row, _)| row.subject.clone()))];
     if let Some(Values::Text(measures)) = comparison.first().map(|column| &column.values) {
-        subjects.extend(measures.iter().map(|name| Column::real(name.clone(), compared.iter().map(|(row, _)| row.number(name)))));
+        subjects
+            .extend(measures.iter().map(|name| Column::real(name.to_owned(), compared.iter().map(|(row, _)| row.number(name)))));
     }
     let column = record["parameters"]["compare"].as_str().unwrap_or_default().to_owned();
     let data = json!({
