@@ -163,5 +163,5 @@ fn what_cannot_be_made_says_why() {
     assert_eq!(Edit::try_from(text.to_owned()).expect("an edit").to_string(), text);
     let powers = "join 1.5e+00 -2E+0 3 + 1e-01 5 6e+17";
     assert!(edited(two(), "delete -1e300 0 1e-320").expect_err("far").len() < 120);
-    assert_eq!(Edit::try_from(powers.to_owned()), Ok(Edit::Join([[1.5, -2.0, 3.0], [0.1, 5.0, 6e17]])));
+    assert_eq!(Edit::try_from(powers.to_owned()), Ok(Edit::Join(vec![[1.5, -2.0, 3.0], [0.1, 5.0, 6e17]])));
 }
