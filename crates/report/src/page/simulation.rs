@@ -4,8 +4,9 @@ use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable,
 use super::pulse::cycle;
 use super::scene::scene;
 use crate::figures::colour::Rgb;
+use crate::run_record::Recorded;
+use crate::simulation::Simulated;
 use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
-use crate::simulation::{FlowRecord, Simulated};
 use willis_core::simulation::PERTURBED;
 use willis_io::formats::Column;
 
@@ -22,7 +23,7 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
     simulated: &Simulated<'_>,
-    flow_record: &FlowRecord,
+    flow_record: &impl Recorded,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
     figures: Vec<PagePicture>,
