@@ -9,8 +9,8 @@ use willis::{InferOptions, ReadOptions, SaveOptions, infer, read_bytes};
 
 /// Bytes that the files of a run take at most while they are written, beside the graph.
 fn peak_of_files(leaves: usize) -> u64 {
-    let rows: String = (1..=leaves).map(|leaf| format!("0,{leaf},10,{}\n", 0.5 + 1e-4 * (leaf % 100) as f64)).collect();
-    let star = format!("node_a,node_b,length_mm,radius_mm\n{rows}");
+    let rows: Vec<String> = (1..=leaves).map(|leaf| format!("0,{leaf},10,{}\n", 0.5 + 1e-4 * (leaf % 100) as f64)).collect();
+    let star = format!("node_a,node_b,length_mm,radius_mm\n{}", rows.concat());
     let input = read_bytes("star.csv".as_ref(), star.as_bytes(), &ReadOptions::default()).expect("a graph");
     let mut options = InferOptions::default();
     options.sampling.samples = 64;

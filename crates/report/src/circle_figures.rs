@@ -1,10 +1,22 @@
 //! The figures of a Circle of Willis, as subjects.csv, cohort.csv and phenotype.json have them.
 
+use std::borrow::Cow;
+
 use serde_json::{Value, json};
 
-use super::morphometry::{NamedFigures, SIDES, asymmetry};
 use willis_core::network::units::millimetres;
 use willis_models::circle_of_willis::{Artery, RING, Variant};
+
+/// The sides of a body in the names of arteries.
+pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
+
+/// Figures of a whole network, by the names of their columns.
+pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
+
+/// 2 (L - R)/(L + R).
+pub(crate) fn asymmetry(left: f64, right: f64) -> f64 {
+    2.0 * (left - right) / (left + right)
+}
 
 /// The segments of [`RING`] and the posterior cerebral arteries in a topology.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -19,12 +19,12 @@ mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
-pub use circle_figures::CircleFigures;
+pub use circle_figures::{CircleFigures, NamedFigures};
 pub use inference::{
     Outcome, agreement, few_perfused, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
 };
 pub use modulation::{ModulationOutcome, write_modulation};
-pub use morphometry::{MeasuredSubject, NamedFigures, named_figures};
+pub use morphometry::{MeasuredSubject, named_figures};
 pub use page::{ImageCut, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::circle_figures::CircleFigures;
+use super::circle_figures::{CircleFigures, NamedFigures, SIDES, asymmetry};
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
@@ -14,8 +14,6 @@ use willis_models::circle_of_willis::TERRITORIES;
 
 const MM2: f64 = 1e6;
 const MM3: f64 = 1e9;
-/// The sides of a body in the names of arteries.
-pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
 
 /// What was measured of a subject, and of which network.
 #[derive(Debug, Clone, Copy)]
@@ -153,9 +151,6 @@ impl MeasuredSubject<'_> {
     }
 }
 
-/// Figures of a whole network, by the names of their columns.
-pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
-
 /// All figures of a network: of the whole, by label, by territory, and of its circle where one is known.
 pub fn named_figures(of: &NetworkFigures, circle: Option<&CircleFigures>) -> NamedFigures {
     let mut row: NamedFigures = OF_NETWORK.iter().map(|(name, figure)| ((*name).into(), figure(of))).collect();
@@ -187,11 +182,6 @@ fn figures_of(name: &str, totals: &VesselTotals) -> [(Cow<'static, str>, f64); 4
         (format!("{name}_diameter_mm").into(), 2.0 * millimetres(totals.radius)),
         (format!("{name}_from_inlet_mean_mm").into(), millimetres(totals.mean_from_inlet)),
     ]
-}
-
-/// 2 (L - R)/(L + R).
-pub(crate) fn asymmetry(left: f64, right: f64) -> f64 {
-    2.0 * (left - right) / (left + right)
 }
 
 /// The asymmetry of what is there on both sides.
