@@ -64,7 +64,7 @@ def same_runs(a, b):
         np.testing.assert_array_equal(values, b.edges[name], err_msg=name)
 
 
-def test_the_manifest_is_one_of_napari_and_leads_to_the_panel(viewer):
+def test_the_manifest_is_one_of_napari_and_leads_to_the_panel():
     from npe2 import PluginManifest
 
     manifest = PluginManifest.from_file("python/willis/napari.yaml")
@@ -73,6 +73,15 @@ def test_the_manifest_is_one_of_napari_and_leads_to_the_panel(viewer):
     command = next(one for one in manifest.contributions.commands if one.id == widget.command)
     module, name = str(command.python_name).split(":")
     assert (module, name) == ("willis._napari", "panel")
+
+
+def test_napari_opens_the_panel_of_an_installed_package(viewer):
+    from importlib.metadata import entry_points
+
+    if not entry_points(group="napari.manifest", name="willis"):
+        pytest.skip("willis runs from its sources, of which napari knows nothing")
+    _, panel = viewer.window.add_plugin_dock_widget("willis", "Arteries")
+    assert [widget.label for widget in panel][:2] == ["mask", "axes point"]
 
 
 @pytest.mark.parametrize("axes", ["not known", "RAS", "LPS", "SAR", "SPL"])
