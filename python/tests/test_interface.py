@@ -17,7 +17,7 @@ BROKEN = "data/broken-circle-of-willis.swc"
 # What Python says in another way: arguments, methods of what is returned, keywords of all calls.
 ELSEWHERE = {"help", "version", "output", "json", "quiet", "verbose", "force", "dpi", "checkpoint", "record-failure", "save-samples"}
 # An option that is given again and again is a list.
-LISTS = {"inlet": "inlets", "outlet": "outlets", "flow": "flows"}
+LISTS = {"inlet": "inlets", "outlet": "outlets", "flow": "flows", "reader": "readers"}
 OURS = {"progress", "background"}
 # One `read` serves all commands.
 OF_INFER = {"observed"}
