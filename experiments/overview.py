@@ -46,6 +46,8 @@ gaps = {(r["part"], r["data"], r["level"], r["row"], r["figure"]): float(r["valu
 of_brains = lambda method, figure: f"{gaps['main', 'brains', 'medium', method, figure]:.3f}"
 skeletons = {(r["level"], r["answer"], r["figure"]): float(r["value"]) for r in rows("skeletons")}
 real = in_readme("real-masks", "masks:begin")[-1]
+answers = [r for r in rows("proofreading") if (r["level"], r["order"]) == ("good", "review")]
+asked = lambda count, figure: "{:.3f}".format(sum(values := [float(r["value"]) for r in answers if (r["asked"], r["figure"]) == (count, figure)]) / len(values))
 found = [r for r in rows("candidates") if r["rule"] == "default"]
 tubes = {(r["width"], r["rule"]): float(r["bias_percent"]) for r in rows("masks", "radii.csv") if r["image"] == "mask"}
 flows = [r for r in rows("flow-shares") if (r["outlets"], r["network"]) == ("resistance", "complete")]
@@ -67,6 +69,7 @@ lines = [
     ["`candidates`", "Which search finds the most true connections with the fewest candidates?", f"the default: {sum(int(r['found']) for r in found):,} of {sum(int(r['links']) for r in found):,} true connections among {sum(int(r['candidates']) for r in found):,} candidates"],
     ["`skeletons`", "On automatic skeletons of unseen subjects: which candidates are right, which vessels only touch, and what does repairing both do to the topology?", f"good scans: path {skeletons['good', 'mask-cut', 'path']:.3f}, {skeletons['good', 'mask-uncut', 'path']:.3f} without cuts"],
     ["`real-masks`", "What does willis make of masks that a segmenter really wrote?", f"ten masks, mean: {real['cycles']} cycles kept; of what was put in, {real['gaps closed']} of the gaps closed, {real['fusions undone']} of the fusions undone"],
+    ["`proofreading`", "What does a person gain by each decision?", f"good scans: path {asked('0', 'path')}, after 20 decisions {asked('20', 'path')}, after 60 {asked('60', 'path')}"],
     ["`masks`", "Which rule finds the radius of a vessel in a mask, and at what cost?", "bias of tubes of 2 voxels: " + ", ".join(f"{rule} {tubes['2', rule]:+.1f} %" for rule in ("area", "distance", "inscribed"))],
     ["`flow-shares`", "Does the published Circle of Willis distribute flow as measured in people?", f"{sum(inflow.values()):.0f} mL/min in all, {100 * inflow['VA'] / sum(inflow.values()):.1f} % by the vertebrals (terminal resistances)"],
     ["`labels`", "Which artery is which, from geometry alone, in whole and broken circles of patients that the model never saw?", f"share of the length with its name, M1 and M2 as one: {'; '.join(f'{level} {share}' for level, share in named.items())}"],

@@ -291,6 +291,7 @@ def main():
     import score
 
     out = csv.writer(sys.stdout, lineterminator="\n")
+    out.writerow(["level", "subject", "order", "asked", "figure", "value"])
     for row in measured(given, score, proofread):
         out.writerow(row)
         sys.stdout.flush()

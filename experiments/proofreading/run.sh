@@ -1,0 +1,19 @@
+#!/usr/bin/env bash
+# A person who knows the truth decides on the answers to simulated scans:
+#
+#   willis infer mask.nii.gz -o OUT --decisions decisions.csv
+#
+# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (half an hour on two cores).
+# ../skelbench.sh says what the environment names.
+set -euo pipefail
+work=$(mkdir -p "$1" && cd "$1" && pwd)
+. "$(dirname "$0")/../skelbench.sh"
+here=experiments/proofreading
+for level in good fair; do
+    [ -d "$work/cases/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask --subjects BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
+    "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level --orders review --rounds 4 >"$work/$level.csv"
+done
+[ -z "$tried" ] || exit 0
+{ cat "$work/good.csv"; tail -n +2 "$work/fair.csv"; } >$here/results.csv
+"$python" $here/measure.py table
+cargo run --release --locked --quiet --example fingerprints -- record proofreading
