@@ -360,8 +360,9 @@ impl GraphEditor {
                 group_of.entry(*node).or_insert(group);
             }
         }
-        // Beyond the places of a group that has several, vessels may meet.
-        let beyond: BTreeSet<usize> = nodes.iter().filter(|own| own.len() > 1).flatten().copied().collect();
+        // Beyond the places of a group that has vessels between them, vessels may meet.
+        let between = trees.iter().zip(&nodes).filter(|(tree, own)| tree.nodes.len() > own.len());
+        let beyond: BTreeSet<usize> = between.flat_map(|(_, own)| own).copied().collect();
         self.cut(&trees, &group_of, &seen, &beyond);
         self.double(&trees, &group_of, &nodes);
         Ok(())
