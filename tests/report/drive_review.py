@@ -200,6 +200,7 @@ def check_decisions(page, downloads):
 def check_edits(page, downloads):
     """A missing vessel by typed places, and a place by a click; kept over a reload, saved, made by the replay, and taken back."""
     driver = page.driver
+    page.open()
     page.click("#edits summary")
     candidate = next(e for e in page.edges if e["origin"] == "candidate")
     place = lambda node: " ".join(page.nodes[int(node)][axis] for axis in ("x_mm", "y_mm", "z_mm"))
@@ -241,6 +242,7 @@ def check_edits(page, downloads):
     assert len(before) == len(page.edges) and (made["kept"], float(made["probability"])) == ("1", 1), made
     page.click("#undo")
     assert page.text("#edit-list") == ""
+    driver.execute_script("localStorage.clear()")
 
 
 def save(page, downloads):
