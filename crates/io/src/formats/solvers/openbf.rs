@@ -19,11 +19,11 @@ pub(crate) fn is_openbf(text: &[u8]) -> bool {
     [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
 }
 
-/// As [`write_openbf_with`], without the courses of inlets.
+/// As a model with conditions, without the courses of inlets.
 ///
 /// # Errors
 ///
-/// As [`write_openbf_with`].
+/// What cannot be a model of openBF.
 pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
     write_openbf_with(out, network, &SolverSetting::default()).map(drop)
 }
