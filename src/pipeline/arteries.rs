@@ -169,7 +169,7 @@ impl FoundArteries {
         Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
     }
 
-    /// The diameter of each segment of [`RING`] in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its
+    /// The diameter of each segment of `RING` in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its
     /// vessels.
     fn diameters(&self, network: &Network, kept: &[bool]) -> [Option<f64>; 7] {
         let seen = segment_diameters(&self.circle, network, |row| kept.get(row).is_some_and(|kept| *kept));
