@@ -227,17 +227,19 @@ class Person:
 
     def right_at_last(self, rounds):
         """All that is seen to be wrong decided, and what is seen then, as often as that."""
-        decisions = [(row, bool(yes)) for row, yes in self.right.items() if yes is not None and bool(yes) != self.kept[row]]
-        out, tried = self.first, set()
+        said = [self.answer(row) for row, yes in self.right.items() if yes is not None and bool(yes) != self.kept[row]]
+        decisions, out, tried = [], self.first, set()
         for count in range(rounds):
             _, net = self.seen(out)
-            wrong = [part for fusion in self.fusions_left(net) if tuple(fusion["place"]) not in tried and (part := self.part(fusion))]
-            tried.update(tuple(fusion["place"]) for fusion in self.fusions_left(net))
-            if count > 1:
-                wrong = [edit for edit in self.joins(net) if edit not in decisions]
-            if count and not wrong:
+            left = {tuple(fusion["place"]): fusion for fusion in self.fusions_left(net)}
+            parts = [self.part(fusion) for place, fusion in left.items() if place not in tried]
+            tried.update(left)
+            wrong = said if count == 0 else []
+            wrong = [*wrong, *(parts if count < 2 else self.joins(net))]
+            fresh = [one for one in dict.fromkeys(wrong) if one and one not in decisions]
+            if not fresh:
                 break
-            decisions += wrong
+            decisions += fresh
             out = self.infer(f"right-{count + 1}", decisions)
         return decisions, out
 

@@ -229,6 +229,29 @@ impl Run {
         self.run.input_sha256()
     }
 
+    /// What a list of decisions has for this run: rows, words, places of edits, who, when and what was said.
+    #[allow(clippy::type_complexity, reason = "it is what Python gets")]
+    fn listed(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        input_sha256: &str,
+    ) -> PyResult<Vec<(Option<usize>, String, String, [String; 3])>> {
+        let found = detached(py, || self.run.listed_decisions(&path, input_sha256));
+        let (made, edits) = found.map_err(|e| raised(py, &e))?;
+        let word = |accepted| match accepted {
+            Some(true) => "accept",
+            Some(false) => "reject",
+            None => "unsure",
+        };
+        let made = made
+            .into_iter()
+            .map(|one| (Some(one.edge), word(one.accepted).to_owned(), String::new(), [one.who, one.when, one.comment]));
+        let edits =
+            edits.into_iter().map(|one| (None, one.edit.word().to_owned(), one.edit.places(), [one.who, one.when, one.comment]));
+        Ok(made.chain(edits).collect())
+    }
+
     /// How many of the kept connections are expected to be wrong, and how many are missed; where there is evidence.
     fn expected(&self) -> Option<(f64, f64)> {
         self.outcome().expected.map(|expected| (expected.wrong, expected.missed))

@@ -7,7 +7,6 @@ import re
 import tempfile
 import warnings
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -22,7 +21,7 @@ from ._study import Labelled, label
 
 SEGMENTS = ("L-A1", "R-A1", "AComm", "L-P1", "R-P1", "L-PComm", "R-PComm")
 VERDICTS = ("present", "hypoplastic", "absent", "unsure")
-_ON_ROWS, _EDITS = ("accept", "reject", "unsure"), ("join", "part", "delete")
+_ON_ROWS = ("accept", "reject", "unsure")
 _DECISIONS = "edge id_a id_b decision probability who when comment input_sha256 places".split()
 _VERDICTS = "segment verdict probability who when comment input_sha256".split()
 
@@ -210,27 +209,14 @@ class Review:
                 yield [segment, made.word, probability, made.who, made.when, made.comment, self.input_sha256]
 
     def _listed(self, path: Path) -> Iterator[Made]:
-        seen = set()
-        for line, cells in self._rows(path, _DECISIONS[:4]):
-            word = _one_of("decision", cells["decision"], (*_ON_ROWS, *_EDITS), path, line)
-            if word in _EDITS:
-                yield _made(cells, word, places=cells.get("places", ""))
-                continue
-            row = -1
-            with suppress(ValueError):
-                row = int(cells["edge"])
-            here = self.ids(row) if 0 <= row < len(self.first.kept) else None
-            if here != (cells["id_a"], cells["id_b"]) or self.first.edges["origin"][row] == "observed" or row in seen:
-                found = f"edge {cells['edge']} from {cells['id_a']} to {cells['id_b']}"
-                expected = "each candidate and contact of this run once, by its row and the ids of its nodes"
-                raise WillisError(f"{path}:{line}: {found}; expected {expected}", file=path, line=line, value=found, expected=expected)
-            seen.add(row)
-            yield _made(cells, word, row)
+        for row, word, places, about in self.first._run.listed(path, self.input_sha256):
+            yield Made(word, row, places, *about)
 
     def _judged(self, path: Path) -> Iterator[tuple[str, Made]]:
         for line, cells in self._rows(path, _VERDICTS[:2]):
             segment = _one_of("segment", cells["segment"], SEGMENTS, path, line)
-            yield segment, _made(cells, _one_of("verdict", cells["verdict"], VERDICTS, path, line))
+            word = _one_of("verdict", cells["verdict"], VERDICTS, path, line)
+            yield segment, Made(word, None, "", *(cells.get(name, "") for name in ("who", "when", "comment")))
 
     def _rows(self, path: Path, needed: Sequence[str]) -> Iterator[tuple[int, dict[str, str]]]:
         """The rows of a table by column, each with its line; one of another input is refused."""
@@ -247,11 +233,6 @@ class Review:
                     message = f"{path}:{reader.line_num}: decided on another input; expected {expected}"
                     raise WillisError(message, file=path, line=reader.line_num, expected=expected)
                 yield reader.line_num, row
-
-
-def _made(cells: dict[str, str], word: str, row: int | None = None, places: str = "") -> Made:
-    who, when, comment = (cells.get(name, "") for name in ("who", "when", "comment"))
-    return Made(word, row, places, who, when, comment)
 
 
 def _one_of(item: str, value: str, words: Sequence[str], path: Path | None = None, line: int | None = None) -> str:

@@ -7,7 +7,7 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::decisions::{ConnectionDecision, Decided, GraphEdit, decide_on};
+use super::decisions::{ConnectionDecision, Decided, DecisionList, GraphEdit, decide_on};
 use super::options::SaveOptions;
 use super::prepared::Prepared;
 use super::progress::{Follow, Step};
@@ -40,7 +40,7 @@ pub struct Inference {
     /// Whether every decision on L is clear, where the run was to go on until it is.
     stable: Option<bool>,
     posterior: Option<(Posterior, String)>,
-    /// The segments of the most probable variant that are thin.
+    /// The segments of the most probable variant, where the arteries are known.
     circle: Option<CircleFigures>,
     /// Who feeds each territory and outlet, where the arteries are known.
     supplies: Vec<Supply>,
@@ -273,6 +273,16 @@ impl Inference {
         decided.edits.extend_from_slice(edits);
         prepared.records.decisions = Some(decided);
         Arc::new(prepared).sample(&self.sampling, progress)
+    }
+
+    /// What a list decides, as the page of this run writes it, on the connections of its graph and by edits. `input_sha256` is that of the input.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be read, or that was made for another input or another graph.
+    pub fn listed_decisions(&self, path: &Path, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Vec<GraphEdit>)> {
+        let Decided { made, edits, .. } = DecisionList::read(path)?.on(&self.prepared.graph, input_sha256)?;
+        Ok((made, edits))
     }
 
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.

@@ -53,9 +53,7 @@ pub fn write_target(network: &Network, target: &Target, force: bool) -> Result<W
 pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles) -> Result<WrittenFiles> {
     let (network, mut notes) = target.network(network)?;
     let network = &*network;
-    let mut lost = losses(network, target.format);
-    // Those of inlets that pulsate are beside the model.
-    lost.retain(|what| target.setting.courses.is_empty() || !what.contains("inlet-N.dat"));
+    let lost = losses(network, target);
     let nodes = target.nodes.as_ref().map(|path| staged.add(path)).transpose()?;
     let mut written = Written::default();
     let made = staged.write_main(|out| {

@@ -149,7 +149,7 @@ fn vessels_without_points_keep_length_and_radius_in_every_format() {
             assert!((a.0 - b.0).abs() < 1e-12 * b.0 && (a.1 - b.1).abs() < 1e-12 * b.1, "{}: {a:?} {b:?}", to.0);
             assert_eq!(a.2, b.2, "{}", to.0);
         }
-        assert!(losses(&start, Target::new("x".as_ref(), Some(to.0)).unwrap().format).is_empty(), "{}", to.0);
+        assert!(losses(&start, &Target::new("x".as_ref(), Some(to.0)).unwrap()).is_empty(), "{}", to.0);
     }
 }
 
@@ -173,7 +173,7 @@ fn what_a_format_cannot_hold_is_named() {
     let vessel = network.vessel_mut(0);
     (vessel.origin, vessel.prior, vessel.certain, vessel.resistance) = (Origin::Candidate, 0.5, true, Some(1e9));
     vessel.length *= 2.0;
-    let lost = |word: &str| losses(&network, Target::new("x".as_ref(), Some(word)).unwrap().format);
+    let lost = |word: &str| losses(&network, &Target::new("x".as_ref(), Some(word)).unwrap());
     assert_eq!(lost("graphml"), [""; 0]);
     assert_eq!(lost("csv"), [""; 0]);
     let nodes = ["the labels of 1 nodes", "the boundary conditions of 1 nodes"];

@@ -147,7 +147,7 @@ fn what_cannot_be_made_says_why() {
     let two = || drawn(&[[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 5.0, 0.0], [10.0, 5.0, 0.0]], &[[0, 1], [2, 3]]);
     for (text, why) in [
         ("delete 5 20 0", "15.0 mm from the nearest vessel"),
-        ("join 5 0 0 + 5 0 0", "both places are one"),
+        ("join 5 0 0 + 5 0 0", "both ends are one place"),
         ("part 1 0 0 + 1 0 0 | 2 0 0", "two places of a group are at one node"),
         ("part 1 0 0 + 9 0 0", "two or more groups"),
         ("join 1 0 0", "two places"),

@@ -32,8 +32,8 @@ pub enum Edit {
     /// A vessel goes from the first place to the last, straight or by the places between.
     Join(Vec<MmPoint>),
     /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places, but
-    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, and where no vessel leads from a place to the others of its
-    /// group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
+    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, and where no vessel leads from a place to
+    /// the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
     Part(Vec<Vec<MmPoint>>),
     /// The vessel at the place is none.
     Delete(MmPoint),
@@ -163,7 +163,7 @@ impl GraphEditor {
     ///
     /// # Errors
     ///
-    /// Why it cannot be: a place that no vessel is at, places of a group that nothing connects. Then the graph is of no more use.
+    /// Why it cannot be: a place that no vessel is at, two places of a group that are one. Then the graph is of no more use.
     pub fn edit(&mut self, edit: &Edit) -> Result<(), String> {
         match edit {
             Edit::Join(way) => self.join(way),
@@ -286,8 +286,8 @@ impl GraphEditor {
 
     fn join(&mut self, way: &[MmPoint]) -> Result<(), String> {
         let ends = [self.node_at(way[0])?, self.node_at(way[way.len() - 1])?];
-        if ends[0] == ends[1] && way.len() == 2 {
-            return Err("both places are one; expected two".to_owned());
+        if ends[0] == ends[1] {
+            return Err("both ends are one place; expected two".to_owned());
         }
         self.connect(ends, &way[1..way.len() - 1]);
         Ok(())

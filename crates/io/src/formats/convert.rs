@@ -261,8 +261,9 @@ fn lacks(format: Format, network: &Network) -> Vec<Property> {
     }
 }
 
-/// What is lost when a network is written in a format, one text for each thing.
-pub fn losses(network: &Network, format: Format) -> Vec<String> {
+/// What is lost when a network is written, one text for each thing.
+pub fn losses(network: &Network, target: &Target) -> Vec<String> {
+    let format = target.format;
     let lacks = lacks(format, network);
     let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
@@ -304,7 +305,8 @@ pub fn losses(network: &Network, format: Format) -> Vec<String> {
     if consists_of_lines(format, network) && without_course > 0 {
         lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
     }
-    let inlets = (0..network.node_count()).filter(|node| enters(network, *node)).count();
+    let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
+    let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
     if format == Format::OpenBf && inlets > 0 {
         lost.push(format!("the pressure or flow of {inlets} inlets, which openBF takes as a course in time from inlet-N.dat"));
     }

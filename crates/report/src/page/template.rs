@@ -12,6 +12,8 @@ use willis_io::formats::escape;
 const FRAME: &str = include_str!("assets/frame.html");
 /// The section of a Circle of Willis, which several pages have.
 const CIRCLE: &str = include_str!("assets/circle.html");
+/// How to repeat a run, on the pages that say so.
+const RUN_SECTION: &str = include_str!("assets/run.html");
 const STYLE: &str = include_str!("assets/page.css");
 /// The page of a run. Its script is made of these files in order; each has one purpose and uses those before it.
 const RUN: Template = Template {
@@ -76,7 +78,7 @@ impl Template {
                 "title" => out.write_all(escape(title).as_bytes())?,
                 "style" => out.write_all(STYLE.as_bytes())?,
                 "goal" => out.write_all(self.goal.as_bytes())?,
-                "main" => out.write_all(self.main.replace("{{circle}}", CIRCLE).as_bytes())?,
+                "main" => out.write_all(self.main.replace("{{circle}}", CIRCLE).replace("{{run}}", RUN_SECTION).as_bytes())?,
                 "data" => serde_json::to_writer(ScriptSafe(&mut *out), data)?,
                 _ => self.scripts.iter().try_for_each(|script| out.write_all(script.as_bytes()))?,
             }

@@ -19,11 +19,11 @@ pub(crate) fn is_openbf(text: &[u8]) -> bool {
     [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
 }
 
-/// As a model with conditions, without the courses of inlets.
+/// Writes a network for openBF, whose inlet files it leaves to the reader.
 ///
 /// # Errors
 ///
-/// What cannot be a model of openBF.
+/// A network that openBF cannot solve (`InvalidInput`); the writer's own.
 pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
     write_openbf_with(out, network, &SolverSetting::default()).map(drop)
 }

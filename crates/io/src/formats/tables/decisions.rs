@@ -98,17 +98,10 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             Ok(Edit::Join(way)) => <[[f64; 3]; 2]>::try_from(way).ok(),
             _ => None,
         };
-        let places = match ends {
-            _ if placed.is_empty() => None,
-            Some(ends) => Some(ends),
-            None => {
-                return Err(Fault::line(
-                    line,
-                    format!("places \"{placed}\""),
-                    "expected those of its two nodes, as in 1 2 3 + 4 5 6",
-                ));
-            }
-        };
+        if ends.is_none() && !placed.is_empty() {
+            let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
+            return Err(Fault::line(line, format!("places \"{placed}\""), expected));
+        }
         let ids = [a, b].map(|column| row.text(column).to_owned());
         all.connections.push(ListedDecision {
             line,
@@ -119,7 +112,7 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             when,
             comment,
             input: text(input),
-            places,
+            places: ends,
         });
     }
     Ok(all)
