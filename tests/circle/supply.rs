@@ -1,6 +1,6 @@
 //! Who feeds the territories of a circle, and how late: an independent program's values on the circles that ship.
 
-use willis::internals::circle_of_willis::supply::{MOST_TOPOLOGIES, by_weight};
+use willis::internals::circle_of_willis::supply::{MOST_TOPOLOGIES, by_weight, most_followed};
 use willis::internals::circle_of_willis::{Destination, Spread};
 use willis::{Phenotype, PhenotypeOptions, ReadOptions, Silent};
 
@@ -56,8 +56,11 @@ fn spreads_and_choices_go_by_weight() {
     assert_eq!(Spread::about_median(skewed), Spread { middle: 1.0, interval: [1.0, 1.0] });
     assert!(Spread::about_median(Vec::new()).middle.is_nan() && Spread::about_mean(Vec::new()).middle.is_nan());
     let many: Vec<(Vec<bool>, f64)> = (0..2500).map(|_| (vec![true], 1.0)).collect();
-    let chosen = by_weight(&many);
+    let chosen = by_weight(&many, MOST_TOPOLOGIES);
     assert!(chosen.len() == MOST_TOPOLOGIES && chosen.iter().all(|(_, weight)| *weight == 1.0));
+    // Of twenty thousand vessels two million together; of a circle as many as may be, of a million vessels still a hundred.
+    assert_eq!([20, 2_000, 20_000, 1_000_000].map(most_followed), [1000, 1000, 100, 100]);
+    assert_eq!([2_500, 4_000].map(most_followed), [800, 500]);
     let few = [(vec![true], 0.9), (vec![false], 0.1)];
-    assert_eq!(by_weight(&few).iter().map(|(_, weight)| *weight).collect::<Vec<_>>(), [0.9, 0.1]);
+    assert_eq!(by_weight(&few, 2).iter().map(|(_, weight)| *weight).collect::<Vec<_>>(), [0.9, 0.1]);
 }

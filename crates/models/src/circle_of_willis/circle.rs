@@ -16,6 +16,7 @@ use willis_core::error::Fault;
 use willis_core::network::units::millimetres;
 use willis_core::network::{NearestNode, Network, Origin};
 use willis_core::support::geometry::{Point, distance};
+use willis_core::support::in_order;
 
 /// Where the arteries lie in a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -155,8 +156,20 @@ impl Circle {
     pub fn variant(&self, network: &Network, kept: impl Fn(usize) -> bool) -> Variant {
         match &self.location {
             Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &kept),
-            Location::Nodes(points) => points.variant(network, &kept),
+            Location::Nodes(points) => points.variant(network, &points.between(network), &kept),
         }
+    }
+
+    /// The anatomy in each of some topologies, given as the vessels that they keep with their weights; as [`Circle::variant`].
+    pub fn variants(&self, network: &Network, topologies: &[(Vec<bool>, f64)]) -> Vec<Variant> {
+        let between = match &self.location {
+            Location::Vessels(_) => Vec::new(),
+            Location::Nodes(points) => points.between(network),
+        };
+        in_order(topologies, |_, (kept, _)| match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &|row| kept[row]),
+            Location::Nodes(points) => points.variant(network, &between, &|row| kept[row]),
+        })
     }
 
     /// The circle in a network of the same nodes with only the vessels of `rows`.

@@ -71,11 +71,8 @@ impl Posterior {
     /// topologies (mixed with independent segments, by iterative proportional fitting) and agree with what is known.
     pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<&Informant>) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
-        let each: Vec<Variant> = topologies
-            .weighted
-            .iter()
-            .map(|(kept, _)| Variant { fenestration: observed.fenestration, ..circle.variant(network, |row| kept[row]) })
-            .collect();
+        let each = circle.variants(network, &topologies.weighted).into_iter();
+        let each: Vec<Variant> = each.map(|variant| Variant { fenestration: observed.fenestration, ..variant }).collect();
         let mut shares: BTreeMap<Variant, f64> = BTreeMap::new();
         let (mut segments, mut fetal) = ([0.0; 7], [0.0; 2]);
         for (variant, (_, weight)) in each.iter().zip(&topologies.weighted) {

@@ -4,6 +4,9 @@
 //! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
 //! connection through both segments that meet there.
 
+use petgraph::graph::NodeIndex;
+use petgraph::visit::EdgeRef;
+
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED};
 use super::segments_by_labels::is_wider;
 use super::shortest_path::{Marks, Path, marks, shortest};
@@ -53,6 +56,8 @@ struct LandmarkRules<'a, K> {
     network: &'a Network,
     points: &'a Points,
     kept: &'a K,
+    /// The vessels that paths may use, as [`Points::between`].
+    between: &'a [bool],
     /// The nodes along the carotids.
     trunk: [Vec<usize>; 2],
     /// Whether each carotid is complete from its inlet to its end.
@@ -72,20 +77,41 @@ impl Points {
         self.m1[side].into_iter().chain(self.m2[side].iter().copied()).collect()
     }
 
-    /// The variant in the vessels that `kept` selects.
-    pub fn variant(&self, network: &Network, kept: &impl Fn(usize) -> bool) -> Variant {
-        LandmarkRules::new(network, self, kept).variant()
+    /// The vessels that may lie between landmarks: all but the trees behind a node, which no path from one landmark to another enters.
+    pub fn between(&self, network: &Network) -> Vec<bool> {
+        let graph = network.graph();
+        let mut stays = vec![false; network.node_count()];
+        self.nodes().for_each(|node| stays[node] = true);
+        let mut left: Vec<usize> = graph.node_indices().map(|node| graph.edges(node).count()).collect();
+        let mut between = vec![true; network.vessel_count()];
+        let mut open: Vec<usize> = (0..left.len()).filter(|node| left[*node] == 1 && !stays[*node]).collect();
+        while let Some(node) = open.pop() {
+            let last = graph.edges(NodeIndex::new(node)).find(|edge| between[edge.id().index()]);
+            let Some(edge) = last.filter(|_| left[node] == 1) else { continue };
+            let next = edge.target().index();
+            between[edge.id().index()] = false;
+            (left[node], left[next]) = (0, left[next] - 1);
+            if left[next] == 1 && !stays[next] {
+                open.push(next);
+            }
+        }
+        between
+    }
+
+    /// The variant in the vessels that `kept` selects; `between` as [`Points::between`].
+    pub fn variant(&self, network: &Network, between: &[bool], kept: &impl Fn(usize) -> bool) -> Variant {
+        LandmarkRules::new(network, self, between, kept).variant()
     }
 
     /// The vessels of each artery, when all vessels are present.
     pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
-        LandmarkRules::new(network, self, &|_: usize| true).artery_vessels()
+        LandmarkRules::new(network, self, &self.between(network), &|_: usize| true).artery_vessels()
     }
 }
 
 impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
-    fn new(network: &'a Network, points: &'a Points, kept: &'a K) -> Self {
-        let mut rules = Self { network, points, kept, trunk: [Vec::new(), Vec::new()], complete: [false; 2] };
+    fn new(network: &'a Network, points: &'a Points, between: &'a [bool], kept: &'a K) -> Self {
+        let mut rules = Self { network, points, kept, between, trunk: [Vec::new(), Vec::new()], complete: [false; 2] };
         rules.find_carotids();
         rules
     }
@@ -93,7 +119,11 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Path> {
         let set = |nodes: &[usize]| marks(self.network, nodes.iter().copied());
         let avoid: Marks = marks(self.network, avoid.iter().flat_map(|nodes| nodes.iter().copied()));
-        shortest(self.network, [&set(from), &set(to), &avoid], self.kept, f64::INFINITY)
+        shortest(self.network, [&set(from), &set(to), &avoid], |vessel| self.may_pass(vessel), f64::INFINITY)
+    }
+
+    fn may_pass(&self, vessel: usize) -> bool {
+        self.between[vessel] && (self.kept)(vessel)
     }
 
     /// Finds the carotids, the shorter first, so that a detour through the other carotid and the circle does not count as an interrupted
@@ -146,7 +176,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
 
     fn has_vessel(&self, node: usize) -> bool {
         let graph = self.network.graph();
-        graph.edges(petgraph::graph::NodeIndex::new(node)).any(|edge| (self.kept)(petgraph::visit::EdgeRef::id(&edge).index()))
+        graph.edges(NodeIndex::new(node)).any(|edge| (self.kept)(edge.id().index()))
     }
 
     fn variant(&self) -> Variant {
@@ -284,7 +314,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
 
     /// Whether a second, short path leaves a segment and returns to it.
     fn has_second_channel(&self, path: &Path, blocked: &Marks) -> bool {
-        let off = |vessel: usize| (self.kept)(vessel) && !path.vessels.contains(&vessel);
+        let off = |vessel: usize| self.may_pass(vessel) && !path.vessels.contains(&vessel);
         (0..path.nodes.len().saturating_sub(1)).any(|at| {
             let from = marks(self.network, [path.nodes[at]]);
             let to = marks(self.network, path.nodes[at + 1..].iter().copied());

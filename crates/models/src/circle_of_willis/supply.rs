@@ -9,8 +9,12 @@ use willis_core::simulation::simulate;
 use willis_core::simulation::transport::Transports;
 use willis_core::support::parallel::in_order;
 
-/// Of more topologies so many are followed, drawn by their weights.
+/// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;
+/// ... and of a network of more vessels than any circle has so few that they have so many vessels together, but ...
+const MOST_VESSELS: usize = 2_000_000;
+/// ... no fewer than these.
+const LEAST_TOPOLOGIES: usize = 100;
 /// The interval has this probability on each side of it.
 const TAIL: f64 = 0.05;
 
@@ -60,7 +64,7 @@ pub fn supplies(
     let outlets = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet);
     let destinations = TERRITORIES.into_iter().map(Destination::Territory).chain(outlets.map(Destination::Outlet));
     let destinations: Vec<Destination> = destinations.collect();
-    let chosen = by_weight(topologies);
+    let chosen = by_weight(topologies, most_followed(network.vessel_count()));
     let all = in_order(&chosen, |_, (kept, _)| one(circle, network, kept, boundary, viscosity, &destinations));
     let total: f64 = chosen.iter().map(|(_, weight)| weight).sum();
     let supply = |(at, destination): (usize, &Destination)| {
@@ -78,16 +82,21 @@ pub fn supplies(
     destinations.iter().enumerate().map(supply).collect()
 }
 
-/// All topologies, or of many as many as are followed, at even steps of the summed weight.
-pub fn by_weight(topologies: &[(Vec<bool>, f64)]) -> Vec<(&Vec<bool>, f64)> {
-    if topologies.len() <= MOST_TOPOLOGIES {
+/// How many topologies of so many vessels are followed at the most.
+pub fn most_followed(vessels: usize) -> usize {
+    (MOST_VESSELS / vessels.max(1)).clamp(LEAST_TOPOLOGIES, MOST_TOPOLOGIES)
+}
+
+/// All topologies, or of more than `most` so many, at even steps of the summed weight.
+pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool>, f64)> {
+    if topologies.len() <= most {
         return topologies.iter().map(|(kept, weight)| (kept, *weight)).collect();
     }
     let total: f64 = topologies.iter().map(|(_, weight)| weight).sum();
     let mut chosen: Vec<(usize, f64)> = Vec::new();
     let (mut at, mut passed) = (0, topologies[0].1);
-    for step in 0..MOST_TOPOLOGIES {
-        let middle = (step as f64 + 0.5) / MOST_TOPOLOGIES as f64 * total;
+    for step in 0..most {
+        let middle = (step as f64 + 0.5) / most as f64 * total;
         while passed < middle && at + 1 < topologies.len() {
             at += 1;
             passed += topologies[at].1;

@@ -123,8 +123,15 @@ fn add_detours(extraction: &Extraction, candidates: &[EndCandidate], out: &mut [
     for (row, candidate) in candidates.iter().enumerate().filter(|(_, c)| c.within) {
         if from != Some(candidate.end) {
             let same = candidates.iter().zip(out.iter()).skip(row).take_while(|(c, _)| c.end == candidate.end);
-            let longest = same.map(|(_, measured)| measured.gap).fold(0.0, f64::max);
-            extraction.graph.search(&[out[row].child.point], MOST_DETOUR * longest, &mut paths, |_, _| true);
+            let longest = same.clone().map(|(_, measured)| measured.gap).fold(0.0, f64::max);
+            let mut left: Vec<usize> = same.filter(|(c, _)| c.within).map(|(c, _)| c.point).collect();
+            // What is visited later is further away, so that no path to a point gets shorter than it was reached.
+            extraction.graph.search(&[out[row].child.point], MOST_DETOUR * longest, &mut paths, |lengths, node| {
+                while left.last().is_some_and(|point| extraction.graph.to_point(lengths, *point) <= lengths[node]) {
+                    left.pop();
+                }
+                !left.is_empty()
+            });
             from = Some(candidate.end);
         }
         let path = extraction.graph.to_point(paths.lengths(), candidate.point);
