@@ -166,7 +166,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
     // Per free end whether a connection was accepted there, and the sum of P of the rejected.
     let mut at: BTreeMap<usize, (bool, f64)> = BTreeMap::new();
     for (&edge, &accepted) in &decided {
-        let probability = graph.vessel(edge).evidence.map_or(0.0, |e| e.probability);
+        let probability = graph.vessel(edge).evidence().map_or(0.0, |e| e.probability);
         for node in graph.ends(edge).into_iter().filter(|node| degree[*node] <= 1) {
             let (taken, gone) = at.entry(node).or_default();
             *taken |= accepted;
@@ -180,15 +180,15 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
             Some(true) => {
                 vessel.certain = true;
                 vessel.prior = 1.0;
-                vessel.evidence = vessel.evidence.map(|e| scaled(e, 1.0 / e.probability.max(f64::MIN_POSITIVE)));
+                vessel.evidence = vessel.evidence().map(|e| Box::new(scaled(e, 1.0 / e.probability.max(f64::MIN_POSITIVE))));
             }
             Some(false) => {
                 vessel.certain = false;
                 vessel.prior = 0.0;
-                vessel.evidence = vessel.evidence.map(|e| scaled(e, 0.0));
+                vessel.evidence = vessel.evidence().map(|e| Box::new(scaled(e, 0.0)));
             }
             None if vessel.origin != Origin::Observed && !vessel.certain => {
-                let Some(evidence) = vessel.evidence else { continue };
+                let Some(evidence) = vessel.evidence() else { continue };
                 let factor = |node: &usize| match at.get(node) {
                     Some((true, _)) => 0.0,
                     Some((false, gone)) => 1.0 / (1.0 - gone).max(f64::EPSILON),
@@ -198,7 +198,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
                 if by.to_bits() != 1.0_f64.to_bits() {
                     let follows = scaled(evidence, by);
                     vessel.prior = follows.probability;
-                    vessel.evidence = Some(follows);
+                    vessel.evidence = Some(Box::new(follows));
                 }
             }
             None => {}

@@ -24,7 +24,7 @@ pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
         .vessels()
         .enumerate()
         .filter(|(_, (_, vessel))| vessel.origin != Origin::Observed)
-        .filter_map(|(row, (_, vessel))| Some(((vessel.evidence?.probability - 0.5).abs(), row)))
+        .filter_map(|(row, (_, vessel))| Some(((vessel.evidence()?.probability - 0.5).abs(), row)))
         .filter(|(from_half, _)| *from_half <= 0.5 - LEAST_DOUBT)
         .collect();
     doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

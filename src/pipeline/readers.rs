@@ -36,7 +36,7 @@ pub fn twice_read(name: &str, input: &Input, files: [&Path; 2]) -> Result<Vec<Tw
             edge,
             ids: ends.map(|node| network.node(node).id.clone()),
             middle: network.middle_of(ends, vessel).map(millimetres),
-            probability: vessel.evidence.map_or(f64::NAN, |evidence| evidence.probability),
+            probability: vessel.evidence().map_or(f64::NAN, |evidence| evidence.probability),
             read,
         }
     };

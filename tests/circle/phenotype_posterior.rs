@@ -48,7 +48,7 @@ fn broken(breaks: &[(&str, f64)], astray: Option<(&str, f64)>) -> Network {
     let candidate = |odds: f64| Vessel {
         origin: Origin::Candidate,
         prior: 0.5,
-        evidence: Some(Evidence { continuation_odds: [odds, 0.0], ..Evidence::undirected(0.5) }),
+        evidence: Some(Box::new(Evidence { continuation_odds: [odds, 0.0], ..Evidence::undirected(0.5) })),
         ..Vessel::new(1e-3, 1e-3, Origin::Observed)
     };
     for (node, loose, odds) in gaps {

@@ -118,14 +118,14 @@ fn graph() -> Network {
     }
     for (a, b, p) in [(1, 3, 0.5), (1, 2, 0.3), (1, 4, 0.1), (5, 3, 0.4)] {
         let candidate =
-            Vessel { prior: p, evidence: Some(Evidence::undirected(p)), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
+            Vessel { prior: p, evidence: Some(Box::new(Evidence::undirected(p))), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
         graph.add_vessel([nodes[a], nodes[b]], candidate);
     }
     graph
 }
 
 fn probabilities(graph: &Network) -> Vec<f64> {
-    (4..8).map(|row| graph.vessel(row).evidence.expect("evidence").probability).collect()
+    (4..8).map(|row| graph.vessel(row).evidence().expect("evidence").probability).collect()
 }
 
 fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
@@ -158,7 +158,7 @@ fn what_was_rejected_joins_no_parts() {
     }
     graph.add_vessel([0, 1], Vessel::new(0.01, 0.001, Origin::Observed));
     graph.add_vessel([2, 3], Vessel::new(0.01, 0.001, Origin::Observed));
-    let contact = Vessel { evidence: Some(Evidence::undirected(0.2)), ..Vessel::new(0.001, 0.001, Origin::Contact) };
+    let contact = Vessel { evidence: Some(Box::new(Evidence::undirected(0.2))), ..Vessel::new(0.001, 0.001, Origin::Contact) };
     graph.add_vessel([1, 2], contact);
     assert_eq!(reconnected(&graph, RECONNECT), [true, true, true]);
     apply(&mut graph, &[decision(2, false)]).expect("applied");

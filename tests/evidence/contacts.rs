@@ -111,7 +111,7 @@ fn a_crossing_becomes_two_vessels_and_a_contact() {
     let contacts: Vec<&Vessel> = graph.vessels().map(|(_, v)| v).filter(|v| v.origin == Origin::Contact).collect();
     assert_eq!(contacts.len(), 1);
     // P is what the calibration makes of the partitions; a decision goes by these.
-    let stated = contacts[0].evidence.map(|e| (e.probability, e.attached));
+    let stated = contacts[0].evidence().map(|e| (e.probability, e.attached));
     assert_eq!((contacts[0].prior, stated), (0.5, Some((0.5, [0.125; 2]))));
     assert!(contacts[0].length > 0.0);
     // Each vessel has the shared stretch, and the contact joins them again: nothing is lost.

@@ -29,7 +29,7 @@ fn probabilities(mask: &Path, image: Option<PathBuf>) -> BTreeMap<[String; 2], f
     let input = read(mask, &ReadOptions::default()).expect("a mask");
     let graph = candidates(&input, &InferOptions { image, ..InferOptions::default() }).expect("candidates");
     let of = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate);
-    of.map(|(ends, vessel)| (ends.map(|end| graph.node(end).id.clone()), vessel.evidence.expect("evidence").probability))
+    of.map(|(ends, vessel)| (ends.map(|end| graph.node(end).id.clone()), vessel.evidence().expect("evidence").probability))
         .collect()
 }
 

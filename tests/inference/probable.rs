@@ -16,7 +16,7 @@ fn fragments(count: usize) -> Network {
 }
 
 fn candidate(probability: f64, attached: [f64; 2]) -> Vessel {
-    let evidence = Some(Evidence { attached, ..Evidence::undirected(probability) });
+    let evidence = Some(Box::new(Evidence { attached, ..Evidence::undirected(probability) }));
     Vessel { origin: Origin::Candidate, prior: probability, evidence, ..tube(1.0, 1.0) }
 }
 
@@ -271,7 +271,7 @@ fn a_contact_is_reconnected_by_what_the_partitions_say_and_not_by_its_probabilit
         network.add_vessel([0, 1], vessel(Origin::Observed, None));
         network.add_vessel([2, 3], vessel(Origin::Observed, None));
         let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(0.6) };
-        network.add_vessel([1, 2], vessel(Origin::Contact, Some(evidence)));
+        network.add_vessel([1, 2], vessel(Origin::Contact, Some(Box::new(evidence))));
         reconnected(&network, least)[2]
     };
     assert_eq!([kept(0.017, 0.018), kept(0.019, 0.018)], [false, true]);

@@ -13,7 +13,7 @@ use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{SamplingOptions, Uncertain, Weight};
 
 fn candidate(continuation_odds: [f64; 2]) -> Vessel {
-    let evidence = Some(Evidence { continuation_odds, ..Evidence::undirected(0.5) });
+    let evidence = Some(Box::new(Evidence { continuation_odds, ..Evidence::undirected(0.5) }));
     Vessel { origin: Origin::Candidate, prior: 0.5, evidence, ..tube(1.0, 1.0) }
 }
 

@@ -61,7 +61,7 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
         json!({
             "edge": d.vessel, "node_a": a, "node_b": b, "id_a": network.node(a).id, "id_b": network.node(b).id,
             // P as edges.csv has it, and how much of the weight of the topologies has the candidate.
-            "probability": network.vessel(d.vessel).evidence.as_ref().map(|evidence| evidence.probability),
+            "probability": network.vessel(d.vessel).evidence().map(|evidence| evidence.probability),
             "share": d.share_with, "variant_with": d.with, "variant_without": d.without,
         })
     };

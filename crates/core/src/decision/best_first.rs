@@ -37,7 +37,7 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
         .vessels()
         .enumerate()
         .filter(|(_, (_, v))| !given(v) && v.origin == Origin::Candidate)
-        .filter_map(|(row, (ends, v))| Some((row, v.evidence?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
+        .filter_map(|(row, (ends, v))| Some((row, v.evidence()?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
         .collect();
     let probability: Vec<f64> = candidates.iter().map(|(_, p, _)| *p).collect();
     let ends: Vec<[Option<usize>; 2]> = candidates.iter().map(|(_, _, ends)| *ends).collect();
@@ -61,7 +61,7 @@ pub fn reconnected(network: &Network, least: f64) -> Vec<bool> {
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         if kept[row] {
             parts.union(ends[0], ends[1]);
-        } else if let Some(evidence) = vessel.evidence.filter(|evidence| evidence.probability > 0.0) {
+        } else if let Some(evidence) = vessel.evidence().filter(|evidence| evidence.probability > 0.0) {
             // What a person rejected has P = 0, and joins nothing.
             let (score, least) = match vessel.origin {
                 Origin::Contact => (evidence.attached.iter().sum(), least),

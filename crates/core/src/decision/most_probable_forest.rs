@@ -22,7 +22,7 @@ pub fn has_evidence(network: &Network) -> bool {
 
 /// The calibrated probability of each vessel: one if it is observed or certain, else that of its evidence; `None` without evidence.
 pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
-    let probability = |v: &Vessel| v.evidence.map(|e| e.probability);
+    let probability = |v: &Vessel| v.evidence().map(|e| e.probability);
     network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
 }
 
@@ -70,11 +70,11 @@ pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
     let vessels = network.vessel_count();
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
     let (mut needed, mut instead, mut left_open) = (vec![f64::NAN; vessels], vec![None; vessels], Vec::new());
-    let probability: Vec<f64> = network.vessels().map(|(_, v)| v.evidence.map_or(0.0, |e| e.probability)).collect();
+    let probability: Vec<f64> = network.vessels().map(|(_, v)| v.evidence().map_or(0.0, |e| e.probability)).collect();
     let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
     for (row, (ends, v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
-        let Some(evidence) = v.evidence else { continue };
+        let Some(evidence) = v.evidence() else { continue };
         let [a, b] = ends.map(|node| parts.of_node[node]);
         if a == b {
             needed[row] = WITHOUT_PIECE * price;
@@ -162,7 +162,7 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
     // Per pair of fragments the largest probability, and whether they are joined.
     let mut pairs: BTreeMap<[usize; 2], (f64, bool)> = BTreeMap::new();
     for ((ends, v), kept) in network.vessels().zip(kept) {
-        let Some(evidence) = v.evidence else { continue };
+        let Some(evidence) = v.evidence() else { continue };
         wrong += if *kept { 1.0 - evidence.probability } else { 0.0 };
         let [a, b] = ends.map(|end| parts.of_node[end]);
         if a == b {

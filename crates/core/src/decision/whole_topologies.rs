@@ -180,7 +180,7 @@ impl KnownEnds<'_> {
         let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
         let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
-            let Some(evidence) = vessel.evidence.filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
+            let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
             };
             for (node, odds) in ends.into_iter().zip(evidence.continuation_odds) {
@@ -197,7 +197,7 @@ impl KnownEnds<'_> {
 fn continue_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
     let ends = known.choices(network);
     let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
-    let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence.map_or(1.0, |e| e.probability))).collect();
+    let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
     let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
     for first in (0..params.samples).step_by(BLOCK as usize) {
         let mut rng = stream(params.seed, random::ends(first / BLOCK));

@@ -234,8 +234,12 @@ impl Boundary {
     #[must_use]
     pub fn stated_in(&self, mut network: Network) -> Network {
         for (row, stated) in self.stated().into_iter().enumerate() {
-            let node = network.node_mut(row);
-            (node.role, node.condition, node.found) = stated;
+            let node = network.node(row);
+            // Nodes that state it are shared with the network that they are of.
+            if (node.role, node.condition, node.found) != stated {
+                let node = network.node_mut(row);
+                (node.role, node.condition, node.found) = stated;
+            }
         }
         network
     }

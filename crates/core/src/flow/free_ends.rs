@@ -58,7 +58,7 @@ impl FreeEnds {
                 radius[a] = vessel.end_radius(false);
                 radius[b] = vessel.end_radius(true);
             } else {
-                let probability = if vessel.certain { 1.0 } else { vessel.evidence.map_or(vessel.prior, |e| e.probability) };
+                let probability = if vessel.certain { 1.0 } else { vessel.evidence().map_or(vessel.prior, |e| e.probability) };
                 joined[a] += probability;
                 joined[b] += probability;
             }

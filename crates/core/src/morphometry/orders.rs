@@ -1,7 +1,7 @@
 //! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
 
 use super::vessel_lines::VesselLine;
-use crate::network::Network;
+use crate::network::{Network, Vessel};
 use crate::network::paths::ShortestPaths;
 
 /// So often orders by diameter are found again at most.
@@ -109,7 +109,7 @@ impl Orders {
 /// The product of the probabilities of the connections within a line.
 fn probability_within(network: &Network, line: &VesselLine) -> f64 {
     let vessels = line.pieces.iter().map(|row| network.vessel(*row)).filter(|vessel| !vessel.certain);
-    vessels.filter_map(|vessel| vessel.evidence).map(|evidence| evidence.probability).product()
+    vessels.filter_map(Vessel::evidence).map(|evidence| evidence.probability).product()
 }
 
 /// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and

@@ -300,7 +300,7 @@ impl GraphEditor {
         let between = between.iter().map(|place| place.map(|x| x * 1e-3));
         let course: Vec<Point> = [self.at(ends[0])].into_iter().chain(between).chain([self.at(ends[1])]).collect();
         let length = course.windows(2).map(|w| distance(w[0], w[1])).sum::<f64>().max(SHORTEST * radius);
-        let evidence = self.has_evidence.then(|| Evidence::undirected(1.0));
+        let evidence = self.has_evidence.then(|| Box::new(Evidence::undirected(1.0)));
         let point = |position: &Point| PathPoint { position: *position, radius, id: None };
         let path = if course.len() > 2 { course.iter().map(point).collect() } else { Vec::new() };
         let row = self.vessels.len();
@@ -318,7 +318,7 @@ impl GraphEditor {
 
     /// Its row stays, of a candidate that is not there.
     fn delete(&mut self, row: usize) {
-        let nothing = self.has_evidence.then(|| Evidence { attached: [0.0; 2], ..Evidence::undirected(0.0) });
+        let nothing = self.has_evidence.then(|| Box::new(Evidence { attached: [0.0; 2], ..Evidence::undirected(0.0) }));
         let vessel = &mut self.vessels[row].1;
         (vessel.origin, vessel.certain, vessel.prior, vessel.evidence) = (Origin::Candidate, false, 0.0, nothing);
     }
@@ -329,7 +329,7 @@ impl GraphEditor {
         let vessel = &mut self.vessels[row].1;
         if vessel.origin != Origin::Observed {
             (vessel.certain, vessel.prior) = (true, 1.0);
-            vessel.evidence = has_evidence.then(|| Evidence::undirected(1.0));
+            vessel.evidence = has_evidence.then(|| Box::new(Evidence::undirected(1.0)));
         }
     }
 

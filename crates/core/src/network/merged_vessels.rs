@@ -45,17 +45,15 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
     };
     let joined: Vec<_> = runs.iter().map(joined).collect();
     let mut made = Network { frame: network.frame, ..Network::new() };
-    let (nodes, vessels) = network.into_owned().into_parts();
     let mut row_of = vec![usize::MAX; is_gone.len()];
-    for (row, node) in nodes.enumerate().filter(|(row, _)| !is_gone[*row]) {
-        row_of[row] = made.add_node(node);
+    for row in (0..is_gone.len()).filter(|row| !is_gone[*row]) {
+        row_of[row] = made.add_node_of(&network, row);
     }
-    let mut vessels: Vec<Option<([usize; 2], Vessel)>> = vessels.map(Some).collect();
     for (run, joined) in runs.iter().zip(joined) {
-        let own = vessels[run[0].0].take();
-        if let Some((ends, vessel)) = joined.or(own) {
-            made.add_vessel(ends.map(|node| row_of[node]), vessel);
-        }
+        match joined {
+            Some((ends, vessel)) => made.add_vessel(ends.map(|node| row_of[node]), vessel),
+            None => made.add_vessel_of(&network, run[0].0, network.ends(run[0].0).map(|node| row_of[node])),
+        };
     }
     let nodes = (0..is_gone.len()).filter(|node| !is_gone[*node]).collect();
     let network = Cow::Owned(made);

@@ -30,6 +30,7 @@ pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
@@ -39,12 +40,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use crate::support::geometry::{Point, lerp};
 use crate::support::ties::steady;
 
-/// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed.
+/// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed. A copy, or a part, shares those that it does not
+/// change.
 #[derive(Debug, Clone, Default)]
 pub struct Network {
     /// Which way the axes of its positions point.
     pub frame: Frame,
-    graph: UnGraph<Node, Vessel>,
+    graph: UnGraph<Arc<Node>, Arc<Vessel>>,
 }
 
 impl Network {
@@ -62,7 +64,7 @@ impl Network {
 
     /// Adds a node and returns its row.
     pub fn add_node(&mut self, node: Node) -> usize {
-        self.graph.add_node(node).index()
+        self.graph.add_node(Arc::new(node)).index()
     }
 
     /// Adds a vessel between two nodes and returns its row.
@@ -71,14 +73,25 @@ impl Network {
     ///
     /// When a node does not exist.
     pub fn add_vessel(&mut self, ends: [usize; 2], vessel: Vessel) -> usize {
-        self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), vessel).index()
+        self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), Arc::new(vessel)).index()
+    }
+
+    /// Adds a node of another network and returns its row here.
+    fn add_node_of(&mut self, other: &Self, row: usize) -> usize {
+        self.graph.add_node(other.graph[NodeIndex::new(row)].clone()).index()
+    }
+
+    /// Adds a vessel of another network between two nodes and returns its row here.
+    fn add_vessel_of(&mut self, other: &Self, row: usize, ends: [usize; 2]) -> usize {
+        self.graph.add_edge(NodeIndex::new(ends[0]), NodeIndex::new(ends[1]), other.graph[EdgeIndex::new(row)].clone()).index()
     }
 
     /// The nodes and the vessels with their ends, by row, to build another network from.
     pub fn into_parts(self) -> (impl ExactSizeIterator<Item = Node>, impl ExactSizeIterator<Item = ([usize; 2], Vessel)>) {
         let (nodes, edges) = self.graph.into_nodes_edges();
-        let vessel = |e: petgraph::graph::Edge<Vessel>| ([e.source().index(), e.target().index()], e.weight);
-        (nodes.into_iter().map(|n| n.weight), edges.into_iter().map(vessel))
+        let ends = |e: &petgraph::graph::Edge<_>| [e.source().index(), e.target().index()];
+        let vessel = move |e: petgraph::graph::Edge<Arc<Vessel>>| (ends(&e), Arc::unwrap_or_clone(e.weight));
+        (nodes.into_iter().map(|n| Arc::unwrap_or_clone(n.weight)), edges.into_iter().map(vessel))
     }
 
     /// How many nodes there are.
@@ -98,7 +111,7 @@ impl Network {
 
     /// The node of a row, to change it.
     pub fn node_mut(&mut self, row: usize) -> &mut Node {
-        &mut self.graph[NodeIndex::new(row)]
+        Arc::make_mut(&mut self.graph[NodeIndex::new(row)])
     }
 
     /// The vessel of a row.
@@ -108,7 +121,7 @@ impl Network {
 
     /// The vessel of a row, to change it.
     pub fn vessel_mut(&mut self, row: usize) -> &mut Vessel {
-        &mut self.graph[EdgeIndex::new(row)]
+        Arc::make_mut(&mut self.graph[EdgeIndex::new(row)])
     }
 
     /// The two nodes of a vessel.
@@ -119,16 +132,16 @@ impl Network {
 
     /// All nodes by row.
     pub fn nodes(&self) -> impl ExactSizeIterator<Item = &Node> {
-        self.graph.raw_nodes().iter().map(|n| &n.weight)
+        self.graph.raw_nodes().iter().map(|n| &*n.weight)
     }
 
     /// All vessels by row, with their nodes.
     pub fn vessels(&self) -> impl ExactSizeIterator<Item = ([usize; 2], &Vessel)> {
-        self.graph.raw_edges().iter().map(|e| ([e.source().index(), e.target().index()], &e.weight))
+        self.graph.raw_edges().iter().map(|e| ([e.source().index(), e.target().index()], &*e.weight))
     }
 
     /// The graph underneath, for algorithms of petgraph.
-    pub fn graph(&self) -> &UnGraph<Node, Vessel> {
+    pub fn graph(&self) -> &UnGraph<Arc<Node>, Arc<Vessel>> {
         &self.graph
     }
 
@@ -158,11 +171,11 @@ impl Network {
     pub fn subgraph(&self, keep: impl Fn(usize) -> bool) -> (Self, Vec<usize>) {
         let rows: Vec<usize> = (0..self.vessel_count()).filter(|row| keep(*row)).collect();
         let mut part = Self { frame: self.frame, graph: UnGraph::with_capacity(self.node_count(), rows.len()) };
-        for node in self.nodes() {
-            part.add_node(node.clone());
+        for row in 0..self.node_count() {
+            part.add_node_of(self, row);
         }
         for row in &rows {
-            part.add_vessel(self.ends(*row), self.vessel(*row).clone());
+            part.add_vessel_of(self, *row, self.ends(*row));
         }
         (part, rows)
     }
@@ -173,12 +186,12 @@ impl Network {
         let nodes: Vec<usize> = (0..self.node_count()).filter(|node| stays(*node)).collect();
         let mut row_of = vec![None; self.node_count()];
         for node in &nodes {
-            row_of[*node] = Some(part.add_node(self.node(*node).clone()));
+            row_of[*node] = Some(part.add_node_of(self, *node));
         }
         let mut vessels = Vec::new();
-        for (row, (ends, vessel)) in self.vessels().enumerate() {
-            if let [Some(a), Some(b)] = ends.map(|node| row_of[node]) {
-                part.add_vessel([a, b], vessel.clone());
+        for row in 0..self.vessel_count() {
+            if let [Some(a), Some(b)] = self.ends(row).map(|node| row_of[node]) {
+                part.add_vessel_of(self, row, [a, b]);
                 vessels.push(row);
             }
         }

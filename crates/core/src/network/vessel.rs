@@ -119,8 +119,8 @@ pub struct Vessel {
     pub prior: f64,
     /// Never occluded, whatever is uncertain.
     pub certain: bool,
-    /// The evidence for a candidate.
-    pub evidence: Option<Evidence>,
+    /// The evidence for a candidate; few vessels have any.
+    pub evidence: Option<Box<Evidence>>,
     /// Whether an earlier run kept the vessel, if the input states it.
     pub kept: Option<bool>,
     /// The wall, where the input states it.
@@ -149,6 +149,11 @@ impl Vessel {
             wall: None,
             path: Vec::new(),
         }
+    }
+
+    /// The evidence for a candidate.
+    pub fn evidence(&self) -> Option<Evidence> {
+        self.evidence.as_deref().copied()
     }
 
     /// The volume of the lumen, π r² l, m³.

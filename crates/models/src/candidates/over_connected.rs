@@ -92,7 +92,7 @@ pub fn over_connected(
         let length = path.windows(2).map(|w| distance(w[0].position, w[1].position)).sum();
         let prior = new.evidence.map_or(1.0, |e| e.probability);
         let vessel = Vessel::new(length, radius, Origin::Candidate);
-        graph.add_vessel(ends, Vessel { prior, evidence: new.evidence, path, ..vessel });
+        graph.add_vessel(ends, Vessel { prior, evidence: new.evidence.map(Box::new), path, ..vessel });
     }
     store(&mut graph);
     (graph, node_at)

@@ -93,7 +93,7 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
     for (ends, contact, junction) in plan.contacts {
         let (joined, p) = (contact.prior, probability(contact.prior));
         let evidence = Evidence { attached: [0.5 * joined; 2], ..Evidence::undirected(p) };
-        graph.add_vessel(ends, Vessel { prior: p, evidence: Some(evidence), ..contact });
+        graph.add_vessel(ends, Vessel { prior: p, evidence: Some(Box::new(evidence)), ..contact });
         junctions.push(junction);
     }
     Opened { graph, junctions, pairings }

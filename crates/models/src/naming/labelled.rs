@@ -33,7 +33,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
         match vessel.origin {
             Origin::Observed => {}
-            Origin::Contact if vessel.evidence.is_some_and(|e| e.probability >= CONNECTED) => {
+            Origin::Contact if vessel.evidence().is_some_and(|e| e.probability >= CONNECTED) => {
                 pieces.push(Some((ends, Vessel { origin: Origin::Observed, evidence: None, ..vessel.clone() }, None)));
                 continue;
             }

@@ -339,7 +339,7 @@ fn bridges(network: &Network, traced: &[bool], nodes: &Nodes, node_at: &[usize])
         if a == usize::MAX || b == usize::MAX || a == b {
             continue;
         }
-        let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability).min(MOST_PROBABLE);
+        let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability).min(MOST_PROBABLE);
         found.push(Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row });
     }
     found

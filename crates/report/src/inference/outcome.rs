@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::page::{ImageCut, Segmentation};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
-use willis_core::network::{Merged, Network, Origin, merge};
+use willis_core::network::{Merged, Network, Origin, Role, merge};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::SuggestedCut;
@@ -91,11 +91,11 @@ impl Outcome<'_> {
     pub fn topology(&self, kept: &[bool]) -> Merged<'static> {
         let boundary = self.boundary.held(self.network, |row| kept[row]);
         let (graph, rows) = self.network.subgraph(|row| kept[row]);
-        self.merged(&boundary, Cow::Owned(graph), &rows)
+        self.merged(&boundary, Cow::Owned(boundary.stated_in(graph)), &rows)
     }
 
-    /// The same of the graph of the kept vessels, with their rows and the conditions that hold there. One that is borrowed, and of which no node can
-    /// go, is as it is, with what its nodes state.
+    /// The same of the graph of the kept vessels, with their rows and the conditions that hold there; what its outlets and inner nodes state stays
+    /// as it is, so that they are shared with the graph that they are of. One that is borrowed, and of which no node can go, is as it is.
     pub(super) fn merged<'g>(&self, boundary: &Boundary, graph: Cow<'g, Network>, rows: &[usize]) -> Merged<'g> {
         let mut may_go = vec![true; graph.node_count()];
         may_go[..self.own_nodes].fill(false);
@@ -104,7 +104,22 @@ impl Outcome<'_> {
         }
         let graph = match graph {
             Cow::Borrowed(_) if !may_go.contains(&true) => graph,
-            graph => Cow::Owned(boundary.stated_in(graph.into_owned())),
+            graph => {
+                let mut graph = graph.into_owned();
+                for (row, role) in boundary.roles.iter().enumerate() {
+                    let node = graph.node(row);
+                    let says_nothing = node.role.is_none_or(|role| role == Role::Inner) && node.condition.is_none();
+                    match role {
+                        Role::Outlet if node.role != Some(Role::Inlet) => may_go[row] = false,
+                        Role::Inner if says_nothing => {}
+                        _ => {
+                            let node = graph.node_mut(row);
+                            (node.role, node.condition) = (Some(*role), boundary.condition(row));
+                        }
+                    }
+                }
+                Cow::Owned(graph)
+            }
         };
         let mut merged = merge(graph, |node| may_go[node]);
         merged.parts.iter_mut().flatten().for_each(|part| *part = rows[*part]);

@@ -25,7 +25,7 @@ pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
     let scene = scene(network, outcome.boundary).ok().filter(|_| network.vessel_count() <= OVERVIEW_LIMIT)?;
     let drawn = network.vessels().zip(scene.vessels).enumerate().map(|(row, ((_, vessel), course))| DrawnVessel {
         course,
-        probability: vessel.evidence.map(|evidence| evidence.probability),
+        probability: vessel.evidence().map(|evidence| evidence.probability),
         certain: !outcome.result.uncertain[row],
         kept: answer.kept[row],
         undecided: answer.undecided.binary_search(&row).is_ok(),

@@ -92,7 +92,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         Column::real("likelihood", result.likelihood.iter().copied()),
         Column::real("std_error", result.std_error.iter().copied()),
         Column::real("frequency", result.frequency.iter().copied()),
-        Column::real("probability", network.vessels().map(|(_, v)| v.evidence.map_or(f64::NAN, |e| e.probability))),
+        Column::real("probability", network.vessels().map(|(_, v)| v.evidence().map_or(f64::NAN, |e| e.probability))),
         Column::real("needed", answer.needed.iter().copied()),
         Column::real("instead", answer.instead.iter().map(|row| row.map_or(f64::NAN, |row| row as f64))),
         flag("above_median", &answer.above_median),
@@ -148,7 +148,7 @@ pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
         return None;
     }
     let hangs = dependents(network, &answer.kept);
-    let chance = |row: usize| network.vessel(row).evidence.map_or(f64::NAN, |e| e.probability);
+    let chance = |row: usize| network.vessel(row).evidence().map_or(f64::NAN, |e| e.probability);
     let gain = |row: usize| 4.0 * chance(row) * (1.0 - chance(row)) * (hangs[row] + network.vessel(row).length);
     let mut rows = answer.undecided.clone();
     rows.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)).then(a.cmp(b)));

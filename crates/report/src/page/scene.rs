@@ -66,7 +66,7 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
 pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> impl Iterator<Item = Marker> {
     contacts.map(|row| {
         let vessel = network.vessel(row);
-        let probability = vessel.evidence.map_or(vessel.prior, |evidence| evidence.probability);
+        let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability);
         cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
     })
 }

@@ -97,7 +97,7 @@ pub(in crate::formats) fn vessels(
             origin: origin.unwrap_or(Origin::Candidate),
             prior: item.share("prior")?.unwrap_or(1.0),
             certain: item.boolean("certain")?.unwrap_or(false),
-            evidence: evidence(&item)?,
+            evidence: evidence(&item)?.map(Box::new),
             kept: item.boolean("kept")?,
             wall: wall(&item)?,
             path,

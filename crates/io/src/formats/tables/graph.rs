@@ -376,7 +376,7 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
         nodes.push(Column::real("alone", network.nodes().map(|n| n.root_score.unwrap_or(f64::NAN))));
     }
     if network.vessels().any(|(_, v)| v.evidence.is_some()) {
-        let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, of));
+        let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, of));
         vessels.push(Column::real("probability", figure(|e| e.probability)));
         vessels.push(Column::real("hangs_a", figure(|e| e.attached[0])));
         vessels.push(Column::real("hangs_b", figure(|e| e.attached[1])));
