@@ -272,7 +272,7 @@ def prepare(root, needs, words, how):
     for turn in (0, 1):
         done = shutil.copytree(root / f"inputs{turn}", root / f"done{turn}")
         before = contents(done, inputs)
-        willis(done, *(words if turn else [word.replace("100", "90") for word in words] if words[0] == "phantom" else words))
+        willis(done, *(words if turn else [word.replace("100", "110") for word in words] if words[0] == "phantom" else words))
     new = contents(root / "done1", inputs)
     assert new, words
     made["fresh"] = (root / "inputs1", before, new, inputs)

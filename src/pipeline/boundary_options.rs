@@ -118,7 +118,7 @@ impl BoundaryOptions {
 impl BoundaryOptions {
     /// By node the parts of a Windkessel: those of the options (`NODE=rcr:R1,C,R2`), else those that the nodes state.
     pub(crate) fn windkessels(&self, network: &Network) -> Result<Vec<Windkessel>> {
-        let mut all: Vec<Windkessel> = network.nodes().map(|node| node.windkessel).collect();
+        let mut all: Vec<Windkessel> = network.nodes().map(|node| node.windkessel()).collect();
         for text in &self.outlet {
             let refused = |why: String| Error::parameter("outlet", format!("\"{text}\""), why);
             let Some((name, value)) = text.rsplit_once('=') else { continue };

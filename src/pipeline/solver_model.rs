@@ -52,7 +52,7 @@ pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Fol
         }
     }
     let mut model = boundary.stated_in(network.into_owned());
-    (0..model.node_count()).for_each(|node| model.node_mut(node).windkessel = windkessels[node]);
+    (0..model.node_count()).for_each(|node| model.node_mut(node).windkessel = windkessels[node].stated());
     (0..model.vessel_count()).for_each(|row| model.vessel_mut(row).wall = walls[row]);
     Ok((model, setting))
 }

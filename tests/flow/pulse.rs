@@ -55,7 +55,7 @@ fn the_viscous_function_is_that_of_bessel_functions() {
 /// A tube of 200 mm, 2 mm and 8 m/s that ends in 7.5 mmHg·s/mL before 0.016 mL/mmHg beside 37.5 mmHg·s/mL.
 fn tube_with_windkessel() -> Network {
     let mut tubes = network(2, [([0, 1], Vessel { wall: Some(Wall::Speed(8.0)), ..tube(200.0, 2.0) })]);
-    tubes.node_mut(1).windkessel = Windkessel { proximal: Some(7.5 * RESISTANCE), compliance: Some(0.016 / RESISTANCE) };
+    tubes.node_mut(1).windkessel = Windkessel { proximal: Some(7.5 * RESISTANCE), compliance: Some(0.016 / RESISTANCE) }.stated();
     tubes
 }
 
@@ -106,11 +106,11 @@ fn resistance_inertance_and_compliance() {
     near(rigid.solve().vessels[0].flow[1][1], (line + 2e9).inv(), 1e-12, "R and L");
 
     let mut behind = tubes.clone();
-    behind.node_mut(1).windkessel = Windkessel { proximal: Some(5e8), compliance: Some(1e-10) };
+    behind.node_mut(1).windkessel = Windkessel { proximal: Some(5e8), compliance: Some(1e-10) }.stated();
     let case = Case { law: WallLaw::Rigid, fluid, ..Case::new(&behind, &conditions, drives()) };
     let z = line + 5e8 + (c(1.0 / 1.5e9, 1e-10 * frequency)).inv();
     near(case.solve().vessels[0].flow[1][1], z.inv(), 1e-12, "R, C and R");
-    behind.node_mut(1).windkessel = Windkessel { proximal: Some(0.0), compliance: Some(1e-10) };
+    behind.node_mut(1).windkessel = Windkessel { proximal: Some(0.0), compliance: Some(1e-10) }.stated();
     let case = Case { law: WallLaw::Rigid, fluid, ..Case::new(&behind, &conditions, drives()) };
     near(case.solve().vessels[0].flow[1][1], (line + c(1.0 / 2e9, 1e-10 * frequency).inv()).inv(), 1e-12, "R and C");
 
@@ -316,7 +316,7 @@ fn the_limit_of_no_frequency_is_poiseuille() {
 fn a_narrowing_is_a_narrower_vessel_and_its_place_is_noticed() {
     let line = |radii: [f64; 3], lengths: [f64; 3], behind: Windkessel| {
         let mut line = network(4, [0, 1, 2].map(|k| ([k, k + 1], tube(lengths[k], radii[k]))));
-        line.node_mut(3).windkessel = behind;
+        line.node_mut(3).windkessel = behind.stated();
         line
     };
     let wave = [c(100.0 * MMHG, 0.0), c(1000.0, 0.0), c(300.0, 200.0)];
@@ -327,7 +327,7 @@ fn a_narrowing_is_a_narrower_vessel_and_its_place_is_noticed() {
     // The outlet is the same whatever is narrowed.
     let behind = Windkessel { proximal: Some(4e8), compliance: Some(1e-10) };
     let mut whole = network(2, [([0, 1], tube(60.0, 2.0))]);
-    whole.node_mut(1).windkessel = behind;
+    whole.node_mut(1).windkessel = behind.stated();
     let conditions = [(0, ends[0].1), (1, ends[1].1)];
     let narrowed = |place| {
         let change = Change::Stenosis(Stenosis::of_diameter(0.5).over(0.012).at(place));
@@ -350,7 +350,7 @@ fn a_narrowing_is_a_narrower_vessel_and_its_place_is_noticed() {
     assert!((inflows[1] - inflows[2]).norm() > 1e-3 * inflows[0].norm(), "the place makes a difference");
     let longer = vec![Perturbation { vessel: 0, change: Change::Tortuosity(1.5) }];
     let mut by_hand = network(2, [([0, 1], tube(90.0, 2.0))]);
-    by_hand.node_mut(1).windkessel = behind;
+    by_hand.node_mut(1).windkessel = behind.stated();
     let (longer, by_hand) = (solve(&whole, &conditions, longer), solve(&by_hand, &conditions, Vec::new()));
     near(longer.vessels[0].flow[1][2], by_hand.vessels[0].flow[1][2], 1e-12, "longer");
     let mut stated = whole.clone();

@@ -240,7 +240,7 @@ fn svzerodsolver() {
     let (inflow, out) = (condition(&case, "INFLOW"), condition(&case, "OUT"));
     let number = |key: &str| out[key].as_f64().expect("a number");
     let mut line = network(2, [([0, 1], resistor(100.0))]);
-    line.node_mut(1).windkessel = Windkessel { proximal: Some(number("Rp")), compliance: Some(number("C")) };
+    line.node_mut(1).windkessel = Windkessel { proximal: Some(number("Rp")), compliance: Some(number("C")) }.stated();
     let q = coefficients(&wave(&reals(&inflow["t"]), &reals(&inflow["Q"])), 1.0, 200);
     let behind = Condition::Resistance { resistance: number("Rp") + number("Rd"), venous: number("Pd") };
     let conditions = [(0, Condition::Flow(q[0].re)), (1, behind)];

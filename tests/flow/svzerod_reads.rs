@@ -142,7 +142,7 @@ fn its_waveforms_come_to_those_of_the_linear_theory() {
     for node in 0..network.node_count() {
         match network.node(node).condition {
             Some(Condition::Resistance { resistance, venous }) => {
-                network.node_mut(node).windkessel = Windkessel { proximal: None, compliance: Some(0.69 / resistance) };
+                network.node_mut(node).windkessel = Windkessel { proximal: None, compliance: Some(0.69 / resistance) }.stated();
                 conditions.push((node, Condition::Resistance { resistance, venous }));
             }
             Some(_) => {
@@ -166,7 +166,7 @@ fn its_waveforms_come_to_those_of_the_linear_theory() {
     let table = folder.path().join("wave.csv");
     std::fs::write(&table, WAVE).expect("written");
     let mut bare = fine[2].0.clone();
-    (0..bare.node_count()).for_each(|node| bare.node_mut(node).windkessel = Windkessel::default());
+    (0..bare.node_count()).for_each(|node| bare.node_mut(node).windkessel = None);
     let pulse_of = PulseOptions {
         waveforms: vec![table.display().to_string()],
         friction: Friction::Parabolic,

@@ -12,9 +12,7 @@ use willis::internals::formats::{
     write_graphml, write_npy, write_npz, write_swc, write_vtp,
 };
 use willis::internals::network::units::{Scale, metres, millimetres, pascals};
-use willis::internals::network::{
-    Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Windkessel, contract, cycles,
-};
+use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, contract, cycles};
 
 fn mm() -> Scale {
     Scale::default()
@@ -36,7 +34,7 @@ fn network() -> Network {
             at_border: false,
             is_source: false,
             root_score: None,
-            windkessel: Windkessel::default(),
+            windkessel: None,
         });
     }
     let end = |network: &Network, n: usize| PathPoint {

@@ -33,7 +33,7 @@ fn fork() -> Network {
     state(&mut network, 0, Role::Inlet, Condition::Pressure(12_000.0));
     state(&mut network, 2, Role::Outlet, Condition::Resistance { resistance: 4e9, venous: 500.0 });
     state(&mut network, 3, Role::Outlet, Condition::Resistance { resistance: 8e9, venous: 0.0 });
-    network.node_mut(2).windkessel = Windkessel { proximal: Some(1e9), compliance: Some(1e-10) };
+    network.node_mut(2).windkessel = Windkessel { proximal: Some(1e9), compliance: Some(1e-10) }.stated();
     network
 }
 

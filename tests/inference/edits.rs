@@ -89,7 +89,8 @@ fn rungs_between_two_rails_go() {
 fn a_contact_on_the_way_is_one_vessel_for_each_group() {
     let places = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [4.0, 0.0, 0.0], [4.5, 0.0, 0.0], [8.0, 1.0, 0.0], [8.0, -1.0, 0.0]];
     let mut graph = drawn(&places, &[[0, 2], [1, 2], [3, 4], [3, 5]]);
-    let contact = Vessel { prior: 0.3, evidence: Some(Box::new(Evidence::undirected(0.3))), ..Vessel::new(5e-4, 5e-4, Origin::Contact) };
+    let contact =
+        Vessel { prior: 0.3, evidence: Some(Box::new(Evidence::undirected(0.3))), ..Vessel::new(5e-4, 5e-4, Origin::Contact) };
     graph.add_vessel([2, 3], contact);
     let parted = edited(graph.clone(), "part 2 0.5 0 + 6 0.5 0 | 2 -0.5 0 + 6 -0.5 0").expect("edited");
     assert_eq!(parts(&parted, &[0, 1, 4, 5]), [0, 1, 0, 1]);

@@ -1,8 +1,8 @@
 //! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
 
 use super::vessel_lines::VesselLine;
-use crate::network::{Network, Vessel};
 use crate::network::paths::ShortestPaths;
+use crate::network::{Network, Vessel};
 
 /// So often orders by diameter are found again at most.
 const MOST_PASSES: usize = 100;

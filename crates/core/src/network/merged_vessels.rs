@@ -63,7 +63,7 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
 /// Whether nothing is known of a node but its place.
 fn is_plain(network: &Network, node: usize) -> bool {
     let node = network.node(node);
-    let is_inner = node.role.is_none_or(|role| role == Role::Inner) && node.condition.is_none() && node.windkessel.is_empty();
+    let is_inner = node.role.is_none_or(|role| role == Role::Inner) && node.condition.is_none() && node.windkessel.is_none();
     is_inner && node.label.is_empty() && !node.at_border && !node.is_source
 }
 

@@ -66,9 +66,9 @@ impl Windkessel {
     /// RC of outlets that state no compliance, s: 0.687 to 0.697 at each of eleven in Alastruey et al. 2007.
     pub const TIME_CONSTANT: f64 = 0.69;
 
-    /// Whether nothing is stated.
-    pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+    /// What a node states of it: nothing where nothing is stated.
+    pub fn stated(self) -> Option<Box<Self>> {
+        (self != Self::default()).then(|| Box::new(self))
     }
 }
 
@@ -91,8 +91,8 @@ pub struct Node {
     /// The boundary condition that the input states.
     pub condition: Option<Condition>,
     /// The parts of a Windkessel that the input states beside a terminal resistance.
-    #[serde(default, skip_serializing_if = "Windkessel::is_empty")]
-    pub windkessel: Windkessel,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub windkessel: Option<Box<Windkessel>>,
     /// Whether an earlier run found that condition, so that it holds only while this is a free end.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub found: bool,
@@ -106,6 +106,13 @@ pub struct Node {
     /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
     #[serde(rename = "alone")]
     pub root_score: Option<f64>,
+}
+
+impl Node {
+    /// The parts of a Windkessel that the input states; few nodes have any.
+    pub fn windkessel(&self) -> Windkessel {
+        self.windkessel.as_deref().copied().unwrap_or_default()
+    }
 }
 
 /// What a node is to the flow.

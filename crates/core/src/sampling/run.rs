@@ -122,13 +122,15 @@ impl Sampling {
             }
         };
         let worker = |_| -> Result<()> {
-            let (mut work, mut spare) = (self.sampler.workspace(), Vec::new());
+            let (mut memory, mut spare) = (None, Vec::new());
             while !stop.load(Ordering::Relaxed) {
                 let Some(unit) = locked(&shared).units.next() else { break };
+                // One that finds nothing to do has no need of any.
+                let work = memory.get_or_insert_with(|| self.sampler.workspace());
                 let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
                 for block in unit {
                     let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
-                    self.sampler.block(block, self.samples - block * crate::support::random::BLOCK, &mut work, &mut sums)?;
+                    self.sampler.block(block, self.samples - block * crate::support::random::BLOCK, work, &mut sums)?;
                     fresh += sums.samples;
                     sum.insert(block, 1, sums, &mut spare, |_, _, _| {});
                     if reported.elapsed() > REPORT_AFTER {

@@ -176,7 +176,7 @@ fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], not
     // A copy only of what differs.
     let mut some = (merged.nodes.len() < outcome.network.node_count()).then(|| select(&all_nodes, &merged.nodes));
     let nodes = some.as_mut().unwrap_or(&mut all_nodes);
-    nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel()).collect::<Vec<_>>()));
     write_file(&file("graphml"), |out| write_graphml(out, graph, nodes, &vessels))?;
     vessels.truncate(shown);
     all_nodes.truncate(known);

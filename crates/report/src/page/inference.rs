@@ -54,7 +54,8 @@ pub fn page(
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
-        let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, |e| e.attached[end]));
+        let attached =
+            |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, |e| e.attached[end]));
         columns.extend(ATTACHED.into_iter().zip(0..).map(|(name, end)| Column::real(name, attached(end))));
         nodes.push(Column::real(ALONE, outcome.network.nodes().map(|node| node.root_score.unwrap_or(f64::NAN))));
     }

@@ -165,7 +165,7 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
     columns.extend(perturbed);
     columns.extend(condition_columns(network, boundary));
-    columns.extend(windkessel_columns(&network.nodes().map(|node| node.windkessel).collect::<Vec<_>>()));
+    columns.extend(windkessel_columns(&network.nodes().map(|node| node.windkessel()).collect::<Vec<_>>()));
     columns.extend(simulated.pulses.map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
     columns
 }

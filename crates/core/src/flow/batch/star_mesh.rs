@@ -7,6 +7,8 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
+use std::collections::HashMap;
+
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
@@ -15,7 +17,7 @@ use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product
 #[derive(Debug, Clone)]
 pub struct StarMesh {
     program: Elimination,
-    /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones.
+    /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones, each pressure once.
     slot: Vec<u32>,
     rays: Vec<RayStamp>,
     /// The rays that no vessel lies on.
@@ -128,14 +130,15 @@ impl StarMesh {
         let program = compile(free.len(), &links)?;
 
         let mut slot = vec![NOWHERE; circuit.node_count()];
-        let mut fixed = Vec::new();
+        // Outlets of one pressure share its place.
+        let (mut fixed, mut place_of) = (Vec::new(), HashMap::new());
         for (node, slot) in slot.iter_mut().enumerate() {
             *slot = match circuit.fixed[node] {
                 None => program.place(index[node]),
-                Some(pressure) => {
+                Some(pressure) => *place_of.entry(pressure.to_bits()).or_insert_with(|| {
                     fixed.push(pressure);
                     (free.len() + fixed.len() - 1) as u32
-                }
+                }),
             };
         }
         let (mut rays, mut grounds) = (Vec::new(), Vec::new());

@@ -78,7 +78,7 @@ pub(in crate::formats) fn nodes(ids: &[impl AsRef<str>], records: &Records, scal
             label: item.text("label").unwrap_or_default().to_owned(),
             role,
             condition: condition(&item, role, has_roles)?,
-            windkessel: windkessel(&item)?,
+            windkessel: windkessel(&item)?.stated(),
             found: item.boolean("found")?.unwrap_or(false),
             root_score: item.share("alone")?,
             ..Node::default()

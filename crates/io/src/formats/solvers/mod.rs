@@ -204,7 +204,7 @@ impl<'a> Directed<'a> {
     /// vessel, as in `willis simulate --pulse`; at most the resistance.
     fn proximal(&self, node: usize, resistance: f64, row: usize) -> f64 {
         let matched = (self.setting.density / (area(self.network.vessel(row)) * self.distensibility[row])).sqrt();
-        self.network.node(node).windkessel.proximal.unwrap_or(matched).min(resistance)
+        self.network.node(node).windkessel().proximal.unwrap_or(matched).min(resistance)
     }
 }
 

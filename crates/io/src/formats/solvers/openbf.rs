@@ -94,7 +94,7 @@ pub fn write_openbf_with(out: &mut impl Write, network: &Network, setting: &Solv
         match ends.condition(*stops) {
             None => {}
             Some(Condition::Resistance { resistance, venous }) => {
-                let compliance = network.node(*stops).windkessel.compliance.unwrap_or(Windkessel::TIME_CONSTANT / resistance);
+                let compliance = network.node(*stops).windkessel().compliance.unwrap_or(Windkessel::TIME_CONSTANT / resistance);
                 let least = LEAST * resistance;
                 let proximal = ends.proximal(*stops, resistance, row).clamp(least, resistance - least);
                 let distal = resistance - proximal;

@@ -109,7 +109,7 @@ fn values(ends: &Directed<'_>, node: usize, row: usize, condition: Condition, is
     match condition {
         Condition::Pressure(pressure) => ("PRESSURE", constant("P", pressure * PRESSURE)),
         Condition::Flow(flow) => ("FLOW", constant("Q", if is_inlet { flow } else { -flow } * VOLUME)),
-        Condition::Resistance { resistance, venous } => match ends.network.node(node).windkessel.compliance {
+        Condition::Resistance { resistance, venous } => match ends.network.node(node).windkessel().compliance {
             Some(compliance) => {
                 let proximal = ends.proximal(node, resistance, row);
                 (

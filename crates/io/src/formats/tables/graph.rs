@@ -368,7 +368,7 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
     vessels.extend(stated_columns(network));
-    nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel()).collect::<Vec<_>>()));
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }
