@@ -160,7 +160,7 @@ fn scan() -> Result<Input> {
 fn probabilities(input: &Input, prior: &Prior, digest: &mut Digest) -> Result<()> {
     let options = InferOptions { prior: Some(prior.clone()), cut: Cut::Never, ..InferOptions::default() };
     let graph = candidates(input, &options)?;
-    digest.numbers(graph.vessels().filter_map(|(_, vessel)| Some(vessel.evidence?.probability)));
+    digest.numbers(graph.vessels().filter_map(|(_, vessel)| Some(vessel.evidence()?.probability)));
     Ok(())
 }
 
@@ -230,7 +230,7 @@ fn images(made: &Made, scratch: &Path, digest: &mut Digest) -> Result<()> {
     let options =
         InferOptions { prior: Some(made.skeletons.clone()), cut: Cut::Never, image: Some(image), ..InferOptions::default() };
     let graph = candidates(&read(&mask, &ReadOptions::default())?, &options)?;
-    digest.numbers(graph.vessels().filter_map(|(_, vessel)| Some(vessel.evidence?.probability)));
+    digest.numbers(graph.vessels().filter_map(|(_, vessel)| Some(vessel.evidence()?.probability)));
     Ok(())
 }
 
@@ -239,7 +239,7 @@ fn contacts(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let options = InferOptions { prior: Some(Prior::Uniform), cut: made.contacts.clone(), ..InferOptions::default() };
     let graph = candidates(&scan()?, &options)?;
     let contacts = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
-    digest.numbers(contacts.filter_map(|(_, vessel)| Some(vessel.evidence?.probability)));
+    digest.numbers(contacts.filter_map(|(_, vessel)| Some(vessel.evidence()?.probability)));
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use willis_core::error::{Error, Place, Result};
 use willis_core::flow::boundary_conditions::{Total, stated};
 use willis_core::flow::{Boundary, FoundOutlets, Given};
 use willis_core::network::quantity::Dimension;
-use willis_core::network::{Condition, FoundBy, Network, Role, Windkessel, locate};
+use willis_core::network::{Condition, FoundBy, Network, Node, Role, Windkessel, locate};
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::bytes_of;
 use willis_io::formats::tables::conditions::{read_csv, read_toml};
@@ -118,7 +118,7 @@ impl BoundaryOptions {
 impl BoundaryOptions {
     /// By node the parts of a Windkessel: those of the options (`NODE=rcr:R1,C,R2`), else those that the nodes state.
     pub(crate) fn windkessels(&self, network: &Network) -> Result<Vec<Windkessel>> {
-        let mut all: Vec<Windkessel> = network.nodes().map(|node| node.windkessel()).collect();
+        let mut all: Vec<Windkessel> = network.nodes().map(Node::windkessel).collect();
         for text in &self.outlet {
             let refused = |why: String| Error::parameter("outlet", format!("\"{text}\""), why);
             let Some((name, value)) = text.rsplit_once('=') else { continue };

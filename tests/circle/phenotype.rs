@@ -156,6 +156,28 @@ fn absent_segments_are_missing_and_no_others() {
     }
 }
 
+/// Twigs with twigs of their own at every node, and a ring that hangs on one, lie between no landmarks.
+#[test]
+fn what_hangs_on_a_circle_is_no_part_of_it() {
+    let names = RING.map(|segment| segment.to_string());
+    for pattern in 0_u32..128 {
+        let absent: Vec<&str> = (0..7).filter(|bit| pattern >> bit & 1 == 1).map(|bit| names[bit].as_str()).collect();
+        let bare = network(&without(&absent));
+        let mut hung = bare.clone();
+        let inner = |id: &&str| ["lc", "rc", "lt", "rt", "lj", "rj", "lk", "rk", "b"].contains(id);
+        for node in (0..NODES.len()).filter(|row| inner(&NODES[*row].0)) {
+            let [a, b, c] = [0, 1, 2].map(|twig| {
+                let position = Some(NODES[node].1.map(|x| metres(x + 0.1 + f64::from(twig))));
+                hung.add_node(Node { id: format!("{node}-{twig}"), position, ..Node::default() })
+            });
+            for ends in [[node, a], [a, b], [b, c], [c, a], [a, a]] {
+                hung.add_vessel(ends, Vessel::new(1e-3, 5e-4, Origin::Observed));
+            }
+        }
+        assert_eq!(by_landmarks(&hung, &ENDS), by_landmarks(&bare, &ENDS), "{absent:?}");
+    }
+}
+
 /// The same patterns as masks over the whole network.
 /// A third A2 leaves AComm between the two sides, so that AComm is in pieces: it is there if pieces on either side of the third A2 join the two
 /// sides, and not if the third A2 lies between the piece and the other side.

@@ -246,6 +246,24 @@ fn a_gap_in_a_ring_has_a_detour() {
     assert!((log_detour(measured) - 11_f64.ln()).abs() < 1e-12 && relative_size(measured) == 0.0);
 }
 
+/// On winding trees: as a search of all of the fragment from each free end has it, which does not end where the candidates are reached.
+#[test]
+fn a_detour_is_that_of_a_search_of_everything() {
+    let mut count = 0;
+    for seed in 0..20 {
+        let points = clean(trees(seed));
+        let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
+        let extraction = Extraction::new(&network, &[]).expect("positions");
+        let bridges = search(&extraction, &SearchOptions::default()).unwrap();
+        for (bridge, measured) in bridges.iter().zip(measured(&extraction, &bridges)).filter(|(bridge, _)| bridge.within) {
+            let whole = extraction.graph.to_nearest(&[extraction.ends[bridge.end].point])[bridge.point];
+            assert_eq!(measured.detour, Some((whole / measured.gap).min(200.0)), "{seed}");
+            count += 1;
+        }
+    }
+    assert!(count > 100, "{count}");
+}
+
 /// Nothing, a lone point, and vessels of which only the nodes are known.
 #[test]
 fn what_has_no_points_is_no_error() {

@@ -3,7 +3,7 @@
 use num_complex::Complex64;
 use willis::internals::flow::{Tube, WallLaw};
 use willis::internals::network::waveform::Quantity;
-use willis::internals::network::{Condition, Network, Windkessel};
+use willis::internals::network::{Condition, Network, Node, Windkessel};
 use willis::internals::simulation::pulse::womersley::Fluid;
 use willis::internals::simulation::pulse::{Drive, Friction, Pulse, Setting, terminals, walled};
 use willis::internals::simulation::{Perturbation, perturbed, simulate};
@@ -48,7 +48,7 @@ impl<'a> Case<'a> {
         let tubes = perturbed(self.network, &at_rest, &self.perturbations).expect("changes");
         let before = walled(self.network, &at_rest, &[], &self.law, &self.fluid).expect("walls");
         let vessels = walled(self.network, &tubes, &self.perturbations, &self.law, &self.fluid).expect("walls");
-        let stated: Vec<Windkessel> = self.network.nodes().map(|node| node.windkessel()).collect();
+        let stated: Vec<Windkessel> = self.network.nodes().map(Node::windkessel).collect();
         let terminals = terminals(self.network, &boundary, &stated, &before, &self.fluid, self.time_constant);
         let setting = Setting {
             fluid: &self.fluid,

@@ -13,7 +13,7 @@ use pictures::{overview, pictures};
 use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::{Network, fragments};
+use willis_core::network::{Network, Node, fragments};
 use willis_io::formats::{
     Checksummed, Column, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv, write_graphml, write_npy,
     write_npz, write_swc, write_vtp,
@@ -176,7 +176,7 @@ fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], not
     // A copy only of what differs.
     let mut some = (merged.nodes.len() < outcome.network.node_count()).then(|| select(&all_nodes, &merged.nodes));
     let nodes = some.as_mut().unwrap_or(&mut all_nodes);
-    nodes.extend(windkessel_columns(&graph.nodes().map(|node| node.windkessel()).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(&graph.nodes().map(Node::windkessel).collect::<Vec<_>>()));
     write_file(&file("graphml"), |out| write_graphml(out, graph, nodes, &vessels))?;
     vessels.truncate(shown);
     all_nodes.truncate(known);

@@ -21,7 +21,7 @@ use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::morphometry::{MeasureContext, network_figures};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Network, RadiusRule};
+use willis_core::network::{Network, Node, RadiusRule};
 use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
 use willis_io::formats::{
@@ -165,7 +165,7 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
     columns.extend(perturbed);
     columns.extend(condition_columns(network, boundary));
-    columns.extend(windkessel_columns(&network.nodes().map(|node| node.windkessel()).collect::<Vec<_>>()));
+    columns.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
     columns.extend(simulated.pulses.map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
     columns
 }

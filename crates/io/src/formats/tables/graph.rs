@@ -364,11 +364,13 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
     let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
     let mut nodes = node_columns(network, &roles, &pressures, &fragments(network, |_, _| true).of_node);
     nodes.extend(condition_columns(&conditions));
+    // Of a million nodes these are not held while the columns of vessels are made.
+    drop((roles, conditions, pressures));
     nodes.extend(found_column(&stated.iter().map(|(.., found)| *found).collect::<Vec<_>>()));
     let mut vessels = vessel_columns(network);
     vessels.push(Column::real("prior", network.vessels().map(|(_, v)| v.prior)));
     vessels.extend(stated_columns(network));
-    nodes.extend(windkessel_columns(&network.nodes().map(|n| n.windkessel()).collect::<Vec<_>>()));
+    nodes.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }

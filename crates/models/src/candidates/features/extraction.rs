@@ -60,7 +60,7 @@ pub struct Extraction {
     pub largest: Largest,
     /// The median distance between consecutive points, m, positive.
     pub spacing: f64,
-    pub(crate) graph: BranchGraph,
+    pub graph: BranchGraph,
     pub(crate) index: PointIndex,
 }
 
