@@ -244,15 +244,14 @@ class Person:
 
     def session(self, order, counts):
         """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and at the end."""
-        decisions, out, seen = [], self.first, set()
+        decisions, out = [], self.first
         while True:
             fresh, (_, net) = [], self.seen(out)
             absent = self.missing(net)
             for kind, row, at in self.questions(order, out):
-                if (kind, row) not in seen and len(fresh) < AT_ONCE:
-                    seen.add((kind, row))
+                if len(fresh) < AT_ONCE:
                     said = self.where(at, net, absent) if kind == "part" else self.answers(row, at, absent)
-                    fresh += [one for one in said if one not in decisions + fresh]
+                    fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh]
             decisions += fresh
             out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
             while counts and len(decisions) >= counts[0]:

@@ -6,7 +6,7 @@ use super::rules::{Keep, threshold};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::flow::floating_components::parts_that_carry;
-use crate::network::{Network, Origin, Vessel, cycles, dependents, fragments};
+use crate::network::{Network, Origin, Vessel, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
 use crate::support::ties::exceeds;
 
@@ -15,8 +15,6 @@ pub const UNDECIDED_Z: f64 = 2.0;
 /// A vessel whose probability is closer to the cut than this is undecided. The cut of [`Keep::Probable`] is one half; what it keeps below that
 /// is undecided too. What has another in its place is undecided only from one half on, or where it is as near to that one.
 pub const UNDECIDED_BAND: f64 = 0.2;
-/// Where candidates are kept that are not probable, what hangs on a connection times the chance that it is wrong makes it undecided from here on, m.
-const COSTLY: f64 = 0.01;
 
 /// The decision on every vessel.
 #[derive(Debug, Clone, PartialEq)]
@@ -107,9 +105,7 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
     for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
         *kept |= !uncertain;
     }
-    let costly =
-        if matches!(rule, Keep::BestFirst(_) | Keep::Reconnect(_)) { costly(network, &kept) } else { vec![false; kept.len()] };
-    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && (close[*row] || costly[*row])).collect();
+    let undecided = (0..kept.len()).filter(|row| result.uncertain[*row] && close[*row]).collect();
     Ok(Decision { threshold: cut, median, kept, above_median, undecided, left_open, needed, instead })
 }
 
@@ -136,12 +132,6 @@ fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
     }
     let accepted = "asks for probabilities, which come with the evidence model on centerlines, or as probability in a graph";
     Err(Error::parameter("keep", rule, accepted))
-}
-
-/// Per vessel whether it is kept and expected to be wrong about more than [`COSTLY`] of vessels.
-fn costly(network: &Network, kept: &[bool]) -> Vec<bool> {
-    let wrong = |row: usize| network.vessel(row).evidence.map_or(0.0, |e| 1.0 - e.probability);
-    dependents(network, kept).iter().enumerate().map(|(row, hangs)| kept[row] && wrong(row) * hangs > COSTLY).collect()
 }
 
 /// Per vessel whether its probability is near the turning point of a rule.

@@ -2,7 +2,7 @@
 
 mod outcome;
 mod pictures;
-mod questions;
+pub(super) mod questions;
 pub(crate) mod tables;
 
 use std::borrow::Cow;

@@ -4,59 +4,37 @@ use std::collections::BTreeSet;
 
 use super::outcome::Outcome;
 use super::tables::positions;
+use willis_core::decision::Keep;
 use willis_core::flow::floating_components::parts_that_carry;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Origin, dependents, fragments};
 use willis_core::support::geometry::Point;
 use willis_io::formats::Column;
 
-/// A part without flow is asked about from this length on, m.
-const LOOSE: f64 = 0.01;
+/// A part without flow is asked about from this length on, and what is kept of masks if it is expected to be wrong about more than this, m.
+pub const WORTH: f64 = 0.01;
+
+/// The kind of a question about a part that nothing connects.
+pub const PART: &str = "part";
 
 /// One question.
-struct Question {
-    row: usize,
-    kind: &'static str,
+pub struct Question {
+    /// The row that it is about.
+    pub row: usize,
+    /// The origin of that, or `part`.
+    pub kind: &'static str,
     at: Point,
     words: String,
-    /// The length that hangs on it, and what a right answer is expected to put right, m.
-    hangs: f64,
+    /// The length that hangs on it, m.
+    pub hangs: f64,
+    /// What a right answer is expected to put right, m.
     gain: f64,
 }
 
-/// The columns of review.csv: the undecided vessels and the parts that nothing connects, in the order in which a person is asked about them. `None`
-/// where no probabilities say how doubtful they are, or nothing is to be asked.
-///
-/// The gain is what a right answer is expected to put right: the chance that the decision is wrong times the length that hangs on it and its own; of a
-/// part without flow its length.
+/// The columns of review.csv; `None` where nothing is asked.
 pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
-    if !outcome.rule.asks_evidence() {
-        return None;
-    }
-    let (network, answer) = (outcome.network, outcome.answer);
-    let chance = |row: usize| network.vessel(row).evidence.map_or(f64::NAN, |e| e.probability);
-    let hangs = dependents(network, &answer.kept);
-    let mut asked = loose_parts(outcome);
-    let stands: BTreeSet<usize> = asked.iter().map(|part| part.row).collect();
-    asked.extend(answer.undecided.iter().filter(|row| !stands.contains(row)).map(|row| {
-        let [a, b] = network.ends(*row).map(|node| &*network.node(node).id);
-        let vessel = network.vessel(*row);
-        let words = match vessel.origin {
-            Origin::Candidate => format!("Does a vessel go on from {a} to {b}?"),
-            _ => format!("Are {a} and {b} of one vessel, or do two only touch here?"),
-        };
-        let wrong = if answer.kept[*row] { 1.0 - chance(*row) } else { chance(*row) };
-        let at = network.middle_of(network.ends(*row), vessel);
-        Question {
-            row: *row,
-            kind: vessel.origin.name(),
-            at,
-            words,
-            hangs: hangs[*row],
-            gain: wrong * (hangs[*row] + vessel.length),
-        }
-    }));
-    asked.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.row.cmp(&b.row)));
+    let (network, kept) = (outcome.network, &outcome.answer.kept);
+    let asked = questions(outcome);
     let mut columns = vec![
         Column::whole("rank", 1..=asked.len()),
         Column::whole("edge", asked.iter().map(|one| one.row)),
@@ -65,12 +43,55 @@ pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
     columns.extend(positions(&asked.iter().map(|one| one.at)));
     columns.extend([
         Column::text("question", asked.iter().map(|one| one.words.clone())),
-        Column::real("probability", asked.iter().map(|one| chance(one.row))),
-        Column::whole("kept", asked.iter().map(|one| usize::from(answer.kept[one.row]))),
+        Column::real("probability", asked.iter().map(|one| network.vessel(one.row).evidence.map_or(f64::NAN, |e| e.probability))),
+        Column::whole("kept", asked.iter().map(|one| usize::from(kept[one.row]))),
         Column::real("hangs_mm", asked.iter().map(|one| millimetres(one.hangs))),
         Column::real("gain_mm", asked.iter().map(|one| millimetres(one.gain))),
     ]);
     (!asked.is_empty()).then_some(columns)
+}
+
+/// What a person is asked: about the undecided vessels, the parts that nothing connects, and of masks what is kept and probably wrong about much. Nothing
+/// where no probabilities say how doubtful they are.
+///
+/// The gain is what a right answer is expected to put right: the chance that the decision is wrong times the length that hangs on it and its own; of a
+/// part without flow its length.
+pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
+    if !outcome.rule.asks_evidence() {
+        return Vec::new();
+    }
+    let (network, answer) = (outcome.network, outcome.answer);
+    let hangs = dependents(network, &answer.kept);
+    let wrong = |row: usize| {
+        network.vessel(row).evidence.map_or(0.0, |e| if answer.kept[row] { 1.0 - e.probability } else { e.probability })
+    };
+    let one_by_one = matches!(outcome.rule, Keep::BestFirst(_) | Keep::Reconnect(_));
+    let costs =
+        |row: &usize| one_by_one && answer.kept[*row] && outcome.result.uncertain[*row] && wrong(*row) * hangs[*row] > WORTH;
+    let mut asked = loose_parts(outcome);
+    let mut rows: BTreeSet<usize> = answer.undecided.iter().copied().chain((0..network.vessel_count()).filter(costs)).collect();
+    for part in &asked {
+        rows.remove(&part.row);
+    }
+    asked.extend(rows.into_iter().map(|row| {
+        let [a, b] = network.ends(row).map(|node| &*network.node(node).id);
+        let vessel = network.vessel(row);
+        let words = match vessel.origin {
+            Origin::Candidate => format!("Does a vessel go on from {a} to {b}?"),
+            _ => format!("Are {a} and {b} of one vessel, or do two only touch here?"),
+        };
+        let at = network.middle_of(network.ends(row), vessel);
+        Question {
+            row,
+            kind: vessel.origin.name(),
+            at,
+            words,
+            hangs: hangs[row],
+            gain: wrong(row) * (hangs[row] + vessel.length),
+        }
+    }));
+    asked.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.row.cmp(&b.row)));
+    asked
 }
 
 /// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it,
@@ -108,7 +129,7 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
             millimetres(length[part])
         );
         let at = network.node(node).position.unwrap_or_default();
-        Some(Question { row, kind: "part", at, words, hangs: length[part], gain: length[part] })
+        Some(Question { row, kind: PART, at, words, hangs: length[part], gain: length[part] })
     };
-    (0..parts.count).filter(|part| !carries[*part] && length[*part] >= LOOSE).filter_map(question).collect()
+    (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).filter_map(question).collect()
 }
