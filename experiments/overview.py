@@ -55,7 +55,7 @@ inflow = {name: sum(float(r["flow_mL_per_min"]) for r in flows if r["vessel"].en
 named = {r["level"]: r["M1 and M2 as one"] for r in in_readme("labels", "patients:begin")}
 drawn = in_readme("phenotypes", "literature")[-1]["willis, nothing but the file"].strip("*")
 relations = [[cell.strip() for cell in line.strip("|\n").split("|")] for line in (HERE / "metamorphic/table.md").read_text().splitlines()[2:]]
-kills = in_readme("faults", "kills")
+kills = in_readme("faults", "kills:begin")
 nothing = in_readme("compare", "rates:begin")[0]
 gains = [r for r in rows("variance") if r["kind"] == "scheme" and r["equal_cost"]]
 best = max(gains, key=lambda r: float(r["equal_cost"]))
@@ -76,7 +76,7 @@ lines = [
     ["`phenotypes`", "Which segments of the circle are there, with landmarks and with nothing but the file?", f"drawn circles, with nothing but the file: {drawn} variants exact"],
     ["`metamorphic`", "How far does an answer move where the same vessels are described in another way?", f"{len(relations)} relations: {sum(int(r[4]) for r in relations)} decisions flip, {sum(int(r[5]) for r in relations)} roles differ"],
     ["`compare`", "Does a comparison of groups find a difference where there is one, and none where there is none?", f"no difference: {nothing['any, by Holm']} of {nothing['draws']} draws with any p of Holm <= 0.05; intervals hold 0 in {nothing['interval holds 0']}"],
-    ["`faults`", "What stands after a kill at a system call that changes a file?", f"{sum(int(r['kills']) for r in kills)} kills, {sum(int(r['wrong']) for r in kills)} wrong"],
+    ["`faults`", "What stands after a kill or an error at a system call of each command that writes?", f"{len(kills)} commands, {sum(int(r['tried']) for r in kills):,} kills and errors, {sum(int(r['wrong']) for r in kills)} wrong"],
     ["`variance`", "Would antithetic, stratified or low-discrepancy masks, or control variates, reduce the error of L at the same cost?", f"the best median ratio of standard errors at equal cost: {float(best['equal_cost']):.2f} ({best['scheme']}, {best['graph']})"],
 ]
 lines = [[name, question, "stale" if is_stale(name.strip("`")) else said] for name, question, said in lines]

@@ -5,7 +5,7 @@ A call is tried where it touches the working folder: each that moves, removes, m
 turn the output is new, replaces an earlier one (--force), or must be refused, as it is there. After a kill or an error each part of
 the output is absent, the earlier or the new one, and never another; a command that ends well has written all; one that is refused has
 touched nothing; one line says what is wrong; and the same command again gives the bytes of a run that nobody disturbed, and leaves nothing hidden.
-Makes the table of this folder's README.
+Makes the rows of the table of this folder's README: of all commands, or of those named.
 
     kills.py WILLIS [COMMAND...]
 """
@@ -24,6 +24,8 @@ import time
 
 HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent))
+
+import common
 
 CHANGES = "rename,renameat,renameat2,unlink,unlinkat,rmdir,mkdir,mkdirat,fsync,fdatasync,flock,openat,write,pwrite64,ftruncate,copy_file_range,sendfile"
 LOOKS = "openat,read,pread64,stat,lstat,statx,newfstatat,lseek,getdents64,mmap"
@@ -325,11 +327,12 @@ def main():
             figures = [counts[key] for key in ("uses", "tried", "kills", "errors", "absent", "old", "new", "between", "aside", "wrong")]
             rows.append([f"`{name}`", *map(str, figures)])
             print(" | ".join(rows[-1]), flush=True)
-    if not chosen:
-        import common
-
-        header = ["command", "uses", "tried", "kills", "errors told", "absent", "earlier", "new", "parts", "put aside", "wrong"]
-        common.splice(HERE / "README.md", "kills", common.table(header, rows))
+    readme = HERE / "README.md"
+    stood = {row[0]: row for row in ([cell.strip() for cell in line.strip("|").split("|")] for line in readme.read_text().splitlines() if line.startswith("| `"))}
+    stood |= {row[0]: row for row in rows}
+    names = [f"`{name}`" for name, *_ in COMMANDS]
+    header = ["command", "calls", "tried", "kills", "errors told", "absent", "earlier", "new", "parts", "put aside", "wrong"]
+    common.splice(readme, "kills", common.table(header, [stood[name] for name in names if name in stood]))
     if faults:
         sys.exit(f"{faults} faults")
 

@@ -109,7 +109,7 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     let mut best: Vec<Option<(f64, f64, usize, usize)>> = vec![None; parts.count];
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let of = ends.map(|node| parts.of_node[node]);
-        let chance = match (vessel.origin, vessel.evidence) {
+        let chance = match (vessel.origin, vessel.evidence()) {
             (Origin::Observed, _) => -1.0,
             (_, Some(evidence)) if !answer.kept[row] && of[0] != of[1] && evidence.probability > 0.0 => evidence.probability,
             _ => continue,

@@ -60,6 +60,7 @@ pub struct Extraction {
     pub largest: Largest,
     /// The median distance between consecutive points, m, positive.
     pub spacing: f64,
+    /// The branches as a graph.
     pub graph: BranchGraph,
     pub(crate) index: PointIndex,
 }
