@@ -166,7 +166,7 @@ def contents(here, inputs):
 
 
 def hidden(here):
-    return [str(path.relative_to(here)) for path in here.rglob(".*")]
+    return [str(path.relative_to(here)) for path in here.rglob(".willis*")]
 
 
 def parts(found, how):
@@ -249,7 +249,7 @@ def trial(root, made, words, how, fault, setting, at, calls):
             why.append(f"status {done.returncode}: {done.stderr}")
         if done.returncode in (1, 2) and not said:
             why.append(f"no error: {done.stderr}")
-        if setting == "refused" and what != "old":
+        if setting == "refused" and found != old:
             why.append(f"what was to be refused is {what}")
     if setting == "refused":
         again = willis(here, *words, wrapper=["env"])
