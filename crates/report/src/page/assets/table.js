@@ -1,7 +1,7 @@
 // A table that sorts by any column, filters by text, and shows a page of its rows at a time.
 const ROWS_A_PAGE = 100;
 // Columns that the page computes with and that the tables leave out.
-const UNSHOWN = new Set(["uncertain", "loose_mm", "attached_a", "attached_b", "alone"]);
+const UNSHOWN = new Set(["uncertain", "loose_mm", "loop_mm", "attached_a", "attached_b", "alone"]);
 
 class Sheet {
   // `live` are columns that change while the page is open; `picks(row)` is called with the vessel whose row was chosen.
