@@ -82,7 +82,7 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
 /// Of each independent loop of the vessels `kept` the least probable one that is not given, with the length of the way round it, m: what a spanning forest
 /// of the most probable vessels leaves over (Kruskal's algorithm).
 pub fn weakest_of_loops(network: &Network, kept: &[bool]) -> Vec<(usize, f64)> {
-    let chance = |row: usize| network.vessel(row).evidence.map_or(1.0, |evidence| evidence.probability);
+    let chance = |row: usize| network.vessel(row).evidence().map_or(1.0, |evidence| evidence.probability);
     let mut rows: Vec<usize> = (0..network.vessel_count()).filter(|row| kept[*row]).collect();
     rows.sort_by(|a, b| chance(*b).total_cmp(&chance(*a)).then(a.cmp(b)));
     let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); network.node_count()];
