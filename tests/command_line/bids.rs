@@ -188,6 +188,11 @@ fn the_table_is_one_of_bids() {
     for ending in ["tsv", "json"] {
         fs::copy(out.join(format!("group_willis.{ending}")), out.join(format!("phenotype/willis.{ending}"))).expect("copied");
     }
+    // What a group leaves that is killed when its table is whole, the next clears, which has nothing to write.
+    let left = out.join(".willis-group_willis.tsv");
+    fs::create_dir(&left).and_then(|()| fs::write(left.join("lock"), "")).expect("made");
+    assert_eq!(bids(&here, &["group"]).0, Some(0));
+    assert!(!left.exists());
     assert!(faults(&out).is_none_or(|faults| faults.is_empty()), "{:?}", faults(&out));
     // A test of the test: the validator sees a fault.
     fs::write(out.join("phenotype/willis.tsv"), "kept\n1\n").expect("written");
