@@ -226,6 +226,7 @@ impl Inference {
             boundary,
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,
+            arteries: self.prepared.arteries.as_ref().map_or(&[], |found| found.names()),
             image_cuts: &self.prepared.image_cuts,
             segmentation: self.prepared.segmentation.as_ref(),
             result: &self.likelihood,

@@ -26,6 +26,8 @@ pub struct Outcome<'a> {
     pub suggested_cuts: &'a [SuggestedCut],
     /// How the vessels at each opened contact may be paired.
     pub pairings: &'a [Pairings],
+    /// The names of observed vessels by row, where arteries were named by their geometry.
+    pub arteries: &'a [(usize, String)],
     /// What an image shows along doubtful vessels, by row.
     pub image_cuts: &'a [ImageCut],
     /// The segmentation that they were found in, where they were.

@@ -31,6 +31,7 @@ const RUN: Template = Template {
         include_str!("assets/shape.js"),
         include_str!("assets/overlay.js"),
         include_str!("assets/scene.js"),
+        include_str!("assets/flows.js"),
         include_str!("assets/gestures.js"),
         include_str!("assets/rules.js"),
         include_str!("assets/threshold.js"),

@@ -13,6 +13,10 @@ class Overlay {
     // `{at, text}` of places of edits.
     this.places = [];
     this.namesShown = true;
+    // `{at, towards, reversed}`: which way blood flows; and `{at, text}` of what a simulation changed.
+    this.arrows = [];
+    this.changes = [];
+    this.flowShown = true;
     // `{at, row}` of what is selected.
     this.picked = null;
     this.legend = null;
@@ -31,8 +35,9 @@ class Overlay {
     ink.textBaseline = "middle";
     this.ring(ink, w, h);
     const taken = [];
-    for (const place of this.places) this.dot(ink, w, h, place);
-    for (const label of [...this.chances, ...this.places.filter(place => place.text)]) this.label(ink, w, h, label, taken);
+    if (this.flowShown) for (const arrow of this.arrows) this.arrow(ink, w, h, arrow);
+    for (const place of [...this.places, ...this.changes]) this.dot(ink, w, h, place);
+    for (const label of [...this.chances, ...this.changes, ...(this.flowShown ? this.arrows.filter(arrow => arrow.text) : []), ...this.places.filter(place => place.text)]) this.label(ink, w, h, label, taken);
     if (this.namesShown) for (const label of this.names) this.label(ink, w, h, label, taken);
     this.edges(ink, w, h);
     this.cross(ink, w, h);
@@ -80,6 +85,23 @@ class Overlay {
       ink.arc(x, y, r, 0, 2 * Math.PI);
       ink.fill();
     }
+  }
+
+  // An arrowhead along a vessel, where it is seen from the side; one of a flow that turned round is red.
+  arrow(ink, w, h, { at, towards, reversed }) {
+    const [x, y] = this.on(w, h, at), [right, up] = this.scene.camera.turn, d = [dot(right, towards), -dot(up, towards)];
+    const long = Math.hypot(...towards), seen = Math.hypot(...d);
+    if (!(seen > 0.3 * long)) return;
+    const [a, b] = d.map(c => c / seen), r = reversed ? 9 : 6.5;
+    ink.beginPath();
+    ink.moveTo(x + r * a, y + r * b);
+    for (const side of [1, -1]) ink.lineTo(x - r * (0.8 * a - side * 0.75 * b), y - r * (0.8 * b + side * 0.75 * a));
+    ink.closePath();
+    ink.lineWidth = 1.5;
+    ink.strokeStyle = reversed ? "#fff" : "#1a1a1a";
+    ink.fillStyle = reversed ? "#c8102e" : "#fff";
+    ink.fill();
+    ink.stroke();
   }
 
   ring(ink, w, h) {
@@ -155,11 +177,9 @@ class Overlay {
 
 // One name for each label, at the middle of its longest vessel.
 function namesOf(shape, vessels) {
-  const labels = vessels.find("label");
-  if (!labels?.text) return [];
   const longest = new Map(), lengths = vessels.find("length_mm");
   for (let row = 0; row < vessels.rows; row++) {
-    const text = labels.at(row), length = lengths ? lengths.at(row) : 0;
+    const text = nameOf(row), length = lengths ? lengths.at(row) : 0;
     if (text && !(longest.get(text)?.length >= length)) longest.set(text, { row, length });
   }
   if (longest.size > MOST_NAMES) return [];

@@ -17,16 +17,24 @@ class Shape {
 
   // The middle of a vessel along its course, mm.
   middle(row) {
+    return this.halfway(row).at;
+  }
+
+  // The same with the direction of the course there.
+  halfway(row) {
     const { points, starts } = this, [from, to] = [starts[row], starts[row + 1] - 1];
     let left = 0;
     const step = i => Math.hypot(...[0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]));
     for (let i = from; i < to; i++) left += step(i) / 2;
     for (let i = from; i < to; i++) {
       const length = step(i);
-      if (left <= length) return [0, 1, 2].map(axis => points[4 * i + axis] + (length > 0 ? left / length : 0) * (points[4 * i + 4 + axis] - points[4 * i + axis]));
+      if (left <= length) {
+        const towards = [0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]);
+        return { at: towards.map((d, axis) => points[4 * i + axis] + (length > 0 ? left / length : 0) * d), towards };
+      }
       left -= length;
     }
-    return [0, 1, 2].map(axis => points[4 * from + axis]);
+    return { at: [0, 1, 2].map(axis => points[4 * from + axis]), towards: [0, 0, 0] };
   }
 
   // The direction in which a vessel leaves one of its ends, over some radii, and its radius there.
