@@ -3,10 +3,11 @@ const DIRECTIONS = { RAS: [["R", "L"], ["A", "P"], ["S", "I"]], LPS: [["L", "R"]
 const MOST_NAMES = 60;
 
 class Overlay {
-  constructor(scene, frame) {
+  // `sides`: as `sidesOf`, where labels alone say them.
+  constructor(scene, frame, sides) {
     this.scene = scene;
-    this.letters = DIRECTIONS[frame] || [["x", ""], ["y", ""], ["z", ""]];
-    this.known = frame in DIRECTIONS;
+    this.axes = (DIRECTIONS[frame] || [["x"], ["y"], ["z"]]).map(([name]) => name);
+    this.letters = DIRECTIONS[frame] || [0, 1, 2].map(axis => axis === sides?.axis ? sides.names : ["", ""]);
     // `{at: [x, y, z], text, strong}` in mm.
     this.names = [];
     this.chances = [];
@@ -124,7 +125,6 @@ class Overlay {
   }
 
   edges(ink, w, h) {
-    if (!this.known) return;
     const [right, up] = this.scene.camera.turn, minus = v => v.map(x => -x);
     const style = { colour: "#444", weight: "bold" };
     this.text(ink, this.towards(minus(right)), 14, h / 2, style);
@@ -136,7 +136,7 @@ class Overlay {
   // Three short axes in the lower right corner.
   cross(ink, w, h) {
     const { turn } = this.scene.camera, [x, y] = [w - 44, h - 44];
-    const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.letters[axis][0] }));
+    const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.axes[axis] }));
     for (const arm of arms.sort((a, b) => a.z - b.z)) {
       ink.strokeStyle = arm.z < -0.05 ? "#999" : "#333";
       ink.lineWidth = 2;

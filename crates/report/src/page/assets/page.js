@@ -342,9 +342,10 @@ function showScene() {
     return;
   }
   scene = new SceneView(data.scene, vessels, frame, data.segmentation);
-  slices = data.segmentation && threshold ? new Slices(data.segmentation, scene.shape, frame) : null;
+  slices = data.segmentation && threshold ? new Slices(data.segmentation, scene.shape, frame, scene.camera.along) : null;
   const names = { y: "y", x: "x", z: "z" };
   byId("sides-note").hidden = frame in ANATOMICAL;
+  if (scene.sidesOfLabels) byId("sides-note").textContent = "The input states no frame: left and right in the view are those of the labels.";
   if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
   listen(scene, {
     pick: row => {

@@ -2,15 +2,12 @@
 // How far a slice reaches from the place, and vessels from a slice, mm; its pixels.
 const SLICE_REACH = 12, SLAB = 0.75, ACROSS_SLICE = 160;
 const PLANES = { z: "axial", y: "coronal", x: "sagittal" };
-// To the right, up, and towards the reader.
-const PLAIN = { z: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], y: [[1, 0, 0], [0, 0, 1], [0, -1, 0]], x: [[0, 1, 0], [0, 0, 1], [1, 0, 0]] };
 
 class Slices {
-  constructor(segmentation, shape, frame) {
-    Object.assign(this, { segmentation, shape, frame });
+  constructor(segmentation, shape, frame, views) {
+    Object.assign(this, { segmentation, shape, frame, views });
     this.inside = voxelsOf(segmentation);
     this.inverse = inverseOf(segmentation.affine);
-    this.views = ANATOMICAL[frame] ?? PLAIN;
   }
 
   // The figures of a vessel; `others` are drawn too where they are not kept.
