@@ -227,7 +227,7 @@ impl Inference {
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,
             arteries: self.prepared.arteries.as_ref().map_or(&[], |found| found.names()),
-            image_cuts: &self.prepared.image_cuts,
+            image_places: &self.prepared.image_places,
             segmentation: self.prepared.segmentation.as_ref(),
             result: &self.likelihood,
             rule: *keep,

@@ -103,7 +103,7 @@ pub fn page(
         facts: facts(&record, &names),
         phenotype,
         colourings: colourings(unit, evidence),
-        image_cuts: outcome.image_cuts.to_vec(),
+        image_places: outcome.image_places.to_vec(),
         segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold),
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]

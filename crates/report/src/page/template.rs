@@ -40,7 +40,6 @@ const RUN: Template = Template {
         include_str!("assets/review.js"),
         include_str!("assets/histogram.js"),
         include_str!("assets/table.js"),
-        include_str!("assets/image.js"),
         include_str!("assets/slices.js"),
         include_str!("assets/record.js"),
         include_str!("assets/circle.js"),

@@ -35,11 +35,10 @@ function showPicked() {
   const label = nameOf(row);
   const rest = [...of.columns.filter(c => c.name !== "label" && !UNSHOWN.has(c.name)), ...live];
   const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
-  const image = of === vessels ? imageOf(row) : null;
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
   const cuts = beside && slices ? slices.of(row, threshold.rivals(row).filter(other => !(threshold.chance(other) < UNLIKELY)), other => Boolean(threshold.kept[other])) : null;
-  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, image, beside,
+  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
 
@@ -342,7 +341,7 @@ function showScene() {
     return;
   }
   scene = new SceneView(data.scene, vessels, frame, data.segmentation);
-  slices = data.segmentation && threshold ? new Slices(data.segmentation, scene.shape, frame, scene.camera.along) : null;
+  slices = threshold ? new Slices(data.segmentation, data.image_places, scene.shape, frame, scene.camera.along) : null;
   const names = { y: "y", x: "x", z: "z" };
   byId("sides-note").hidden = frame in ANATOMICAL;
   if (scene.sidesOfLabels) byId("sides-note").textContent = "The input states no frame: left and right in the view are those of the labels.";

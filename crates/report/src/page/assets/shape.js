@@ -37,6 +37,24 @@ class Shape {
     return { at: [0, 1, 2].map(axis => points[4 * from + axis]), towards: [0, 0, 0] };
   }
 
+  // The course of a vessel: its length, and where it is and where it goes at a distance (mm) from its middle, straight on beyond its ends.
+  course(row) {
+    const { points, starts } = this, place = i => [points[4 * i], points[4 * i + 1], points[4 * i + 2]], line = [];
+    for (let i = starts[row]; i < starts[row + 1]; i++) {
+      const p = place(i), last = line.at(-1), step = last ? Math.hypot(...p.map((x, k) => x - last.p[k])) : 0;
+      if (!last || step > 0) line.push({ p, s: last ? last.s + step : 0 });
+    }
+    const length = line.at(-1).s;
+    const at = by => {
+      const s = by + length / 2;
+      let k = 1;
+      while (k < line.length - 1 && line[k].s < s) k += 1;
+      const [a, b] = [line[k - 1], line[k]], towards = a && b ? b.p.map((x, i) => (x - a.p[i]) / (b.s - a.s)) : [0, 0, 1];
+      return { at: a.p.map((x, i) => x + (s - a.s) * towards[i]), towards };
+    };
+    return { length, at };
+  }
+
   // The direction in which a vessel leaves one of its ends, over some radii, and its radius there.
   leaving(row, end) {
     const { points, starts } = this, step = end === 0 ? 1 : -1;
