@@ -21,6 +21,8 @@ const COHORT: Template = Template {
         include_str!("assets/data.js"),
         include_str!("assets/table.js"),
         include_str!("assets/distribution.js"),
+        include_str!("assets/zip.js"),
+        include_str!("assets/walk.js"),
         include_str!("assets/cohort.js"),
     ],
 };
@@ -47,6 +49,7 @@ pub fn write_cohort_page(
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
+        "walks": about.command != "classify" && about.command != "label",
         "opens": PAGE,
         "table": encode::table(&table)?,
     });

@@ -66,6 +66,7 @@ function showPersons() {
   };
   byId("more-cards").addEventListener("click", more);
   more();
+  if (data.walks) new Walk(order.filter(row => !bad(row) && page(row).endsWith(".html")));
 }
 
 function showFailures() {

@@ -56,7 +56,7 @@ function showChoice() {
 function decideHere(decision) {
   const row = picked, again = decisions.of(row).decision === decision;
   decisions.decide([row], again ? null : decision);
-  if (!again) review.step(1);
+  if (!again && review.open.length) review.step(1);
 }
 
 // Flies to an uncertain connection and shows its alternatives; to any other vessel as a selection does.
@@ -355,7 +355,7 @@ function showScene() {
     hover: showTooltip,
     whole: () => { scene.showAll(); dress(); },
     step: by => {
-      if (review?.items.length) { if (review.open.length) review.step(by); }
+      if (review?.items.length || parent !== window) review?.step(by);
       else pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows);
     },
     key: name => {

@@ -29,7 +29,7 @@ class Review {
   // The next or previous that is open; from the one that was decided or is open no more, the first.
   step(by) {
     const { open } = this;
-    if (!open.length) return;
+    if (!open.length) return this.decisions.tell({ willis: "next" });
     const at = open.findIndex(item => item.row === this.current);
     this.goes(open[at < 0 ? (by > 0 ? 0 : open.length - 1) : (at + by + open.length) % open.length].row);
   }

@@ -121,11 +121,11 @@ class Slices {
     const across = s => { const { at, towards } = course.at(s); return { at, near: towards, right: unit(fixed.map((x, k) => x - dot(fixed, towards) * towards[k])) }; };
     const square = s => { const { at, near, right } = across(s); return { origin: at, right, up: cross(near, right), near }; };
     return [...planes,
-      { name: "along the connection, straightened", unit: "°", range: { min: -90, max: 90, step: 5 }, at: turn => {
+      { name: "straightened", unit: "°", range: { min: -90, max: 90, step: 5 }, at: turn => {
         const [c, s] = [Math.cos(turn * Math.PI / 180), Math.sin(turn * Math.PI / 180)];
         return { ...square(0), length: course.length, bent: a => { const { origin: from, right, up } = square(a); return { from, up: right.map((x, k) => c * x + s * up[k]), near: right.map((x, k) => c * up[k] - s * x) }; } };
       } },
-      { name: "across the connection", unit: "mm", range: { min: -10, max: 10, step: 0.25 }, at: square }];
+      { name: "across it", unit: "mm", range: { min: -10, max: 10, step: 0.25 }, at: square }];
   }
 
   // How bright the pixels are: the brightest within the slab, or the darkest where vessels are dark.
