@@ -204,16 +204,21 @@ class SceneView {
 
   paintVessels() {
     const seen = this.hull && this.hullShown && !(this.hullIsSlow && this.moving);
-    this.painter.paint(this.camera, seen ? { lift: this.voxel, focus: this.focus } : null);
+    this.painter.paint(this.camera, seen ? { lift: this.voxel, focus: this.focus } : null, this.isSlow && this.moving);
   }
 
-  // Whether a frame with the surface takes long here, as without a graphics card: then it is left out while the view moves.
+  // Whether a frame takes long here, as without a graphics card: then the picture is coarser while the view moves; and whether one with the
+  // surface does: then that is left out.
   time() {
-    this.painter.finish();
-    const from = performance.now();
-    this.paintVessels();
-    this.painter.finish();
-    this.hullIsSlow = performance.now() - from > SLOW;
+    const took = hull => {
+      this.painter.finish();
+      const from = performance.now();
+      this.painter.paint(this.camera, hull, false);
+      this.painter.finish();
+      return performance.now() - from;
+    };
+    this.isSlow = took(null) > SLOW / 2;
+    if (this.hull && this.hullShown) this.hullIsSlow = took({ lift: this.voxel, focus: this.focus }) > SLOW;
   }
 
   // Paints a view that moves.
@@ -229,8 +234,8 @@ class SceneView {
 
   frame() {
     if (!this.colour) return;
+    if (this.painter.finish && this.canvas.width > 1 && (this.isSlow === undefined || this.hull && this.hullShown && this.hullIsSlow === undefined)) this.time();
     this.paintVessels();
-    if (this.hull && this.hullShown && this.hullIsSlow === undefined && this.canvas.width > 1) this.time();
     this.overlay.draw(this.over.getContext("2d"), this.camera.size, this.ratio, false);
   }
 
