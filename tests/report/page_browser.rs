@@ -34,6 +34,10 @@ fn pages_work_in_chromium() {
     let scan = data("scan.nii.gz");
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "one.swc", "-q"]);
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
+    run(
+        here.path(),
+        &["phantom", "tree", "--break", "--spacing", "0.7mm", "-o", "seen.nii.gz", "--image", "image.nii", "-q"],
+    );
     let complete = data("circle-of-willis/complete.graphml");
     fs::write(here.path().join("line.swc"), "1 0 0 0 0 1 -1\n2 0 5 0 0 1 1\n3 0 10 0 0 1 2\n").expect("written");
     fs::write(
@@ -42,7 +46,7 @@ fn pages_work_in_chromium() {
     )
     .expect("written");
     run(here.path(), &["phantom", "cerebral", "-o", "control.swc", "-q"]);
-    let runs: [(&str, &[&str]); 16] = [
+    let runs: [(&str, &[&str]); 17] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
@@ -51,6 +55,7 @@ fn pages_work_in_chromium() {
         ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
         ("certain", &["infer", "line.swc", "-n", "64"]),
         ("contacts", &["infer", &scan, "-n", "64"]),
+        ("image", &["infer", "seen.nii.gz", "--image", "image.nii", "-n", "64"]),
         ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
         ("circle", &["infer", "one.swc", "--landmarks", "one.landmarks.csv", "-n", "64"]),
         ("classified", &["classify", "circle"]),

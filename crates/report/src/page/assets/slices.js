@@ -81,7 +81,7 @@ class Slices {
     const figures = this.viewsOf(row).map(figure), again = () => shows.forEach(show => show());
     const controls = volumes[0].name === "image" ? this.controls(volumes, again) : null;
     again();
-    return make("div", {}, make("div", { class: "slices" }, ...figures), ...(controls ? [controls] : []));
+    return make("div", {}, make("div", { class: "slices", "data-at": this.shape.middle(row).join(" ") }, ...figures), ...(controls ? [controls] : []));
   }
 
   // Level, window and slab of the image, and what is shown.
