@@ -11,8 +11,8 @@ use serde_json::{Value, json};
 use super::content::{Page, PageTable};
 use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
-use willis_io::formats::{Column, Texts, Values};
 use willis_core::network::units::millimetres;
+use willis_io::formats::{Column, Texts, Values};
 use willis_io::masks::cubes::{SIDE, STEP};
 
 /// Steps of the colour map; the page interpolates between them.
