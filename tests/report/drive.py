@@ -22,7 +22,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
 from drive_surface import check_cube, check_slices, check_surface
-from drive_words import check_classified, check_coarse, check_names, check_simulated, check_walk
+from drive_words import check_classified, check_coarse, check_names, check_print, check_simulated, check_walk
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -444,6 +444,7 @@ def main():
                 check_simulated(page)
                 check_names(page)
                 check_coarse(page)
+                check_print(page)
                 if page.record["parameters"].get("image"):
                     check_cube(page)
                 if page.one("#hull").is_displayed():

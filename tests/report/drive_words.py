@@ -72,6 +72,26 @@ def check_classified(page):
     page.no_error()
 
 
+def check_print(page):
+    """A print has every row of a table, no wider than the paper, and no word of a header in two lines."""
+    driver = page.driver
+    if len(page.edges) > 1000:
+        return
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", dict(width=1046, height=718, deviceScaleFactor=1, mobile=False))
+    driver.execute_script("window.dispatchEvent(new Event('beforeprint'))")
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    rows, wide, high = driver.execute_script("""const t = document.querySelector('#sheet table'); return [t.tBodies[0].rows.length, t.getBoundingClientRect().width, Math.max(...[...t.tHead.rows[0].cells].map(cell => {
+      const range = document.createRange();
+      return Math.max(...[...cell.firstElementChild.childNodes].filter(node => node.nodeType === 3).map(node => { range.selectNode(node); return range.getClientRects().length; }));
+    }))]""")
+    held = int(re.search(r"\((\d+)\)", page.text("#tabs [aria-selected=true]"))[1])
+    assert rows == held and wide <= 1046 and high == 1, (rows, wide, high)
+    driver.execute_script("window.dispatchEvent(new Event('afterprint'))")
+    driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+    assert driver.execute_script("return document.querySelectorAll('#sheet tbody tr').length") <= 100
+
+
 def check_coarse(page):
     """A large network that is drawn slowly moves as a coarser picture of the same view."""
     if len(page.edges) < 10_000:
