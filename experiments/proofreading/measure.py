@@ -29,6 +29,8 @@ FIGURES = ("path", "nrun", "join_f1", "cut_recall", "lost_connections", "cycles"
 SITE = 4.0
 #: A person follows a vessel so far from where it touches another, mm, and sees a place as on a vessel so near to its line.
 FOLLOWED, ON = 15.0, 1.5
+#: So many decisions are made on a list, before the run is made again with them and has a new one.
+AT_ONCE = 10
 
 
 class Person:
@@ -46,10 +48,12 @@ class Person:
         self.rows, self.right = proofread.truth(self.case, self.first)
         self.gaps = {frozenset(pair[:2]) for pair in self.case.near if pair[3] == "gap"}
         for row, yes in self.right.items():
-            if yes is False and self.rows[row]["origin"].strip() == "candidate":
+            if yes is False and self.is_candidate(row):
                 self.right[row] = self.along(self.rows[row])
         self.ids = [row["id"] for row in common.rows(self.first / "nodes.csv")]
-        self.kept = [bool(float(row["kept"] or 0)) for row in self.rows]
+
+    def is_candidate(self, row):
+        return self.rows[row]["origin"].strip() == "candidate"
 
     def along(self, row):
         """Whether a candidate that makes none of the case's links goes along the tracing all the same: over a gap of it, or else nobody can say."""
@@ -158,8 +162,8 @@ class Person:
         sides = lambda fusion: [[node - 1 for node in side] for side in fusion["sides"]]
         return [fusion for fusion in self.case.t["fusions"] if fusion["sides"] and met(net.local(fusion["place"], fusion["reach_mm"], sides(fusion)))]
 
-    def joins(self, net):
-        """A vessel for each stretch of the tracing that the answer lacks, from where its lines show it to where they do again."""
+    def missing(self, net):
+        """Each stretch of the tracing that the answer lacks, as stations from where its lines show it to where they do again."""
         case = self.case
         held = lambda a, b, centre, reach: set.intersection(*net.local(centre, reach, [case.sides[a], case.sides[b]]))
         shown = {station for station, side in enumerate(case.sides) if side and net.kd.query(self.place(station))[0] <= ON}
@@ -174,7 +178,7 @@ class Person:
                 while way[-1] not in shown and len(further := absent[way[-1]] - {way[-2]}) == 1:
                     way.append(*further)
                 if way[-1] in shown and start < way[-1]:
-                    found.append(self.join(way))
+                    found.append(way)
         return found
 
     def join(self, way):
@@ -187,59 +191,93 @@ class Person:
         between = [case.station[station] for station in way[1:-1]]
         return "join", " + ".join(" ".join(f"{x:.3f}" for x in place) for place in [first, *between, last])
 
-    def answer(self, row):
-        """What is said to the question of a row: a contact of a fusion is parted, all else accepted or rejected; none where the tracing does not say."""
+    def answers(self, row, at, absent):
+        """What is said to the question of a row: a contact of a fusion is parted, all else accepted or rejected; nothing where the tracing does not say.
+        Where a wrong candidate ends, the right candidate is said if there is one, else where the tracing goes on."""
         if self.rows[row]["origin"].strip() == "contact":
-            at = [float(self.rows[row][name]) for name in ("ax_mm", "ay_mm", "az_mm")]
             away = lambda fusion: np.linalg.norm(np.subtract(fusion["place"], at)) - fusion["reach_mm"]
             near = min((fusion for fusion in self.case.t["fusions"] if fusion["sides"]), key=away, default=None)
             if near and away(near) <= 0 and (parted := self.part(near)):
-                return parted
-        if self.right.get(row) is not False:
-            return None if self.right.get(row) is None else (row, True)
-        # Where a wrong candidate ends, the right one is said if it is among those that are shown beside it.
-        if self.rows[row]["origin"].strip() == "contact":
-            return row, False
-        ends = lambda of: {self.rows[of][end] for end in ("node_a", "node_b")}
-        beside = [other for other, yes in self.right.items() if yes and self.rows[other]["origin"].strip() == "candidate" and ends(other) & ends(row)]
-        return (max(beside, key=lambda other: float(self.rows[other]["probability"])), True) if beside else (row, False)
+                return [parted]
+        if self.right.get(row):
+            return [(row, True)]
+        if self.is_candidate(row) and self.right[row] is None:
+            return []
+        said = []
+        for end in "ab" if self.is_candidate(row) else "":
+            place = [float(self.rows[row][end + axis]) for axis in ("x_mm", "y_mm", "z_mm")]
+            node = self.rows[row]["node_" + end]
+            beside = [other for other, yes in self.right.items() if yes and self.is_candidate(other) and node in (self.rows[other]["node_a"], self.rows[other]["node_b"])]
+            away = lambda way: min(np.linalg.norm(self.case.station[way[at]] - place) for at in (0, -1))
+            way = min(absent, key=away, default=None)
+            if beside:
+                said.append((max(beside, key=lambda other: float(self.rows[other]["probability"])), True))
+            elif way and away(way) <= SITE:
+                said.append(self.join(way))
+        return said or [(row, False)] if self.right.get(row) is False else said
 
-    def questions(self, order):
-        """Rows in an order."""
+    def where(self, at, net, absent):
+        """What is said of a part that nothing connects: the right candidate that leads out of it if there is one, else where the tracing goes on."""
+        part = lambda place: net.comp[net.kd.query(place)[1]]
+        loose = part(at)
+        size = np.bincount(net.comp)
+        ends = lambda row: [[float(row[end + axis]) for axis in ("x_mm", "y_mm", "z_mm")] for end in "ab"]
+        leads = lambda places: (two := list(map(part, places))) and two[0] != two[1] and loose in two and size[two].sum()
+        found = [(leads(ends(self.rows[row])), (row, True)) for row, yes in self.right.items() if yes and self.is_candidate(row)]
+        found += [(leads([self.place(way[0]), self.place(way[-1])]), self.join(way)) for way in absent]
+        most, said = max(found, key=lambda one: one[0], default=(0, None))
+        return [said] if most else []
+
+    def questions(self, order, out):
+        """Rows of an answer in an order, and the places of the questions."""
+        rows = common.rows(out / "edges.csv")[: len(self.rows)]
+        middle = lambda row: [(float(row["a" + axis]) + float(row["b" + axis])) / 2 for axis in ("x_mm", "y_mm", "z_mm")]
         if order == "review":
-            return [int(row["edge"]) for row in common.rows(self.first / "review.csv")]
-        doubt = lambda row: -(p := float(self.rows[row]["probability"])) * (1 - p)
-        rows = sorted(self.right, key=doubt)
+            asked = common.rows(out / "review.csv") if (out / "review.csv").exists() else []
+            return [(row["kind"], int(row["edge"]), [float(row[axis]) for axis in ("x_mm", "y_mm", "z_mm")]) for row in asked if int(row["edge"]) < len(self.rows)]
+        open_rows = [row for row in self.right if rows[row]["probability"] not in ("", "0", "1")]
+        doubt = lambda row: -(p := float(rows[row]["probability"])) * (1 - p)
+        open_rows.sort(key=doubt)
         if order == "chance":
-            random.Random(0).shuffle(rows)
-        return rows
+            random.Random(0).shuffle(open_rows)
+        return [(None, row, middle(rows[row])) for row in open_rows]
 
-    def asked(self, order, count):
-        """The first decisions in an order, and the answer with them."""
-        decisions = []
-        for row in self.questions(order):
-            said = self.answer(row)
-            if said and said not in decisions:
-                decisions.append(said)
-            if len(decisions) == count:
-                break
-        return decisions, self.infer(f"{order}-{count or 'all'}", decisions)
+    def session(self, order, counts):
+        """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and at the end."""
+        decisions, out = [], self.first
+        while True:
+            fresh, (_, net) = [], self.seen(out)
+            absent = self.missing(net)
+            for kind, row, at in self.questions(order, out):
+                if len(fresh) < AT_ONCE:
+                    said = self.where(at, net, absent) if kind == "part" else self.answers(row, at, absent)
+                    fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh]
+            decisions += fresh
+            out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
+            while counts and len(decisions) >= counts[0]:
+                yield counts.pop(0), decisions, out
+            if not fresh:
+                yield "all", decisions, out
+                return
 
-    def right_at_last(self, rounds):
-        """All that is seen to be wrong decided, and what is seen then, as often as that."""
-        said = [self.answer(row) for row, yes in self.right.items() if yes is not None and bool(yes) != self.kept[row]]
-        decisions, out, tried = [], self.first, set()
+    def right_at_last(self, decisions, out, rounds):
+        """After all questions: whatever is seen to be wrong decided, and what is seen then, as often as that."""
+        tried = set()
         for count in range(rounds):
             _, net = self.seen(out)
+            rows = common.rows(out / "edges.csv")
+            absent = self.missing(net)
+            wrong = [row for row, yes in self.right.items() if yes is not None and bool(yes) != bool(float(rows[row]["kept"] or 0)) and self.is_candidate(row)]
+            middle = lambda row: [(float(rows[row]["a" + axis]) + float(rows[row]["b" + axis])) / 2 for axis in ("x_mm", "y_mm", "z_mm")]
+            said = [one for row in wrong for one in self.answers(row, middle(row), absent)]
             left = {tuple(fusion["place"]): fusion for fusion in self.fusions_left(net)}
-            parts = [self.part(fusion) for place, fusion in left.items() if place not in tried]
+            said += [self.part(fusion) for place, fusion in left.items() if place not in tried]
             tried.update(left)
-            wrong = said if count == 0 else []
-            wrong = [*wrong, *(parts if count < 2 else self.joins(net))]
-            fresh = [one for one in dict.fromkeys(wrong) if one and one not in decisions]
+            said += map(self.join, absent)
+            fresh = [one for one in dict.fromkeys(said) if one and one not in decisions]
             if not fresh:
                 break
-            decisions += fresh
+            decisions = decisions + fresh
             out = self.infer(f"right-{count + 1}", decisions)
         return decisions, out
 
@@ -251,13 +289,11 @@ def measured(given, score, proofread):
         work = given.work / given.level / folder.name
         work.mkdir(parents=True, exist_ok=True)
         person = Person(score, proofread, folder, work)
-        sessions = [("review", 0, lambda: ([], person.first))]
+        sessions = [("review", 0, [], person.first)]
         for order in given.orders.split(","):
-            for count in [*map(int, given.decisions.split(",")), None]:
-                sessions.append((order, count or "all", lambda order=order, count=count: person.asked(order, count)))
-        sessions.append(("right", "all", lambda: person.right_at_last(given.rounds)))
-        for order, count, session in sessions:
-            decisions, out = session()
+            sessions += [(order, count, list(said), out) for count, said, out in person.session(order, [*map(int, given.decisions.split(","))])]
+        sessions.append(("right", "all", *person.right_at_last([], person.first, given.rounds)))
+        for order, count, decisions, out in sessions:
             words = collections.Counter(what if isinstance(what, str) else "row" for what, _ in decisions)
             figures = person.seen(out)[0] | {f"decisions_{word}": words[word] for word in ("row", "part", "join")}
             for figure, value in figures.items():

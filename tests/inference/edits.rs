@@ -125,6 +125,20 @@ fn a_group_that_nothing_joins_is_joined_by_a_straight_vessel() {
 }
 
 #[test]
+fn an_edit_sees_the_vessels_of_those_before_it() {
+    let places = [[0.0, 1.0, 0.0], [4.0, 1.0, 0.0], [8.0, 1.0, 0.0], [12.0, 1.0, 0.0], [0.0, -1.0, 0.0], [12.0, -1.0, 0.0]];
+    let gap = drawn(&places, &[[0, 1], [2, 3], [4, 5]]);
+    let before = length(&gap);
+    let mut editor = GraphEditor::new(gap);
+    for edit in ["join 4 1 0 + 8 1 0", "part 2 1 0 + 10 1 0 | 2 -1 0 + 10 -1 0"] {
+        editor.edit(&Edit::try_from(edit.to_owned()).expect("an edit")).expect("edited");
+    }
+    let graph = editor.finish();
+    assert!((length(&graph) - before - 4.0).abs() < 1e-9, "the join alone is new");
+    assert_eq!(parts(&graph, &[0, 3, 4, 5]), [0, 0, 4, 4]);
+}
+
+#[test]
 fn groups_meet_beyond_their_places_and_where_they_share_one() {
     // A ladder of two rungs: the first is between the places of both, the second beyond them.
     let places = [[0.0, 1.0, 0.0], [4.0, 1.0, 0.0], [8.0, 1.0, 0.0], [0.0, -1.0, 0.0], [4.0, -1.0, 0.0], [8.0, -1.0, 0.0]];

@@ -305,7 +305,8 @@ impl GraphEditor {
         let path = if course.len() > 2 { course.iter().map(point).collect() } else { Vec::new() };
         let row = self.vessels.len();
         self.joined.push(row);
-        self.vessels.push((ends, Vessel { evidence, path, ..Vessel::new(length, radius, Origin::Candidate) }));
+        let vessel = Vessel { evidence, path, certain: true, ..Vessel::new(length, radius, Origin::Candidate) };
+        self.vessels.push((ends, vessel));
         row
     }
 

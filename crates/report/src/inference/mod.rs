@@ -2,6 +2,7 @@
 
 mod outcome;
 mod pictures;
+pub(super) mod questions;
 pub(crate) mod tables;
 
 use std::borrow::Cow;
@@ -25,7 +26,8 @@ use willis_io::output::write_file;
 use willis_io::output::write_record;
 
 pub use outcome::{Outcome, few_perfused};
-pub use tables::{agreement, review_columns, vessel_columns};
+pub use questions::review_columns;
+pub use tables::{agreement, vessel_columns};
 
 /// The largest matrix written densely, in nodes.
 pub const DENSE_LIMIT: usize = 8192;

@@ -4,7 +4,7 @@ use super::outcome::Outcome;
 use willis_core::decision::Decision;
 use willis_core::flow::Boundary;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Condition, Merged, Network, Origin, Role, dependents};
+use willis_core::network::{Condition, Merged, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{Column, Values};
 use willis_models::contacts::suggested_cuts::SuggestedCut;
@@ -113,7 +113,7 @@ pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
 }
 
 /// Three columns of positions.
-fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
+pub(super) fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
     let along = |(axis, name): (usize, &'static str)| Column::real(name, of.clone().map(move |at| millimetres(at[axis])));
     ["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(along).collect()
 }
@@ -136,41 +136,6 @@ pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
         Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
     ]);
     columns
-}
-
-/// The columns of review.csv: the undecided vessels, in the order in which a person is asked about them. `None` where no probabilities say how doubtful
-/// they are, or nothing is undecided.
-///
-/// The gain is what a right decision is expected to put right: the doubt 4 P (1 - P) times the length that hangs on it and its own.
-pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
-    let (network, answer) = (outcome.network, outcome.answer);
-    if !outcome.rule.asks_evidence() || answer.undecided.is_empty() {
-        return None;
-    }
-    let hangs = dependents(network, &answer.kept);
-    let chance = |row: usize| network.vessel(row).evidence.map_or(f64::NAN, |e| e.probability);
-    let gain = |row: usize| 4.0 * chance(row) * (1.0 - chance(row)) * (hangs[row] + network.vessel(row).length);
-    let mut rows = answer.undecided.clone();
-    rows.sort_by(|a, b| gain(*b).total_cmp(&gain(*a)).then(a.cmp(b)));
-    let ids = |row: usize| network.ends(row).map(|node| &*network.node(node).id);
-    let question = |row: &usize| match (network.vessel(*row).origin, ids(*row)) {
-        (Origin::Candidate, [a, b]) => format!("Does a vessel go on from {a} to {b}?"),
-        (_, [a, b]) => format!("Are {a} and {b} of one vessel, or do two only touch here?"),
-    };
-    let mut columns = vec![
-        Column::whole("rank", 1..=rows.len()),
-        Column::whole("edge", rows.iter().copied()),
-        Column::text("kind", rows.iter().map(|row| network.vessel(*row).origin.name().to_owned())),
-    ];
-    columns.extend(positions(&rows.iter().map(|row| network.middle_of(network.ends(*row), network.vessel(*row)))));
-    columns.extend([
-        Column::text("question", rows.iter().map(question)),
-        Column::real("probability", rows.iter().map(|row| chance(*row))),
-        Column::whole("kept", rows.iter().map(|row| usize::from(answer.kept[*row]))),
-        Column::real("hangs_mm", rows.iter().map(|row| millimetres(hangs[*row]))),
-        Column::real("gain_mm", rows.iter().map(|row| millimetres(gain(*row)))),
-    ]);
-    Some(columns)
 }
 
 /// The rows of some columns.

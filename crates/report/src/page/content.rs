@@ -236,6 +236,8 @@ pub struct Threshold {
     pub uncertain: &'static str,
     /// The column that is 1 where a decision of the run is undecided.
     pub undecided: &'static str,
+    /// What is kept one by one and expected to be wrong about more than so many mm is asked about.
+    pub worth: f64,
     /// How many nodes there are.
     pub nodes: usize,
 }

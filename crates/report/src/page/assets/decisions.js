@@ -55,12 +55,15 @@ class Decisions {
     } catch {
       this.stored = false;
     }
-    this.tell({ willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open: this.threshold.counts.undecided, isFirst: this.isFirst });
+    this.tell(() => {
+      const question = this.threshold.questions(), open = [...Array(this.threshold.rows).keys()].filter(row => !this.made.has(row) && question(row).asked).length;
+      return { willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open, isFirst: this.isFirst };
+    });
   }
 
   // Tells the page of a cohort that shows this one.
   tell(what) {
-    if (parent !== window) parent.postMessage(what, "*");
+    if (parent !== window) parent.postMessage(what(), "*");
   }
 
   // Decides rows alike: "accept", "reject", "unsure", or null to leave them open again.

@@ -1,4 +1,5 @@
-// What needs a person: the undecided connections, those of the largest consequence first.
+// What a person is asked: what is undecided, what a part goes on to that nothing connects, and what is probably wrong about much; what a right answer is
+// expected to put right most first.
 const A_PAGE = 50;
 
 class Review {
@@ -16,20 +17,19 @@ class Review {
 
   // Finds again what is open: after a decision, or at another threshold. What was decided or said comes last, the latest first.
   refresh() {
-    const { threshold } = this, hangs = threshold.hangs(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
+    const { threshold } = this, question = threshold.questions(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
     const has = row => !this.words || this.name(row).toLowerCase().includes(this.words);
-    const open = [...Array(threshold.rows).keys()].filter(row => threshold.open[row] && !this.decisions.made.has(row) && has(row));
-    // The consequence: how doubtful it is, times the length of what hangs on it.
-    const item = row => ({ row, hangs: hangs(row), weight: threshold.doubt(row) * (hangs(row) + gap.at(row)) });
-    const by = { consequence: a => -a.weight, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
-    this.open = open.map(item).sort((a, b) => by(a) - by(b) || a.row - b.row);
-    this.items = [...this.open, ...made.filter(has).map(item)];
+    const by = { consequence: a => -a.gain, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
+    const asked = [...Array(threshold.rows).keys()].filter(row => !this.decisions.made.has(row)).map(question).filter(item => item.asked);
+    this.total = asked.length;
+    this.open = asked.filter(item => has(item.row)).sort((a, b) => by(a) - by(b) || a.row - b.row);
+    this.items = [...this.open, ...made.filter(has).map(question)];
   }
 
   // The next or previous that is open; from the one that was decided or is open no more, the first.
   step(by) {
     const { open } = this;
-    if (!open.length) return this.decisions.tell({ willis: "next" });
+    if (!open.length) return this.decisions.tell(() => ({ willis: "next" }));
     const at = open.findIndex(item => item.row === this.current);
     this.goes(open[at < 0 ? (by > 0 ? 0 : open.length - 1) : (at + by + open.length) % open.length].row);
   }
@@ -74,12 +74,14 @@ class Review {
     return `${threshold.name.split(" ").at(-1)} = ${withUnit(shown(threshold.values[row], 3), threshold.unit)}`;
   }
 
-  line({ row, hangs }) {
+  line({ row, hangs, loose }) {
     const { threshold } = this, { decision, comment } = this.decisions.of(row);
     const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
-    const words = [threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop", rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
+    const observed = threshold.isObserved(row), depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop";
+    const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : depend,
+      observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
     const go = make("button", { type: "button", class: "go" },
-      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? this.figure(row) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
     const choose = (text, label, which) => {
       const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
@@ -87,7 +89,7 @@ class Review {
       return button;
     };
     return make("li", { class: decision || null, "data-row": row, "data-state": threshold.state(row) },
-      go, make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
+      go, observed ? "" : make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
   }
 
   // What the list depends on beside the decisions.
@@ -104,7 +106,7 @@ class Review {
     list.replaceChildren(...this.lines.values());
     if (here !== undefined) list.querySelector(`li[data-row="${here}"] .${which}`)?.focus();
     this.lines.get(this.current)?.classList.add("current");
-    const all = this.threshold.counts.undecided, first = byId("review-order").selectedOptions[0].dataset.says;
+    const all = this.total, first = byId("review-order").selectedOptions[0].dataset.says;
     byId("review-note").textContent = items.length === 0 ? this.words ? "None has this name." : "Nothing: every connection is decided." :
       open.length === 0 && !this.words ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
       `${this.words ? `${grouped(open.length)} of ` : ""}${grouped(all)} open, ${first} first. Keys: n next, a accept, r reject, x unsure, u undo.`;

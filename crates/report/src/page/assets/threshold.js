@@ -8,6 +8,7 @@ class Threshold {
     this.values = values(source.figure);
     this.uncertain = values(source.uncertain);
     this.undecided = values(source.undecided);
+    this.loose = values("loose_mm");
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -205,23 +206,27 @@ class Threshold {
     return { wrong, missed };
   }
 
-  // How doubtful a decision is, from 0 (certain) to 1: by the probability, or by how near the figure is to where the decision flips.
+  // How doubtful a decision without a probability is, from 0 (certain) to 1: by how near the figure is to where the decision flips.
   doubt(row) {
     if (this.decided.has(row) || !this.uncertain[row]) return 0;
-    if (this.probability && !Number.isNaN(this.probability[row])) { const p = this.chance(row); return 4 * p * (1 - p); }
     const flip = this.flip(), error = this.errorOf(row);
     if (flip === null || !(error > 0)) return this.open[row] ? 1 : 0;
     return Math.exp(-0.5 * ((this.values[row] - flip) / error) ** 2);
   }
 
-  // The vessels that hang on a connection, mm: the shorter of what it joins, or would join.
-  hangs() {
+  // What is asked of a row, as a function of it: whether anything is; the vessels that hang on it, mm (the shorter of what it joins, or would join); the
+  // length of the part that it stands for and nothing connects; and what a right answer is expected to put right.
+  questions() {
     const side = sides(this.nodes, this.rows, this.ends, row => this.kept[row], this.lengths);
     const whole = new Float64Array(this.nodes);
     for (let row = 0; row < this.rows; row++) if (this.kept[row]) whole[this.componentOf[this.ends[0][row]]] += this.lengths[row];
     return row => {
-      const [a, b] = this.ends.map(of => this.componentOf[of[row]]);
-      return this.kept[row] ? side[row] : a === b ? 0 : Math.min(whole[a], whole[b]);
+      const [a, b] = this.ends.map(of => this.componentOf[of[row]]), p = this.chance(row);
+      const hangs = this.kept[row] ? side[row] : a === b ? 0 : Math.min(whole[a], whole[b]);
+      const still = !this.decided.has(row) && (this.isObserved(row) ? whole[a] <= this.loose[row] * (1 + 1e-6) : a !== b);
+      const loose = still && this.loose[row] || 0, wrong = Number.isNaN(p) ? this.doubt(row) : this.kept[row] ? 1 - p : p;
+      const costs = this.rule?.first !== undefined && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
+      return { row, loose, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
     };
   }
 

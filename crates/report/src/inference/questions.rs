@@ -1,0 +1,135 @@
+//! What a person is asked about an inference, what a right answer puts right most first.
+
+use std::collections::BTreeSet;
+
+use super::outcome::Outcome;
+use super::tables::positions;
+use willis_core::decision::Keep;
+use willis_core::flow::floating_components::parts_that_carry;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Origin, dependents, fragments};
+use willis_core::support::geometry::Point;
+use willis_io::formats::Column;
+
+/// A part without flow is asked about from this length on, and what is kept of masks if it is expected to be wrong about more than this, m.
+pub const WORTH: f64 = 0.01;
+
+/// The kind of a question about a part that nothing connects.
+pub const PART: &str = "part";
+
+/// One question.
+pub struct Question {
+    /// The row that it is about.
+    pub row: usize,
+    /// The origin of that, or `part`.
+    pub kind: &'static str,
+    at: Point,
+    words: String,
+    /// The length that hangs on it, m.
+    pub hangs: f64,
+    /// What a right answer is expected to put right, m.
+    gain: f64,
+}
+
+/// The columns of review.csv; `None` where nothing is asked.
+pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
+    let (network, kept) = (outcome.network, &outcome.answer.kept);
+    let asked = questions(outcome);
+    let mut columns = vec![
+        Column::whole("rank", 1..=asked.len()),
+        Column::whole("edge", asked.iter().map(|one| one.row)),
+        Column::text("kind", asked.iter().map(|one| one.kind.to_owned())),
+    ];
+    columns.extend(positions(&asked.iter().map(|one| one.at)));
+    columns.extend([
+        Column::text("question", asked.iter().map(|one| one.words.clone())),
+        Column::real("probability", asked.iter().map(|one| network.vessel(one.row).evidence.map_or(f64::NAN, |e| e.probability))),
+        Column::whole("kept", asked.iter().map(|one| usize::from(kept[one.row]))),
+        Column::real("hangs_mm", asked.iter().map(|one| millimetres(one.hangs))),
+        Column::real("gain_mm", asked.iter().map(|one| millimetres(one.gain))),
+    ]);
+    (!asked.is_empty()).then_some(columns)
+}
+
+/// What a person is asked: about the undecided vessels, the parts that nothing connects, and of masks what is kept and probably wrong about much. Nothing
+/// where no probabilities say how doubtful they are.
+///
+/// The gain is what a right answer is expected to put right: the chance that the decision is wrong times the length that hangs on it and its own; of a
+/// part without flow its length.
+pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
+    if !outcome.rule.asks_evidence() {
+        return Vec::new();
+    }
+    let (network, answer) = (outcome.network, outcome.answer);
+    let hangs = dependents(network, &answer.kept);
+    let wrong = |row: usize| {
+        network.vessel(row).evidence.map_or(0.0, |e| if answer.kept[row] { 1.0 - e.probability } else { e.probability })
+    };
+    let one_by_one = matches!(outcome.rule, Keep::BestFirst(_) | Keep::Reconnect(_));
+    let costs =
+        |row: &usize| one_by_one && answer.kept[*row] && outcome.result.uncertain[*row] && wrong(*row) * hangs[*row] > WORTH;
+    let mut asked = loose_parts(outcome);
+    let mut rows: BTreeSet<usize> = answer.undecided.iter().copied().chain((0..network.vessel_count()).filter(costs)).collect();
+    for part in &asked {
+        rows.remove(&part.row);
+    }
+    asked.extend(rows.into_iter().map(|row| {
+        let [a, b] = network.ends(row).map(|node| &*network.node(node).id);
+        let vessel = network.vessel(row);
+        let words = match vessel.origin {
+            Origin::Candidate => format!("Does a vessel go on from {a} to {b}?"),
+            _ => format!("Are {a} and {b} of one vessel, or do two only touch here?"),
+        };
+        let at = network.middle_of(network.ends(row), vessel);
+        Question {
+            row,
+            kind: vessel.origin.name(),
+            at,
+            words,
+            hangs: hangs[row],
+            gain: wrong(row) * (hangs[row] + vessel.length),
+        }
+    }));
+    asked.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.row.cmp(&b.row)));
+    asked
+}
+
+/// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it,
+/// or where there is none the observed vessel with its widest free end.
+fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
+    let (network, answer) = (outcome.network, outcome.answer);
+    let parts = fragments(network, |row, _| answer.kept[row]);
+    let carries = parts_that_carry(&parts, &outcome.held());
+    let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
+    let mut length = vec![0.0; parts.count];
+    // By part the probability of the candidate, or less than nothing, its width, its row and the node.
+    let mut best: Vec<Option<(f64, f64, usize, usize)>> = vec![None; parts.count];
+    for (row, (ends, vessel)) in network.vessels().enumerate() {
+        let of = ends.map(|node| parts.of_node[node]);
+        let chance = match (vessel.origin, vessel.evidence) {
+            (Origin::Observed, _) => -1.0,
+            (_, Some(evidence)) if !answer.kept[row] && of[0] != of[1] && evidence.probability > 0.0 => evidence.probability,
+            _ => continue,
+        };
+        if answer.kept[row] {
+            length[of[0]] += vessel.length;
+        }
+        for (end, node) in ends.into_iter().enumerate().filter(|(_, node)| chance >= 0.0 || degree[*node] == 1) {
+            let one = (chance, vessel.end_radius(end == 1), row, node);
+            if best[of[end]].is_none_or(|most| (one.0, one.1) > (most.0, most.1)) {
+                best[of[end]] = Some(one);
+            }
+        }
+    }
+    let question = |part: usize| {
+        let (_, _, row, node) = best[part]?;
+        let id = &network.node(node).id;
+        let words = format!(
+            "Nothing connects {:.0} mm of vessels: where do they go on, from {id} or another end?",
+            millimetres(length[part])
+        );
+        let at = network.node(node).position.unwrap_or_default();
+        Some(Question { row, kind: PART, at, words, hangs: length[part], gain: length[part] })
+    };
+    (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).filter_map(question).collect()
+}
