@@ -180,12 +180,12 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
             Some(true) => {
                 vessel.certain = true;
                 vessel.prior = 1.0;
-                vessel.evidence = vessel.evidence.map(|e| scaled(e, 1.0 / e.probability.max(f64::MIN_POSITIVE)));
+                vessel.evidence = vessel.evidence.map(|e| with_probability(e, 1.0));
             }
             Some(false) => {
                 vessel.certain = false;
                 vessel.prior = 0.0;
-                vessel.evidence = vessel.evidence.map(|e| scaled(e, 0.0));
+                vessel.evidence = vessel.evidence.map(|e| with_probability(e, 0.0));
             }
             None if vessel.origin != Origin::Observed && !vessel.certain => {
                 let Some(evidence) = vessel.evidence else { continue };
@@ -196,7 +196,7 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
                 };
                 let by: f64 = ends.iter().map(factor).product();
                 if by.to_bits() != 1.0_f64.to_bits() {
-                    let follows = scaled(evidence, by);
+                    let follows = with_probability(evidence, (by * evidence.probability).min(1.0));
                     vessel.prior = follows.probability;
                     vessel.evidence = Some(follows);
                 }
@@ -237,9 +237,8 @@ pub(super) fn decide_on(graph: &mut Network, contacts: &mut Contacts, decided: &
     Ok(uniform_prior && !any)
 }
 
-/// The evidence with its probability times a factor, at most 1.
-fn scaled(evidence: Evidence, by: f64) -> Evidence {
-    let probability = (by * evidence.probability).min(1.0);
+/// The evidence with another probability; what it says of each end follows in proportion.
+fn with_probability(evidence: Evidence, probability: f64) -> Evidence {
     let ratio = if evidence.probability > 0.0 { probability / evidence.probability } else { 0.0 };
     let odds = Evidence::odds(probability);
     Evidence {

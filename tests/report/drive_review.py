@@ -94,7 +94,8 @@ def check_decisions(page, downloads):
     loaded again, and refused on another graph."""
     driver = page.driver
     open_rows = page.record["convergence"]["undecided_edges"]
-    rows, start = [row for row in page.listed() if row in open_rows], page.counts()
+    listed, start = page.listed(), page.counts()
+    rows = [row for row in listed if row in open_rows]
     sentence = page.text("#answer-words")
     canvas = page.one("#canvas")
     go(page, rows[0])
@@ -130,7 +131,7 @@ def check_decisions(page, downloads):
     driver.execute_script("document.getElementById('letters').click()")
     canvas.send_keys("u")
     canvas.send_keys("u")
-    assert page.counts() == start and page.text("#answer-words") == sentence and page.listed() == rows
+    assert page.counts() == start and page.text("#answer-words") == sentence and page.listed() == listed
     page.click(f"#review-list li[data-row='{rows[0]}'] .accept")
     page.click(f"#review-list li[data-row='{rows[-1]}'] .reject")
     unsure = next((row for row in page.listed() if row not in (rows[0], rows[-1])), None)

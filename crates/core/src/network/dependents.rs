@@ -1,10 +1,11 @@
-//! What hangs on a vessel of a network.
+//! What hangs on a vessel of a network, and which one of a loop is the weakest.
 
 use std::collections::VecDeque;
 
 use petgraph::unionfind::UnionFind;
 
 use super::Network;
+use super::paths::ShortestPaths;
 
 /// Per vessel the length of vessels that hangs on it, m: of the vessels `kept` the shorter side if it were cut, 0 where that cuts
 /// nothing off; of others the shorter of the two parts that it would join, 0 where they are one.
@@ -74,6 +75,28 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
         if root[a] != root[b] {
             found[row] = below[root[a]].min(below[root[b]]);
         }
+    }
+    found
+}
+
+/// Of each independent loop of the vessels `kept` the least probable one that is not given, with the length of the way round it, m: what a spanning forest
+/// of the most probable vessels leaves over (Kruskal's algorithm).
+pub fn weakest_of_loops(network: &Network, kept: &[bool]) -> Vec<(usize, f64)> {
+    let chance = |row: usize| network.vessel(row).evidence.map_or(1.0, |evidence| evidence.probability);
+    let mut rows: Vec<usize> = (0..network.vessel_count()).filter(|row| kept[*row]).collect();
+    rows.sort_by(|a, b| chance(*b).total_cmp(&chance(*a)).then(a.cmp(b)));
+    let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); network.node_count()];
+    let mut forest = UnionFind::<usize>::new(network.node_count());
+    let mut paths = ShortestPaths::new(network.node_count());
+    let mut found = Vec::new();
+    for row in rows {
+        let ([a, b], length) = (network.ends(row), network.vessel(row).length);
+        if !forest.union(a, b) && chance(row) < 1.0 {
+            paths.search(&[a], f64::INFINITY, |node| at[node].iter().copied(), |_, node| node != b);
+            found.push((row, paths.lengths()[b]));
+        }
+        at[a].push((row, b, length));
+        at[b].push((row, a, length));
     }
     found
 }

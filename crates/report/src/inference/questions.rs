@@ -7,7 +7,7 @@ use super::tables::positions;
 use willis_core::decision::Keep;
 use willis_core::flow::floating_components::parts_that_carry;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Origin, dependents, fragments};
+use willis_core::network::{Origin, dependents, fragments, weakest_of_loops};
 use willis_core::support::geometry::Point;
 use willis_io::formats::Column;
 
@@ -16,12 +16,14 @@ pub const WORTH: f64 = 0.01;
 
 /// The kind of a question about a part that nothing connects.
 pub const PART: &str = "part";
+/// That of one about a loop.
+pub const LOOP: &str = "loop";
 
 /// One question.
 pub struct Question {
     /// The row that it is about.
     pub row: usize,
-    /// The origin of that, or `part`.
+    /// The origin of that, `part` or `loop`.
     pub kind: &'static str,
     at: Point,
     words: String,
@@ -69,9 +71,12 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
     let costs =
         |row: &usize| one_by_one && answer.kept[*row] && outcome.result.uncertain[*row] && wrong(*row) * hangs[*row] > WORTH;
     let mut asked = loose_parts(outcome);
+    if one_by_one {
+        asked.extend(loops(outcome).filter(|one| one.gain > WORTH));
+    }
     let mut rows: BTreeSet<usize> = answer.undecided.iter().copied().chain((0..network.vessel_count()).filter(costs)).collect();
-    for part in &asked {
-        rows.remove(&part.row);
+    for one in &asked {
+        rows.remove(&one.row);
     }
     asked.extend(rows.into_iter().map(|row| {
         let [a, b] = network.ends(row).map(|node| &*network.node(node).id);
@@ -92,6 +97,25 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
     }));
     asked.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.row.cmp(&b.row)));
     asked
+}
+
+/// About each loop of kept vessels, by its least probable connection: is it there that two vessels only touch?
+fn loops(outcome: &Outcome<'_>) -> impl Iterator<Item = Question> {
+    let network = outcome.network;
+    weakest_of_loops(network, &outcome.answer.kept).into_iter().map(|(row, round)| {
+        let (ends, vessel) = (network.ends(row), network.vessel(row));
+        let [a, b] = ends.map(|node| &*network.node(node).id);
+        let words = format!("These vessels make a loop of {:.0} mm: do two only touch between {a} and {b}?", millimetres(round));
+        let wrong = vessel.evidence.map_or(0.0, |e| 1.0 - e.probability);
+        Question {
+            row,
+            kind: LOOP,
+            at: network.middle_of(ends, vessel),
+            words,
+            hangs: round,
+            gain: wrong * (round + vessel.length),
+        }
+    })
 }
 
 /// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it,

@@ -9,7 +9,7 @@ use super::content::{
 };
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
-use crate::inference::questions::{PART, WORTH, questions};
+use crate::inference::questions::{LOOP, PART, WORTH, questions};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::Summary;
 use willis_core::decision::{BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, has_evidence};
@@ -19,8 +19,8 @@ use willis_io::formats::{Column, END_POSITION_COLUMNS};
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
 const UNDECIDED: &str = "undecided";
-/// The column that has the length of a part that nothing connects, in the row that stands for it, mm.
-const LOOSE: &str = "loose_mm";
+/// The columns with the length of a part that nothing connects, and of a loop, in the row that stands for it, mm.
+const STANDS_FOR: [(&str, &str); 2] = [("loose_mm", PART), ("loop_mm", LOOP)];
 /// The columns of the page with the probability that a vessel attaches its one end to its other, and the reverse.
 const ATTACHED: [&str; 2] = ["attached_a", "attached_b"];
 /// That with the score of the fragment of a node for being attached to nothing.
@@ -61,11 +61,12 @@ pub fn page(
     columns.push(Column::text("artery", names.into_iter()));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
-    let mut loose = vec![f64::NAN; outcome.network.vessel_count()];
-    for part in questions(outcome).iter().filter(|one| one.kind == PART) {
-        loose[part.row] = millimetres(part.hangs);
+    let asked = questions(outcome);
+    for (name, kind) in STANDS_FOR {
+        let mut length = vec![f64::NAN; outcome.network.vessel_count()];
+        asked.iter().filter(|one| one.kind == kind).for_each(|one| length[one.row] = millimetres(one.hangs));
+        columns.push(Column::real(name, length.into_iter()));
     }
-    columns.push(Column::real(LOOSE, loose.into_iter()));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached = |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence.map_or(f64::NAN, |e| e.attached[end]));

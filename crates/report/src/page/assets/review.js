@@ -74,11 +74,11 @@ class Review {
     return `${threshold.name.split(" ").at(-1)} = ${withUnit(shown(threshold.values[row], 3), threshold.unit)}`;
   }
 
-  line({ row, hangs, loose }) {
+  line({ row, hangs, loose, loop }) {
     const { threshold } = this, { decision, comment } = this.decisions.of(row);
     const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
     const observed = threshold.isObserved(row), depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop";
-    const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : depend,
+    const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : loop ? `in a loop of ${shown(loop, 2)} mm` : depend,
       observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
     const go = make("button", { type: "button", class: "go" },
       make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));

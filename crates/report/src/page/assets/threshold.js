@@ -9,6 +9,7 @@ class Threshold {
     this.uncertain = values(source.uncertain);
     this.undecided = values(source.undecided);
     this.loose = values("loose_mm");
+    this.loop = values("loop_mm");
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -215,18 +216,19 @@ class Threshold {
   }
 
   // What is asked of a row, as a function of it: whether anything is; the vessels that hang on it, mm (the shorter of what it joins, or would join); the
-  // length of the part that it stands for and nothing connects; and what a right answer is expected to put right.
+  // length of the part or of the loop that it stands for; and what a right answer is expected to put right.
   questions() {
     const side = sides(this.nodes, this.rows, this.ends, row => this.kept[row], this.lengths);
     const whole = new Float64Array(this.nodes);
     for (let row = 0; row < this.rows; row++) if (this.kept[row]) whole[this.componentOf[this.ends[0][row]]] += this.lengths[row];
     return row => {
       const [a, b] = this.ends.map(of => this.componentOf[of[row]]), p = this.chance(row);
-      const hangs = this.kept[row] ? side[row] : a === b ? 0 : Math.min(whole[a], whole[b]);
+      const loop = this.kept[row] && !this.decided.has(row) && side[row] === 0 && this.loop[row] || 0;
+      const hangs = this.kept[row] ? side[row] || loop : a === b ? 0 : Math.min(whole[a], whole[b]);
       const still = !this.decided.has(row) && (this.isObserved(row) ? whole[a] <= this.loose[row] * (1 + 1e-6) : a !== b);
       const loose = still && this.loose[row] || 0, wrong = Number.isNaN(p) ? this.doubt(row) : this.kept[row] ? 1 - p : p;
-      const costs = this.rule?.first !== undefined && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
-      return { row, loose, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
+      const costs = this.rule?.best_first && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
+      return { row, loose, loop, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
     };
   }
 
