@@ -52,6 +52,11 @@ def check_list(page):
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])
         if q["kind"] == "part":
             assert any(abs(part_length(kept, int(edge[end])) - gain) <= 1e-6 * gain for end in ("node_a", "node_b")), q
+        elif q["kind"] == "loop":
+            # The shortest way round through it.
+            ends, length = (int(edge["node_a"]), int(edge["node_b"])), float(edge["length_mm"])
+            way = nx.shortest_path_length(kept_graph(page, but=int(q["edge"])), *ends, weight="length")
+            assert abs(way - float(q["hangs_mm"])) < 1e-6 * way and abs((1 - float(edge["probability"])) * (way + length) - gain) < 1e-6 * gain, (q, way)
         else:
             assert abs(consequence(page, int(q["edge"])) - gain) <= 1e-6 * (1 + gain), q
     gains = [float(q["gain_mm"]) for q in asked]
