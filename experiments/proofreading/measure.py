@@ -177,9 +177,15 @@ class Person:
             for way in ([start, near] for near in sorted(absent[start])):
                 while way[-1] not in shown and len(further := absent[way[-1]] - {way[-2]}) == 1:
                     way.append(*further)
-                if way[-1] in shown and start < way[-1]:
+                if way[-1] in shown and start < way[-1] and not self.goes_on(net, way):
                     found.append(way)
         return found
+
+    def goes_on(self, net, way):
+        """Whether the answer has a line from the one end of a stretch to the other that is about as long."""
+        true = sum(np.linalg.norm(np.diff(self.case.station[way], axis=0), axis=1))
+        a, b = (net.kd.query(self.place(station))[1] for station in (way[0], way[-1]))
+        return np.isfinite(dijkstra(net.csr, directed=False, indices=a, limit=1.5 * true + 2 * ON)[b])
 
     def join(self, way):
         """The decision that joins two stations by those between; from the ends of the fragments that a true link is between, where one is."""
@@ -243,7 +249,8 @@ class Person:
         return [(None, row, middle(rows[row])) for row in open_rows]
 
     def session(self, order, counts):
-        """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and at the end."""
+        """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and where the list of the review
+        ends."""
         decisions, out = [], self.first
         while True:
             fresh, (_, net) = [], self.seen(out)
@@ -256,18 +263,20 @@ class Person:
             out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
             while counts and len(decisions) >= counts[0]:
                 yield counts.pop(0), decisions, out
+            if order != "review" and not counts:
+                return
             if not fresh:
                 yield "all", decisions, out
                 return
 
     def right_at_last(self, decisions, out, rounds):
-        """After all questions: whatever is seen to be wrong decided, and what is seen then, as often as that."""
+        """After these decisions: whatever is seen to be wrong decided, and what is seen then, as often as that."""
         tried = set()
         for count in range(rounds):
             _, net = self.seen(out)
             rows = common.rows(out / "edges.csv")
             absent = self.missing(net)
-            wrong = [row for row, yes in self.right.items() if yes is not None and bool(yes) != bool(float(rows[row]["kept"] or 0)) and self.is_candidate(row)]
+            wrong = [row for row, yes in self.right.items() if yes is False and self.is_candidate(row) and float(rows[row]["kept"] or 0)]
             middle = lambda row: [(float(rows[row]["a" + axis]) + float(rows[row]["b" + axis])) / 2 for axis in ("x_mm", "y_mm", "z_mm")]
             said = [one for row in wrong for one in self.answers(row, middle(row), absent)]
             left = {tuple(fusion["place"]): fusion for fusion in self.fusions_left(net)}
@@ -289,10 +298,12 @@ def measured(given, score, proofread):
         work = given.work / given.level / folder.name
         work.mkdir(parents=True, exist_ok=True)
         person = Person(score, proofread, folder, work)
+        counts = [*map(int, given.decisions.split(","))]
         sessions = [("review", 0, [], person.first)]
         for order in given.orders.split(","):
-            sessions += [(order, count, list(said), out) for count, said, out in person.session(order, [*map(int, given.decisions.split(","))])]
-        sessions.append(("right", "all", *person.right_at_last([], person.first, given.rounds)))
+            sessions += [(order, count, list(said), out) for count, said, out in person.session(order, list(counts))]
+        at_last = next(session for session in reversed(sessions) if session[0] == "review")
+        sessions.append(("right", "all", *person.right_at_last(*at_last[2:], given.rounds)))
         for order, count, decisions, out in sessions:
             words = collections.Counter(what if isinstance(what, str) else "row" for what, _ in decisions)
             figures = person.seen(out)[0] | {f"decisions_{word}": words[word] for word in ("row", "part", "join")}

@@ -3,7 +3,7 @@
 #
 #   willis infer mask.nii.gz -o OUT --decisions decisions.csv
 #
-# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (half an hour on two cores).
+# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (MINUTES).
 # ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
@@ -11,7 +11,7 @@ work=$(mkdir -p "$1" && cd "$1" && pwd)
 here=experiments/proofreading
 for level in good fair; do
     [ -d "$work/cases/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask --subjects BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
-    "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level --orders review --rounds 4 >"$work/$level.csv"
+    "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level >"$work/$level.csv"
 done
 [ -z "$tried" ] || exit 0
 { cat "$work/good.csv"; tail -n +2 "$work/fair.csv"; } >$here/results.csv

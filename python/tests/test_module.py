@@ -119,12 +119,12 @@ def test_the_review_is_that_of_the_folder_and_stands_in_the_gaps(tmp_path):
     run = willis.infer(BROKEN, samples=64)
     run.save(tmp_path / "out")
     saved = willis.load(tmp_path / "out").review
-    assert list(saved) == list(run.review) and len(saved["edge"]) == len(run.undecided)
+    assert list(saved) == list(run.review) and set(run.undecided) <= set(saved["edge"])
     for name, values in run.review.items():
         np.testing.assert_array_equal(values, saved[name])
         assert values.dtype.kind == saved[name].dtype.kind, name
     lines = run.graph.lines()[1]
-    straight = [at for at, row in enumerate(saved["edge"]) if len(lines[row]) == 2]
+    straight = [at for at, row in enumerate(saved["edge"]) if len(lines[row]) == 2 and saved["kind"][at] != "part"]
     assert straight
     for at in straight:
         place = [saved[axis][at] for axis in ("x_mm", "y_mm", "z_mm")]

@@ -66,8 +66,8 @@ class Review:
     @property
     def open(self) -> list[int]:
         """The questions that have no decision, and that no other decision answered."""
-        undecided = set(self.run.undecided.tolist())
-        return [row for row in self.questions if row in undecided and self.decided(row) is None]
+        asked = set() if self.run.review is None else set(self.run.review["edge"].tolist())
+        return [row for row in self.questions if row in asked and self.decided(row) is None]
 
     def decided(self, row: int) -> str | None:
         """What was decided on a row."""
@@ -78,7 +78,8 @@ class Review:
         for table in (self.first.review, self.run.review):
             if table is not None and row in table["edge"]:
                 at = int(np.flatnonzero(table["edge"] == row)[0])
-                return f"{table['question'][at]} P {table['probability'][at]:.2f}, {table['hangs_mm'][at]:.0f} mm hang on it"
+                chance = "" if np.isnan(table["probability"][at]) else f"P {table['probability'][at]:.2f}, "
+                return f"{table['question'][at]} {chance}{table['hangs_mm'][at]:.0f} mm hang on it"
         a, b = self.ids(row)
         return f"Does a vessel go on from {a} to {b}?"
 
