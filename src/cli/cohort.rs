@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
-use std::path::{Component, Path, PathBuf, absolute};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
@@ -13,7 +13,7 @@ use crate::internals::formats::{Covariates, checksum_of_file, companion_files, i
 use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
-use crate::internals::output::{read_json, write_json};
+use crate::internals::output::{read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
 use serde::{Deserialize, Serialize};
@@ -562,27 +562,4 @@ impl<'a> SeparateRun<'a> {
         let page = Some(self.folder.join(PAGE)).filter(|page| page.is_file());
         relative(&page.unwrap_or_else(|| self.folder.join(RECORD)), cohort)
     }
-}
-
-/// The path from a folder to a file or a folder, with `/` between its steps.
-pub fn relative(file: &Path, folder: &Path) -> Option<String> {
-    let (file, folder) = (plain(file)?, plain(folder)?);
-    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
-    // On another drive there is no path.
-    let steps = if shared == 0 { None } else { Some(folder.len() - shared) };
-    let up = std::iter::repeat_n("..".to_owned(), steps?);
-    Some(up.chain(file[shared..].iter().cloned()).collect::<Vec<_>>().join("/"))
-}
-
-/// The steps to a path from the root, none of which leads back.
-fn plain(path: &Path) -> Option<Vec<String>> {
-    let mut steps: Vec<String> = Vec::new();
-    for step in absolute(path).ok()?.components() {
-        match step {
-            Component::ParentDir => drop(steps.pop()),
-            Component::CurDir => {}
-            step => steps.push(step.as_os_str().to_str()?.to_owned()),
-        }
-    }
-    Some(steps)
 }

@@ -44,7 +44,6 @@ pub use signals::ask_to_stop;
 /// What the tests of this project call. Nothing here is stable.
 pub mod internals {
     pub use super::bids::dataset::{BidsName, Filter, parse_filter};
-    pub use super::cohort::relative;
     pub use super::command_line::{infer_words, quoted, row_words};
     pub use super::parser;
     pub use super::print::notes::counted;

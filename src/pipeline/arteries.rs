@@ -143,6 +143,11 @@ impl FoundArteries {
         if self.landmarks.is_none() && self.named.is_some() { json!(self) } else { Value::Null }
     }
 
+    /// The names of vessels by row, where geometry named them.
+    pub(crate) fn names(&self) -> &[(usize, String)] {
+        self.named.as_ref().map_or(&[], |named| &named.names)
+    }
+
     /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
     pub(crate) fn write_landmarks(&self, folder: &Path) -> Result<()> {
         let Some((format, text)) = &self.copy else { return Ok(()) };

@@ -1,6 +1,6 @@
 //! The phenotype of a Circle of Willis: of vessels as they are, or with probabilities of the folder of a run.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use serde_json::Value;
 
@@ -17,8 +17,8 @@ use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::Network;
 use willis_core::sampling::{SamplingOptions, infer};
 use willis_io::formats::{Column, write_csv};
-use willis_io::output::names::SUPPLY;
-use willis_io::output::write_file;
+use willis_io::output::names::{PAGE, SUPPLY};
+use willis_io::output::{final_path, relative, write_file};
 use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
     CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns,
@@ -49,6 +49,8 @@ pub struct Phenotype {
     /// supply.csv.
     supply_table: Vec<Column>,
     record: Value,
+    /// The page of the run that was classified.
+    of_run: Option<PathBuf>,
 }
 
 /// Classifies the Circle of Willis of an input. The vessels of a file are taken as they are; of the folder of a run, the plausible
@@ -203,7 +205,8 @@ fn phenotype(
     let record = classification_record(&classified, &input.provenance);
     let supply_table = supply_columns(network, &supplies);
     let known_by = found.known_by;
-    Phenotype { variant, posterior, collaterals, supplies, counted, circle, known_by, notes, json, supply_table, record }
+    let of_run = input.run.as_ref().map(|run| run.graph.with_file_name(PAGE));
+    Phenotype { variant, posterior, collaterals, supplies, counted, circle, known_by, notes, json, supply_table, record, of_run }
 }
 
 /// Refuses landmarks of the run that have changed since.
@@ -226,6 +229,7 @@ impl Phenotype {
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
         write_phenotype(folder, subject, (&self.variant, &self.circle), self.posterior.as_ref(), &self.json)?;
         write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
-        write_classified(folder, &self.record, collateral_columns(&self.collaterals))
+        let run = self.of_run.as_ref().filter(|page| page.is_file()).and_then(|page| relative(page, &final_path(folder)));
+        write_classified(folder, subject, &self.record, run.as_deref(), collateral_columns(&self.collaterals))
     }
 }

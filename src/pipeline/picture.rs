@@ -7,19 +7,21 @@ use super::prior::LoadedPrior;
 use super::source_file::SourceFile;
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Network, Origin};
-use willis_core::support::geometry::Point;
+use willis_core::support::geometry::{Point, distance};
 use willis_io::formats::{ReadOptions, read_image};
-use willis_io::masks::strips::Strip;
+use willis_io::masks::cubes::ImageCube;
 use willis_io::masks::{Appearance, Scene, Unseen, View};
-use willis_report::ImageCut;
+use willis_report::ImagePlace;
 
-/// Vessels whose probability is at least so far from 0 and 1 get pictures, ...
+/// Vessels whose probability is at least so far from 0 and 1 are looked at, ...
 const LEAST_DOUBT: f64 = 0.02;
-/// ... the most doubtful of them, no more than this many.
-const MOST_PICTURES: usize = 200;
+/// ... at no more than this many places, those of the most doubtful ones, ...
+const MOST_PLACES: usize = 50;
+/// ... which are so far apart, m.
+const APART: f64 = 3e-3;
 
-/// Pictures of the image along doubtful vessels, by row.
-pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
+/// The image around doubtful vessels and contacts, the most doubtful first.
+pub(crate) fn image_places(scene: &Scene, graph: &Network) -> Vec<ImagePlace> {
     let mut doubtful: Vec<(f64, usize)> = graph
         .vessels()
         .enumerate()
@@ -28,14 +30,17 @@ pub(crate) fn pictures(scene: &Scene, graph: &Network) -> Vec<ImageCut> {
         .filter(|(from_half, _)| *from_half <= 0.5 - LEAST_DOUBT)
         .collect();
     doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-    doubtful.truncate(MOST_PICTURES);
-    doubtful.sort_by_key(|(_, row)| *row);
-    let picture = |(_, row): (f64, usize)| {
-        let vessel = graph.vessel(row);
-        let path: Vec<Point> = vessel.path.iter().map(|point| point.position).collect();
-        Some(ImageCut::of(row, &Strip::new(scene, &path, vessel.radius)?))
-    };
-    doubtful.into_iter().filter_map(picture).collect()
+    let mut places: Vec<(Point, Vec<usize>)> = Vec::new();
+    for (_, row) in doubtful {
+        let at = graph.middle_of(graph.ends(row), graph.vessel(row));
+        let is_full = places.len() == MOST_PLACES;
+        match places.iter_mut().find(|(place, _)| distance(*place, at) < APART) {
+            Some((_, rows)) => rows.push(row),
+            None if !is_full => places.push((at, vec![row])),
+            None => {}
+        }
+    }
+    places.into_iter().filter_map(|(at, rows)| Some(ImagePlace::of(rows, at, &ImageCube::new(scene, at)?))).collect()
 }
 
 /// Where an image was read from.

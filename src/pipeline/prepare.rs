@@ -7,7 +7,7 @@ use super::arteries::{self, FoundArteries};
 use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
 use super::decisions::{DecisionList, decide_on};
-use super::picture::{ImageSource, pictures};
+use super::picture::{ImageSource, image_places};
 use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
@@ -63,7 +63,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     Ok(Arc::new(Prepared {
         keep: options.keep.unwrap_or(loaded.prior.usual_rule(&graph)),
         segmentation: input.lumen.as_ref().map(Segmentation::of),
-        image_cuts: built.scene.map(|scene| pictures(&scene, &graph)).unwrap_or_default(),
+        image_places: built.scene.map(|scene| image_places(&scene, &graph)).unwrap_or_default(),
         graph,
         own_nodes,
         boundary,

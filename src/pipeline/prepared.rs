@@ -18,7 +18,7 @@ use willis_core::network::Network;
 use willis_core::sampling::{FoundConditions, SamplingOptions, Solver};
 use willis_io::formats::{checksum, checksum_of};
 use willis_models::candidates::CandidateOptions;
-use willis_report::{ImageCut, Provenance, Segmentation};
+use willis_report::{ImagePlace, Provenance, Segmentation};
 
 /// An input made ready to be sampled: the over-connected graph and its boundary conditions, with everything that its files say.
 #[derive(Debug, Clone, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ pub struct Prepared {
     pub(crate) outlets: FoundOutlets,
     pub(crate) records: SourceRecords,
     /// What it shows along doubtful vessels.
-    pub(crate) image_cuts: Vec<ImageCut>,
+    pub(crate) image_places: Vec<ImagePlace>,
     /// The segmentation that the vessels were found in, where they were.
     pub(crate) segmentation: Option<Segmentation>,
     /// What is known of the contacts beside their vessels.

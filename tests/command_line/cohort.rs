@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use crate::command::{builder, data, folder, stderr, willis};
 use crate::refused::{contents, refused};
 use serde_json::{Value, json};
-use willis::cli::internals::{LONGEST, named, relative};
+use willis::cli::internals::{LONGEST, named};
 use willis::internals::formats::write_csv;
+use willis::internals::output::relative;
 use willis::internals::report::cohort::{CohortRow, cohort_columns, needs_person, uncertainty};
 
 /// Broken phantoms with these seeds, as `scan1.swc` and so on.

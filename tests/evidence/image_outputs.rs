@@ -1,4 +1,4 @@
-//! What comes out beside an image: the small pictures on the page; and probabilities in place of an image.
+//! What comes out beside an image: the cubes on the page; and probabilities in place of an image.
 
 use std::fs;
 use std::path::Path;
@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 use willis::internals::candidates::features::Extraction;
-use willis::internals::masks::strips::{ACROSS, ALONG, Strip};
+use willis::internals::masks::cubes::{ImageCube, SIDE, STEP};
 use willis::internals::masks::{Appearance, Image, Scene, View};
 
 use crate::command::{folder, stderr, willis};
@@ -31,15 +31,15 @@ fn page(here: &Path, out: &str) -> Value {
 }
 
 #[test]
-fn the_page_has_pictures_of_doubtful_vessels_and_nothing_else_of_the_image() {
+fn the_page_has_the_image_around_doubtful_vessels_and_nothing_else_of_it() {
     let here = folder();
-    scan(here.path());
+    let (_, image) = scan(here.path());
     infer(here.path(), "plain", &[]);
     infer(here.path(), "with", &["--image", "image.nii"]);
-    assert_eq!(page(here.path(), "plain")["image_cuts"]["of"], Value::Array(Vec::new()));
+    assert_eq!(page(here.path(), "plain")["image_places"]["of"], Value::Array(Vec::new()));
     let data = page(here.path(), "with");
-    let cuts = data["image_cuts"]["of"].as_array().expect("a list");
-    assert!(!cuts.is_empty() && cuts.len() <= 200, "{}", cuts.len());
+    let places = data["image_places"]["of"].as_array().expect("a list");
+    assert!(!places.is_empty() && places.len() <= 50, "{}", places.len());
     let mut table = csv::Reader::from_path(here.path().join("with/edges.csv")).expect("a table");
     let header = table.headers().expect("names").clone();
     let column = |name: &str| header.iter().position(|other| other == name).expect("a column");
@@ -48,17 +48,34 @@ fn the_page_has_pictures_of_doubtful_vessels_and_nothing_else_of_the_image() {
         .map(|row| row.expect("a row"))
         .map(|row| (row[column("origin")].to_owned(), row[column("probability")].parse().unwrap_or(f64::NAN)))
         .collect();
-    let is_doubtful = |p: f64| (0.02..=0.98).contains(&p);
-    for cut in cuts {
-        let (origin, p) = &rows[cut["vessel"].as_u64().expect("a row") as usize];
-        assert!(origin != "observed" && is_doubtful(*p), "{origin} {p}");
-        let pixels = STANDARD.decode(cut["pixels"].as_str().expect("text")).expect("base64");
-        assert_eq!(pixels.len(), ACROSS * (ALONG + 2 * ACROSS));
+    let is_doubtful = |row: &usize| (0.02..=0.98).contains(&rows[*row].1) && rows[*row].0 != "observed";
+    let mut shown = Vec::new();
+    for place in places {
+        let vessels = place["vessels"].as_array().expect("rows").iter().map(|row| row.as_u64().expect("a row") as usize);
+        shown.extend(vessels);
+        // The image itself at the nearest voxel goes up and down with it (Pearson), where the cube lies in the image.
+        let number = |key: &str, at: usize| place[key][at].as_f64().expect("a number");
+        let samples = STANDARD.decode(place["samples"].as_str().expect("text")).expect("base64");
+        assert_eq!(samples.len(), SIDE * SIDE * SIDE);
+        let voxel = |n: usize| {
+            let at = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
+            let index = [0, 1, 2].map(|k| {
+                let place = number("centre", k) + 1e3 * (at[k] as f64 - 19.5) * STEP;
+                ((place - image.affine[k][3]) / image.affine[k][k]).round()
+            });
+            let inside = (0..3).all(|k| index[k] >= 0.0 && index[k] < image.shape[k] as f64);
+            inside.then(|| index.map(|x| x as usize)).map(|[x, y, z]| image.values[x + image.shape[0] * (y + image.shape[1] * z)])
+        };
+        let pairs = samples.iter().enumerate().filter(|(_, sample)| **sample > 0);
+        let pairs: Vec<[f64; 2]> = pairs.filter_map(|(n, sample)| Some([f64::from(*sample), f64::from(voxel(n)?)])).collect();
+        let mean = [0, 1].map(|k| pairs.iter().map(|pair| pair[k]).sum::<f64>() / pairs.len() as f64);
+        let moment = |a: usize, b: usize| pairs.iter().map(|pair| (pair[a] - mean[a]) * (pair[b] - mean[b])).sum::<f64>();
+        let correlation = moment(0, 1) / (moment(0, 0) * moment(1, 1)).sqrt();
+        assert!(pairs.len() > 10_000 && correlation > 0.6, "{} {correlation}", pairs.len());
     }
-    // Contacts may have no length, and then no course to look along.
-    let doubtful = |kind: &str| rows.iter().filter(|(origin, p)| origin == kind && is_doubtful(*p)).count();
-    let shown = |kind: &str| cuts.iter().filter(|cut| rows[cut["vessel"].as_u64().unwrap_or(0) as usize].0 == kind).count();
-    assert!(shown("candidate") == doubtful("candidate") && shown("contact") <= doubtful("contact"));
+    shown.sort_unstable();
+    let doubtful: Vec<usize> = (0..rows.len()).filter(is_doubtful).collect();
+    assert!(places.len() == 50 || shown == doubtful, "{shown:?} {doubtful:?}");
     let names: Vec<String> = fs::read_dir(here.path().join("with"))
         .expect("a folder")
         .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
@@ -67,44 +84,28 @@ fn the_page_has_pictures_of_doubtful_vessels_and_nothing_else_of_the_image() {
 }
 
 #[test]
-fn a_straightened_picture_shows_a_bent_vessel_as_a_straight_one() {
-    // A quarter of a circle of 12 mm; black-blood images show the same vessel dark.
-    let turn = |n: i32| std::f64::consts::FRAC_PI_2 * f64::from(n) / 60.0;
-    let arc: Vec<[f64; 3]> = (0..=60).map(|n| [6.0 + 12.0 * turn(n).cos(), 6.0 + 12.0 * turn(n).sin(), 10.0]).collect();
+fn a_cube_shows_a_vessel_where_it_is_and_as_bright_or_dark_as_it_is() {
+    // A straight vessel along x at y = 20 mm, z = 20 mm, and a second one far off.
     let near = |p: [f64; 3]| {
-        // A second, straight one lies far off.
-        let second = (-0.5 * ((p[1] - 2.0).powi(2) + (p[2] - 2.0).powi(2)) / 0.49).exp();
-        let (off, inner) = ((p[0] - 6.0).hypot(p[1] - 6.0) - 12.0, p[0] >= 6.0 && p[1] >= 6.0);
-        second + if inner { (-0.5 * (off.powi(2) + (p[2] - 10.0).powi(2)) / 0.49).exp() } else { 0.0 }
+        let vessel = |y: f64, z: f64| (-0.5 * ((p[1] - y).powi(2) + (p[2] - z).powi(2)) / 0.49).exp();
+        vessel(20.0, 20.0) + vessel(4.0, 4.0)
     };
     let bright = drawn([45, 45, 41], |p| ripple(p) + near(p));
     let dark = drawn([45, 45, 41], |p| ripple(p) - near(p));
-    let network = vessels(&[(arc.clone(), 0.7), (straight([1.0, 2.0, 2.0], [20.0, 2.0, 2.0], 40), 0.7)]);
-    let extraction = Extraction::new(&network, &[]).expect("points");
-    for (image, appearance, inside) in [(bright, Appearance::Bright, 191), (dark, Appearance::Dark, 64)] {
+    let lines = [straight([2.0, 20.0, 20.0], [38.0, 20.0, 20.0], 80), straight([2.0, 4.0, 4.0], [38.0, 4.0, 4.0], 80)];
+    let extraction = Extraction::new(&vessels(&lines.map(|line| (line, 0.7))), &[]).expect("points");
+    for (image, appearance) in [(bright, Appearance::Bright), (dark, Appearance::Dark)] {
         let Ok(scene) = Scene::new(&extraction.centerlines(), View { image, appearance }) else { panic!("not shown") };
-        let path: Vec<[f64; 3]> = arc[12..=48].iter().map(|p| p.map(|x| x / 1e3)).collect();
-        let strip = Strip::new(&scene, &path, 0.7e-3).expect("pictures");
-        let pixel = |row: usize, column: usize| i32::from(strip.pixels[row * ALONG + column]);
-        for column in 0..ALONG {
-            let middle = pixel(ACROSS / 2, column);
-            assert!((middle - inside).abs() < 30, "{appearance:?} {column}: {middle}");
-            // The background is a quarter of the way from black to white, or from white to black.
-            let background = if inside > 128 { 64 } else { 191 };
-            assert!((pixel(0, column) - background).abs() < 30, "{appearance:?} {column}: {}", pixel(0, column));
-        }
-        let across = &strip.pixels[ACROSS * ALONG..][..ACROSS * ACROSS];
-        let middle = i32::from(across[ACROSS * ACROSS / 2]);
-        assert!((middle - inside).abs() < 30, "{middle}");
+        let cube = ImageCube::new(&scene, [0.0203, 0.0203, 0.0203]).expect("a cube");
+        // y = 20 mm lies half a sample below the middle.
+        let at = |y: usize| f64::from(cube.samples[20 + SIDE * (y + SIDE * 19)]);
+        let value = |sample: f64| cube.held[0] + (sample - 1.0) / 254.0 * (cube.held[1] - cube.held[0]);
+        let share = |y: usize| (value(at(y)) - cube.shown[0]) / (cube.shown[1] - cube.shown[0]);
+        let (inside, outside) = if cube.is_dark { (0.25, 0.75) } else { (0.75, 0.25) };
+        assert_eq!(cube.is_dark, appearance == Appearance::Dark);
+        assert!((share(19) - inside).abs() < 0.12 && (share(28) - outside).abs() < 0.12, "{} {}", share(19), share(28));
+        assert_eq!(ImageCube::new(&scene, [1.0; 3]), None);
     }
-    // Points in one place have no course.
-    let scene = Scene::new(
-        &extraction.centerlines(),
-        View { image: drawn([45, 45, 41], |p| ripple(p) + near(p)), appearance: Appearance::Bright },
-    );
-    let scene = scene.map_err(|why| why.to_string()).expect("it shows the vessels");
-    assert_eq!(Strip::new(&scene, &[[0.0; 3], [0.0; 3]], 1e-3), None);
-    assert_eq!(Strip::new(&scene, &[], 1e-3), None);
 }
 
 #[test]

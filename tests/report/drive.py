@@ -6,6 +6,7 @@ Usage: drive.py CHROMIUM FOLDER...   Counts are worked out again from edges.csv 
 import csv
 import json
 import math
+import re
 import shutil
 import sys
 import tempfile
@@ -20,7 +21,8 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
-from drive_surface import check_slices, check_surface
+from drive_surface import check_cube, check_slices, check_surface
+from drive_words import check_classified, check_coarse, check_names, check_print, check_simulated, check_walk
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -68,6 +70,13 @@ class Page:
         edge = self.edges[row]
         names = {"contact": "Contact", "candidate": "Connection"} if self.is_uncertain(edge) and not edge["label"] else {}
         return f"{names.get(edge['origin'], 'Vessel')} {row}"
+
+    def is_picked(self, row):
+        """Whether the vessel is the selected one, by what the page calls it."""
+        return self.kind(row).lower() in self.text("#picked h3").lower() and self.picked() == row
+
+    def picked(self):
+        return int(re.search(r"(?:vessel|connection|contact) (\d+)", self.text("#picked h3"), re.I)[1])
 
     def settle(self):
         """Waits until what was asked for is painted."""
@@ -255,16 +264,12 @@ def check_table(page):
     page.one("#filter").send_keys(" ", Keys.BACKSPACE)
 
 
-def picked_row(page):
-    return int(page.text("#picked h3").split(":")[0].split()[1])
-
-
 def check_picking(page):
     """A row, the keys n, p and Escape, and a click into the view pick a vessel; it stands out and its row is shown."""
     page.click("#sheet th:first-child button")
     plain = page.picture()
     page.click("#sheet tbody tr:nth-child(3) td:nth-child(2)")
-    assert page.text("#picked h3").startswith(page.kind(2)) and page.picture() != plain, page.text("#picked h3")
+    assert page.is_picked(2) and page.picture() != plain, page.text("#picked h3")
     length = page.driver.execute_script("return [...document.querySelectorAll('#picked dt')].find(t => t.textContent === 'length_mm').nextSibling.textContent")
     assert math.isclose(float(length), float(page.edges[2]["length_mm"]), rel_tol=1e-5)
     assert page.one("#sheet tbody tr:nth-child(3)").get_attribute("aria-selected") == "true"
@@ -276,11 +281,11 @@ def check_picking(page):
     at = listed.index(2) if 2 in listed else -1
     step = lambda by: listed[(at + by) % len(listed)] if listed else 2 + by
     canvas.send_keys("n")
-    assert picked_row(page) == step(1)
+    assert page.picked() == step(1)
     canvas.send_keys("n")
-    assert picked_row(page) == step(2)
+    assert page.picked() == step(2)
     canvas.send_keys("p")
-    assert picked_row(page) == step(1)
+    assert page.picked() == step(1)
     page.rest()
     turned = page.picture()
     canvas.send_keys(Keys.ARROW_LEFT)
@@ -295,7 +300,7 @@ def check_picking(page):
         x, y = (step * 0.618) % 1 - 0.5, (step * 0.755) % 1 - 0.5
         ActionChains(page.driver).move_to_element_with_offset(canvas, int(0.8 * x * size["width"]), int(0.8 * y * size["height"])).click().perform()
         if page.driver.execute_script("return Boolean(document.querySelector('#picked h3'))"):
-            picked = picked_row(page)
+            picked = page.picked()
             break
     assert picked is not None and 0 <= picked < len(page.edges)
     # A long table shows some of its rows only; the picked one is marked where it is among them.
@@ -361,12 +366,12 @@ def check_circle(page):
     held, end = rest.split("</script", 1)
     held = json.loads(held)
     lists = held["phenotype"].get("probabilities", held["phenotype"])
-    lists |= {"not_seen": ["L-A1"], "hypoplastic": ["R-P1"]}
-    held["phenotype"]["segments"].update({"L-A1": True, "R-P1": True})
+    lists |= {"not_seen": ["L-A1"], "hypoplastic": ["R-P1"], "impossible": ["L-PComm"]}
+    held["phenotype"]["segments"].update({"L-A1": True, "R-P1": True, "L-PComm": False})
     path.write_text(start + 'id="data">' + json.dumps(held).replace("<", "\\u003c") + "</script" + end)
     page.driver.get(path.as_uri())
     states = {name: state for name, state, _ in segments()}
-    assert states["L-A1"] == "not seen" and states["R-P1"] == "hypoplastic", states
+    assert states["L-A1"] == "not seen" and states["R-P1"] == "hypoplastic" and states["L-PComm"] == "no candidate", states
     page.no_error()
 
 
@@ -376,7 +381,8 @@ def check_cohort(page):
     links = page.driver.execute_script("return [...document.querySelectorAll('#sheet a')].map(a => a.getAttribute('href'))")
     for subject in subjects:
         at = f"{subject['subject']}/report.html"
-        assert (page.folder / at).is_file() and at in links and f"{at}#circle" in links, links
+        way = f"{at}?from=..%2Fcohort.html"
+        assert (page.folder / at).is_file() and way in links and f"{way}#circle" in links, links
     variants = [subject["variant"] for subject in subjects]
     for variant in {*variants}:
         page.driver.execute_script("const s = document.getElementById('variant'); s.value = arguments[0]; s.dispatchEvent(new Event('change'))", variant)
@@ -412,6 +418,7 @@ def main():
                     page = Page(driver, folder, "cohort.html")
                     check_access(page)
                     check_cohort(page)
+                    check_walk(page)
                     print(folder, "holds")
                     continue
                 page = Page(driver, folder)
@@ -423,6 +430,7 @@ def main():
                     continue
                 if not page.edges:
                     check_circle(page)
+                    check_classified(page)
                     print(folder, "holds")
                     continue
                 check_labels(page)
@@ -433,6 +441,12 @@ def main():
                     check_table(page)
                     check_picking(page)
                 check_colours(page)
+                check_simulated(page)
+                check_names(page)
+                check_coarse(page)
+                check_print(page)
+                if page.record["parameters"].get("image"):
+                    check_cube(page)
                 if page.one("#hull").is_displayed():
                     check_surface(page)
                     check_slices(page)

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import nibabel as nib
 import numpy as np
+from scipy.ndimage import map_coordinates
 
 STEP = 0.5
 ASSETS = Path(__file__).resolve().parents[2] / "crates/report/src/page/assets"
@@ -64,20 +65,74 @@ VIEWS = {
 }
 
 
+def shown(page):
+    """The pixels of the slices, by row and column."""
+    script = "return [...document.querySelectorAll('.slices canvas')].map(c => [c.width, [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]])"
+    return [np.array(pixels).reshape(n, n, 4) for n, pixels in page.driver.execute_script(script)]
+
+
+def set_range(page, at, value):
+    """Moves a slider of the slices, and waits."""
+    page.driver.execute_script("const s = document.querySelectorAll(arguments[0])[arguments[1]]; s.value = arguments[2]; s.dispatchEvent(new Event('input'))", *at, value)
+    page.settle()
+
+
+def check_cube(page):
+    """Slices through a connection show the image as SciPy interpolates it; the window, the slab and the plane across it change what is seen."""
+    row = next(at for at in page.listed() if page.edges[at]["origin"] == "candidate")
+    page.click(f"#review-list li[data-row='{row}'] .go")
+    page.rest()
+    image = nib.load(page.folder.parent / page.record["parameters"]["image"]["path"])
+    values, inverse = np.asarray(image.dataobj, float), np.linalg.inv(image.affine)
+    place = next(one for one in page.driver.execute_script("return JSON.parse(document.getElementById('data').textContent).image_places.of") if row in one["vessels"])
+    low, high = place["shown"]
+    pictures = shown(page)
+    assert len(pictures) == 5, len(pictures)
+    right, up = map(np.array, VIEWS["RAS"][0])
+    n = pictures[0].shape[0]
+    along = (np.arange(n) + 0.5) * 24 / n - 12
+    centre = np.array([float(x) for x in page.one(".slices").get_attribute("data-at").split()])
+    held = page.driver.execute_script("const i = JSON.parse(document.getElementById('data').textContent).image_places; return [i.side, i.step_mm]")
+    # The cube as SciPy samples it, and the slice as SciPy samples the cube.
+    offsets = (np.arange(held[0]) - (held[0] - 1) / 2) * held[1]
+    grid = np.stack(np.meshgrid(*(c + offsets for c in place["centre"]), indexing="ij"), -1)
+    sample = lambda field, voxel: map_coordinates(field, np.moveaxis(voxel, -1, 0), order=1, mode="nearest")
+    cube = sample(values, nib.affines.apply_affine(inverse, grid))
+    world = centre + along[None, :, None] * right - along[:, None, None] * up
+    truth = np.clip(255 * (sample(cube, (world - place["centre"]) / held[1] + (held[0] - 1) / 2) - low) / (high - low), 0, 255)
+    inner = (np.ptp(pictures[0][..., :3], axis=-1) == 0) & (np.abs(along)[:, None] < 8) & (np.abs(along)[None, :] < 8)
+    off = np.abs(pictures[0][..., 0] - truth)[inner]
+    # The image is seen as it is judged: its noise averaged over less than a voxel.
+    assert inner.sum() > 3000 and np.median(off) < 6, (inner.sum(), np.median(off))
+    assert np.corrcoef(pictures[0][..., 0][inner], truth[inner])[0, 1] > 0.9
+    _, window, slab = ((".slice-controls input[type=range]", at) for at in range(3))
+    set_range(page, slab, 9)
+    thick = shown(page)
+    assert all((b[..., 0].astype(int) - a[..., 0] >= -1)[(np.ptp(a[..., :3], axis=-1) == 0) & (np.ptp(b[..., :3], axis=-1) == 0)].all() for a, b in zip(pictures[:1], thick[:1]))
+    set_range(page, slab, 0)
+    set_range(page, window, high - low + (high - low) / 2)
+    assert any((a != b).any() for a, b in zip(shown(page), pictures))
+    set_range(page, window, high - low)
+    set_range(page, (".slices input[type=range]", 4), 4)
+    assert (shown(page)[4] != pictures[4]).any()
+
+
 def check_slices(page):
     """The slices through a connection show the mask as nibabel reads it: axial, coronal, sagittal."""
     row = next(at for at in page.listed() if page.edges[at]["origin"] == "candidate")
     page.click(f"#review-list li[data-row='{row}'] .go")
     page.rest()
+    page.driver.execute_script("const s = document.querySelector('.slice-controls select'); if (s) { s.value = 'segmentation'; s.dispatchEvent(new Event('change')); }")
     mask = nib.load(page.folder.parent / page.record["input"]["path"])
     inside, inverse = np.asarray(mask.dataobj) > 0, np.linalg.inv(mask.affine)
+    middle = np.array([float(x) for x in page.one(".slices").get_attribute("data-at").split()])
     ends = np.array([[float(page.edges[row][f"{end}{axis}_mm"]) for axis in "xyz"] for end in "ab"])
-    script = """return [...document.querySelectorAll('.slices canvas')].map(c => [c.width, [...c.getContext('2d').getImageData(0, 0, c.width, c.height).data]])"""
+    assert np.linalg.norm(middle - ends.mean(0)) <= float(page.edges[row]["length_mm"]) / 2
     seen, views = set(), 0
-    for (n, pixels), (right, up) in zip(page.driver.execute_script(script), VIEWS[page.record["input"]["frame"]]):
-        pixels = np.array(pixels).reshape(n, n, 4)
+    for pixels, (right, up) in zip(shown(page), VIEWS[page.record["input"]["frame"]]):
+        n = pixels.shape[0]
         along = (np.arange(n) + 0.5) * 24 / n - 12
-        world = ends.mean(0) + along[None, :, None] * np.array(right) - along[:, None, None] * np.array(up)
+        world = middle + along[None, :, None] * np.array(right) - along[:, None, None] * np.array(up)
         flip = -1 if page.record["input"]["frame"] == "LPS" else 1
         voxel = nib.affines.apply_affine(inverse, world * [flip, flip, 1])
         clear = np.abs(voxel - np.floor(voxel) - 0.5).min(-1) > 0.02

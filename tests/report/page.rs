@@ -293,7 +293,7 @@ fn a_page_begins_with_what_came_of_the_run() {
     let record = json!({ "unperturbed": class(1000.0), "classes": [class(1.0), class(1000.1)] });
     assert_eq!(
         read(&modulation(&record)),
-        "With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience from 2.00 to 2.00 W/m\u{b3} \
+        "Of each vessel a number u is drawn: every resistance R becomes R (1 + u). With u in 0.3\u{2013}0.5 inflow goes from 1000 to 1000 mL/min (by less than 0.05 %), resilience from 2.00 to 2.00 W/m\u{b3} \
          (by less than 0.05 %); 4.1 % of the vessels are above the threshold of hypertension, before 4.1 %."
     );
     assert!(simulation(&json!({})).is_empty() && modulation(&json!({})).is_empty());

@@ -17,7 +17,7 @@ fn run(here: &Path, arguments: &[&str]) {
 
 #[test]
 fn pages_work_in_chromium() {
-    let (Ok(python), Ok(chromium)) = (std::env::var("WILLIS_PYTHON"), std::env::var("WILLIS_CHROMIUM")) else {
+    let Some([python, chromium]) = tools() else {
         eprintln!("skipped: WILLIS_CHROMIUM names no Chromium, or WILLIS_PYTHON no Python with tests/requirements.txt");
         return;
     };
@@ -34,6 +34,7 @@ fn pages_work_in_chromium() {
     let scan = data("scan.nii.gz");
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "1", "-o", "one.swc", "-q"]);
     run(here.path(), &["phantom", "cerebral", "--break", "--seed", "2", "-o", "two.swc", "-q"]);
+    run(here.path(), &["phantom", "tree", "--break", "--spacing", "0.7mm", "-o", "seen.nii.gz", "--image", "image.nii", "-q"]);
     let complete = data("circle-of-willis/complete.graphml");
     fs::write(here.path().join("line.swc"), "1 0 0 0 0 1 -1\n2 0 5 0 0 1 1\n3 0 10 0 0 1 2\n").expect("written");
     fs::write(
@@ -42,7 +43,7 @@ fn pages_work_in_chromium() {
     )
     .expect("written");
     run(here.path(), &["phantom", "cerebral", "-o", "control.swc", "-q"]);
-    let runs: [(&str, &[&str]); 16] = [
+    let runs: [(&str, &[&str]); 17] = [
         ("median", &["infer", small, "-n", "300"]),
         ("otsu", &["infer", small, "-n", "300", "--keep", "otsu"]),
         ("frequency", &["infer", small, "-n", "300", "--keep", "frequency=0.4"]),
@@ -51,6 +52,7 @@ fn pages_work_in_chromium() {
         ("probability", &["infer", "tree.swc", "-n", "64", "--keep", "probability=0.4"]),
         ("certain", &["infer", "line.swc", "-n", "64"]),
         ("contacts", &["infer", &scan, "-n", "64"]),
+        ("image", &["infer", "seen.nii.gz", "--image", "image.nii", "-n", "64"]),
         ("many", &["infer", "graph20000/edges.csv", "-n", "64"]),
         ("circle", &["infer", "one.swc", "--landmarks", "one.landmarks.csv", "-n", "64"]),
         ("classified", &["classify", "circle"]),
@@ -63,10 +65,32 @@ fn pages_work_in_chromium() {
     for (out, arguments) in runs {
         run(here.path(), &[arguments, &["-o", out, "-q"]].concat());
     }
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/report/drive.py");
+    drive("drive.py", [&python, &chromium], here.path(), &runs.map(|(out, _)| out));
+}
+
+/// Runs a script with Chromium on folders.
+fn drive(script: &str, [python, chromium]: [&str; 2], here: &Path, folders: &[&str]) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/report").join(script);
     let mut driver = Command::new(python);
     driver.env("WILLIS_BINARY", env!("CARGO_BIN_EXE_willis"));
-    let output = driver.arg(script).arg(chromium).args(runs.map(|(out, _)| out)).current_dir(here.path()).output().expect("runs");
+    let output = driver.arg(script).arg(chromium).args(folders).current_dir(here).output().expect("runs");
     let said = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
     assert!(output.status.success(), "{}{}", said(&output.stdout), said(&output.stderr));
+}
+
+#[test]
+fn thirty_connections_of_a_real_mask_are_decided_by_keys_and_replay() {
+    let mask = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data/kdxf-masks/KDXF_001.nii.gz");
+    let (Some(tools), true) = (tools(), mask.is_file()) else {
+        eprintln!("skipped: the mask, WILLIS_CHROMIUM or WILLIS_PYTHON is not there");
+        return;
+    };
+    let here = folder();
+    run(here.path(), &["infer", &mask.display().to_string(), "-n", "64", "-o", "real", "-q"]);
+    drive("drive_session.py", tools.each_ref().map(String::as_str), here.path(), &["real"]);
+}
+
+/// The Python and the Chromium to test with.
+fn tools() -> Option<[String; 2]> {
+    Some([std::env::var("WILLIS_PYTHON").ok()?, std::env::var("WILLIS_CHROMIUM").ok()?])
 }

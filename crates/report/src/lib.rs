@@ -25,7 +25,7 @@ pub use inference::{
 };
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::{MeasuredSubject, named_figures};
-pub use page::{ImageCut, Segmentation};
+pub use page::{ImagePlace, Segmentation};
 pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };

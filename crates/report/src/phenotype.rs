@@ -68,7 +68,8 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     let segments: serde_json::Map<String, Value> =
         RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
     json!({
-        "not_seen": names(&not_seen(posterior)),
+        "not_seen": names(&of_ring(posterior.not_seen)),
+        "impossible": names(&of_ring(posterior.impossible)),
         "variant": posterior.probability(),
         "margin": posterior.margin(),
         "segments": segments,
@@ -79,9 +80,9 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
     })
 }
 
-/// The segments of which too little is seen.
-fn not_seen(posterior: &Posterior) -> Vec<Artery> {
-    RING.into_iter().zip(posterior.not_seen).filter(|(_, not_seen)| *not_seen).map(|(artery, _)| artery).collect()
+/// The segments that are marked.
+fn of_ring(marked: [bool; 7]) -> Vec<Artery> {
+    RING.into_iter().zip(marked).filter(|(_, is)| *is).map(|(artery, _)| artery).collect()
 }
 
 fn names(arteries: &[Artery]) -> Vec<String> {
@@ -139,7 +140,7 @@ fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures
     if let Some(posterior) = posterior {
         columns.push(share("p_variant".to_owned(), posterior.probability()));
         columns.extend(RING.iter().zip(posterior.segments).map(|(artery, p)| share(format!("p_{artery}"), p)));
-        columns.push(text("not_seen", &names(&not_seen(posterior)).join(" ")));
+        columns.push(text("not_seen", &names(&of_ring(posterior.not_seen)).join(" ")));
     }
     columns.push(text("hypoplastic", &names(&circle.thin()).join(" ")));
     columns
@@ -217,13 +218,13 @@ pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
     ]
 }
 
-/// Writes collateral.csv, the page and the record of a classification into a folder.
+/// Writes collateral.csv, the page and the record of a classification of a `subject` into a folder; `run`: the page of its run, seen from there.
 ///
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_classified(folder: &Path, record: &Value, collaterals: Vec<Column>) -> Result<()> {
+pub fn write_classified(folder: &Path, subject: &str, record: &Value, run: Option<&str>, collaterals: Vec<Column>) -> Result<()> {
     write_file(&folder.join(COLLATERAL), |out| write_csv(out, &collaterals))?;
-    write_file(&folder.join(PAGE), |out| write_phenotype_page(out, record, collaterals))?;
+    write_file(&folder.join(PAGE), |out| write_phenotype_page(out, subject, record, run, collaterals))?;
     write_record(folder, record)
 }

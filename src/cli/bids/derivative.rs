@@ -8,13 +8,12 @@ use crate::error::{Fault, Result};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
 use crate::internals::output::StagedFile;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
-use crate::internals::output::replace_file;
 use crate::internals::output::write_error;
+use crate::internals::output::{relative, replace_file};
 use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 
 use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, is_of_willis};
-use crate::cli::cohort::relative;
 
 /// The version of BIDS that the names follow.
 const BIDS: &str = "1.10.0";

@@ -15,9 +15,10 @@
 //! | the picture beside a mask: smoothed, its value at any place | `image.rs` |
 //! | the voxels in few bytes, for the page | `run_lengths.rs` |
 //! | background, noise and the contrast of every vessel in it | `scene.rs` |
-//! | small pictures of it along a vessel | `strips.rs` |
+//! | the part of it around a place | `cubes.rs` |
 
 mod cavities;
+pub mod cubes;
 mod distance;
 mod field;
 mod foreground;
@@ -29,7 +30,6 @@ mod partial;
 mod run_lengths;
 pub mod scene;
 mod skeleton;
-pub mod strips;
 mod thinning;
 mod trace;
 

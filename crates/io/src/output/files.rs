@@ -2,7 +2,7 @@
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
-use std::path::Path;
+use std::path::{Component, Path, absolute};
 use std::sync::OnceLock;
 
 use serde::Serialize;
@@ -170,4 +170,27 @@ fn write_with(
         out.into_inner()?.finish()
     };
     write().map_err(write_error(path))
+}
+
+/// The path from a folder to a file or a folder, with `/` between its steps.
+pub fn relative(file: &Path, folder: &Path) -> Option<String> {
+    let (file, folder) = (plain(file)?, plain(folder)?);
+    let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
+    // On another drive there is no path.
+    let steps = if shared == 0 { None } else { Some(folder.len() - shared) };
+    let up = std::iter::repeat_n("..".to_owned(), steps?);
+    Some(up.chain(file[shared..].iter().cloned()).collect::<Vec<_>>().join("/"))
+}
+
+/// The steps to a path from the root, none of which leads back.
+fn plain(path: &Path) -> Option<Vec<String>> {
+    let mut steps: Vec<String> = Vec::new();
+    for step in absolute(path).ok()?.components() {
+        match step {
+            Component::ParentDir => drop(steps.pop()),
+            Component::CurDir => {}
+            step => steps.push(step.as_os_str().to_str()?.to_owned()),
+        }
+    }
+    Some(steps)
 }

@@ -26,6 +26,8 @@ pub struct Posterior {
     /// Of which segments too little is seen to say whether they are there: their probability is that of a table of frequencies, given the
     /// others.
     pub not_seen: [bool; 7],
+    /// Which segments are absent whatever the candidates do: not even all of them together make one.
+    pub impossible: [bool; 7],
 }
 
 /// What is known of the segments beside the topologies.
@@ -71,6 +73,8 @@ impl Posterior {
     /// topologies (mixed with independent segments, by iterative proportional fitting) and agree with what is known.
     pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<&Informant>) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
+        // Two landmarks may be joined by a topology and, by a shorter way, by all candidates together otherwise.
+        let all_kept = circle.variant(network, |_| true);
         let each = circle.variants(network, &topologies.weighted).into_iter();
         let each: Vec<Variant> = each.map(|variant| Variant { fenestration: observed.fenestration, ..variant }).collect();
         let mut shares: BTreeMap<Variant, f64> = BTreeMap::new();
@@ -102,7 +106,8 @@ impl Posterior {
         };
         let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
-        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, not_seen }
+        let impossible = [0, 1, 2, 3, 4, 5, 6].map(|s| !all_kept.present[s] && each.iter().all(|variant| !variant.present[s]));
+        Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, not_seen, impossible }
     }
 
     /// The most probable variant; [`Variant::default`], which has nothing, when nothing was drawn.

@@ -1,12 +1,14 @@
 //! The circle of a network whose arteries were named: where its landmarks are, and what names and topologies together say of each segment.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
 use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment, side_of, states_of};
+use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment, name_of, side_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, BodySide, Circle, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
@@ -44,6 +46,9 @@ pub struct NamedCircle {
     pub diameters: [Option<f64>; 7],
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,
+    /// Vessels with the name that most of their length has; older records have none.
+    #[serde(default)]
+    pub names: Vec<(usize, String)>,
 }
 
 /// What is known of people's circles before one is seen.
@@ -101,6 +106,7 @@ impl NamedCircle {
             is_in_view: exchanged(self.is_in_view),
             diameters: exchanged(self.diameters),
             factors: self.factors,
+            names: self.names.into_iter().map(|(row, name)| (row, other_side(&name))).collect(),
         }
     }
 
@@ -128,6 +134,12 @@ pub fn log_odds(p: f64) -> f64 {
     (p / (1.0 - p)).ln()
 }
 
+/// The name of the same artery of the other side.
+fn other_side(name: &str) -> String {
+    let turned = |from, to| name.strip_prefix(from).map(|rest| format!("{to}{rest}"));
+    turned("L-", "R-").or_else(|| turned("R-", "L-")).unwrap_or_else(|| name.to_owned())
+}
+
 impl Names {
     /// Whether enough arteries were found to call this a circle of Willis.
     pub fn is_circle(&self) -> bool {
@@ -150,7 +162,20 @@ impl Names {
             is_in_view: std::array::from_fn(|s| self.has_surroundings(s) || self.encloses(s, &model.atlas)),
             diameters: self.diameters(),
             factors: self.nodes.bridges.iter().zip(&self.bridge_factor).map(|(b, f)| (b.vessel, *f)).collect(),
+            names: self.vessels(),
         }
+    }
+
+    /// The vessels that are arteries of the circle, each with the name that most of its length has.
+    fn vessels(&self) -> Vec<(usize, String)> {
+        let mut sums: BTreeMap<usize, [f64; LABELS]> = BTreeMap::new();
+        for ((place, weight), labels) in self.nodes.place.iter().zip(&self.nodes.weight).zip(&self.labels) {
+            let sum = sums.entry(place.vessel).or_insert([0.0; LABELS]);
+            sum.iter_mut().zip(labels).for_each(|(sum, p)| *sum += weight * p);
+        }
+        let most = |p: [f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        let best = sums.into_iter().map(|(row, sum)| (row, most(sum)));
+        best.filter(|(_, label)| *label != OTHER).map(|(row, label)| (row, name_of(label))).collect()
     }
 
     /// Whether arteries lie on the other side than their names say, by `places` (m, in the axes of the network's file) whose side is known.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::page::{ImageCut, Segmentation};
+use crate::page::{ImagePlace, Segmentation};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
 use willis_core::network::{Merged, Network, Origin, Role, merge};
@@ -26,8 +26,10 @@ pub struct Outcome<'a> {
     pub suggested_cuts: &'a [SuggestedCut],
     /// How the vessels at each opened contact may be paired.
     pub pairings: &'a [Pairings],
-    /// What an image shows along doubtful vessels, by row.
-    pub image_cuts: &'a [ImageCut],
+    /// The names of observed vessels by row, where arteries were named by their geometry.
+    pub arteries: &'a [(usize, String)],
+    /// What an image shows around doubtful vessels.
+    pub image_places: &'a [ImagePlace],
     /// The segmentation that they were found in, where they were.
     pub segmentation: Option<&'a Segmentation>,
     /// What the samples say.

@@ -40,16 +40,35 @@ pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
     if let Some(expected) = outcome.expected {
         let _ = write!(words, "; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
     }
-    Some(summary_picture(summary.name(), &words, drawn.collect(), &views(network.frame)))
+    Some(summary_picture(summary.name(), &words, drawn.collect(), &views(outcome)))
+}
+
+/// Whether what names call left lies where x is less than at what they call right; false without names of both.
+fn left_is_low(outcome: &Outcome<'_>) -> bool {
+    let [mut left, mut right] = [(0.0, 0.0); 2];
+    let network = outcome.network;
+    let labels = network.vessels().enumerate().map(|(row, (_, vessel))| (row, vessel.label.as_str()));
+    for (row, name) in labels.chain(outcome.arteries.iter().map(|(row, name)| (*row, name.as_str()))) {
+        let side = if name.starts_with("L-") { &mut left } else { &mut right };
+        if name.starts_with("L-") || name.starts_with("R-") {
+            let x = network.middle_of(network.ends(row), network.vessel(row))[0];
+            *side = (side.0 + x, side.1 + 1.0);
+        }
+    }
+    left.1 > 0.0 && right.1 > 0.0 && left.0 / left.1 < right.0 / right.1
 }
 
 /// From the front and from the patient's left as radiologists see it, where it is known which way that is.
-fn views(frame: Frame) -> [Projection; 2] {
+fn views(outcome: &Outcome<'_>) -> [Projection; 2] {
     let view = |name, right, up, edges| Projection { name, right, up, edges };
     let up = [0.0, 0.0, 1.0];
-    match frame {
+    match outcome.network.frame {
         Frame::Ras => [view("front", [-1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, -1.0, 0.0], up, ["A", "P"])],
         Frame::Lps => [view("front", [1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, 1.0, 0.0], up, ["A", "P"])],
+        // The patient's left is on the right of the page, where names say which side it is.
+        Frame::Unknown if left_is_low(outcome) => {
+            [view("along y", [-1.0, 0.0, 0.0], up, ["x", ""]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])]
+        }
         Frame::Unknown => [view("along y", [1.0, 0.0, 0.0], up, ["", "x"]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])],
     }
 }

@@ -10,6 +10,7 @@ use super::encode;
 use super::template::Template;
 use crate::cohort::{CohortRow, CohortRun, WALL_TIME};
 use willis_io::formats::Column;
+use willis_io::output::final_path;
 use willis_io::output::names::{PAGE, SUMMARY_PICTURE};
 
 const COHORT: Template = Template {
@@ -20,6 +21,8 @@ const COHORT: Template = Template {
         include_str!("assets/data.js"),
         include_str!("assets/table.js"),
         include_str!("assets/distribution.js"),
+        include_str!("assets/zip.js"),
+        include_str!("assets/walk.js"),
         include_str!("assets/cohort.js"),
     ],
 };
@@ -46,6 +49,7 @@ pub fn write_cohort_page(
         "willis": env!("CARGO_PKG_VERSION"),
         "parameters": about.parameters,
         "failed": failed,
+        "walks": about.command != "classify" && about.command != "label",
         "opens": PAGE,
         "table": encode::table(&table)?,
     });
@@ -60,5 +64,7 @@ pub fn write_cohort_page(
 fn picture(row: &CohortRow, folder: &Path) -> Value {
     let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
     let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
-    if row.figures.is_ok() && folder.join(&beside).is_file() { json!(beside) } else { Value::Null }
+    // A folder that is being written stands elsewhere until it is whole; subjects in it are with it.
+    let there = [folder.to_owned(), final_path(folder)].iter().any(|folder| folder.join(&beside).is_file());
+    if row.figures.is_ok() && there { json!(beside) } else { Value::Null }
 }

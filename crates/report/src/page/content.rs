@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::image::{ImageCut, Segmentation};
+use super::image::{ImagePlace, Segmentation};
 use super::lead;
 use super::scene::PageScene;
 use crate::figures::colour::Rgb;
@@ -37,8 +37,8 @@ pub struct Page {
     pub scene: std::result::Result<PageScene, String>,
     /// The figures that can colour the vessels of the scene; the page starts with the first.
     pub colourings: Vec<Colouring>,
-    /// What an image shows along doubtful vessels.
-    pub image_cuts: Vec<ImageCut>,
+    /// What an image shows around doubtful vessels.
+    pub image_places: Vec<ImagePlace>,
     /// The segmentation that the vessels were found in.
     pub segmentation: Option<Segmentation>,
     /// A threshold that the reader can move.
@@ -61,7 +61,7 @@ impl Page {
             phenotype: None,
             scene,
             colourings: Vec::new(),
-            image_cuts: Vec::new(),
+            image_places: Vec::new(),
             segmentation: None,
             threshold: None,
             figures,

@@ -11,8 +11,9 @@ use serde_json::{Value, json};
 use super::content::{Page, PageTable};
 use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
+use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, Texts, Values};
-use willis_io::masks::strips::{ACROSS, ALONG};
+use willis_io::masks::cubes::{SIDE, STEP};
 
 /// Steps of the colour map; the page interpolates between them.
 const COLOURS: u32 = 32;
@@ -40,7 +41,7 @@ impl Serialize for PageData<'_> {
         map.serialize_entry("colours", &colours())?;
         map.serialize_entry("facts", &page.facts)?;
         map.serialize_entry("figures", &json!(page.figures))?;
-        map.serialize_entry("image_cuts", &json!({ "along": ALONG, "across": ACROSS, "of": page.image_cuts }))?;
+        map.serialize_entry("image_places", &json!({ "side": SIDE, "step_mm": millimetres(STEP), "of": page.image_places }))?;
         map.serialize_entry("lead", &page.lead)?;
         map.serialize_entry("no_scene", &page.scene.as_ref().err())?;
         map.serialize_entry("phenotype", &page.phenotype)?;

@@ -1,28 +1,36 @@
-//! What a page holds of images: small pictures along doubtful vessels, and the segmentation that the vessels were found in.
+//! What a page holds of images: the image around doubtful vessels, and the segmentation that the vessels were found in.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 use willis_core::network::units::millimetres;
-use willis_io::masks::strips::Strip;
+use willis_core::support::geometry::Point;
+use willis_io::masks::cubes::ImageCube;
 use willis_io::masks::{Affine, Foreground, RunLengths};
 
-/// Small pictures of the image along one vessel, for the page; see [`Strip`].
+/// What the image shows around a doubtful vessel or contact, for the page; see [`ImageCube`].
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct ImageCut {
-    /// The row of the vessel.
-    pub vessel: usize,
-    /// Sizes of the straightened picture along and across the vessel, mm.
-    pub size_mm: [f64; 2],
-    /// [`Strip::pixels`] in base64.
-    pub pixels: String,
+pub struct ImagePlace {
+    /// The rows of the vessels that lie there.
+    pub vessels: Vec<usize>,
+    /// The middle of the cube, mm.
+    pub centre: [f64; 3],
+    /// [`ImageCube::held`].
+    pub held: [f64; 2],
+    /// [`ImageCube::shown`].
+    pub shown: [f64; 2],
+    /// Whether vessels are dark.
+    pub is_dark: bool,
+    /// [`ImageCube::samples`] in base64.
+    pub samples: String,
 }
 
-impl ImageCut {
-    /// The pictures of a vessel, by row.
-    pub fn of(vessel: usize, strip: &Strip) -> Self {
-        Self { vessel, size_mm: strip.size.map(millimetres), pixels: STANDARD.encode(&strip.pixels) }
+impl ImagePlace {
+    /// A cube around a place (m) at which vessels lie, by row.
+    pub fn of(vessels: Vec<usize>, centre: Point, cube: &ImageCube) -> Self {
+        let samples = STANDARD.encode(&cube.samples);
+        Self { vessels, centre: centre.map(millimetres), held: cube.held, shown: cube.shown, is_dark: cube.is_dark, samples }
     }
 }
 

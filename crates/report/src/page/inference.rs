@@ -54,6 +54,11 @@ pub fn page(
         .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
+    let mut names = vec![String::new(); outcome.network.vessel_count()];
+    for (row, name) in outcome.arteries {
+        names[*row].clone_from(name);
+    }
+    columns.push(Column::text("artery", names.into_iter()));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
     let asked = questions(outcome);
@@ -109,7 +114,7 @@ pub fn page(
         facts: facts(&record, &names),
         phenotype,
         colourings: colourings(unit, evidence),
-        image_cuts: outcome.image_cuts.to_vec(),
+        image_places: outcome.image_places.to_vec(),
         segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold),
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]

@@ -32,6 +32,18 @@ fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// So many vessels are called by their names.
+const MOST_NAMED: usize = 4;
+
+/// What was done to a vessel of this name, with how much of its diameter is open.
+fn changed(one: &Value, name: &str) -> String {
+    let kind = one["kind"].as_str().unwrap_or("change");
+    match one["open_diameter_share"].as_f64().filter(|_| kind == "stenosis") {
+        Some(open) => format!("{kind} of {name} to {:.0} % of its diameter", 100.0 * open),
+        None => format!("{kind} of {name}"),
+    }
+}
+
 /// What a simulation is about: its inflow, what the perturbations change, which flows turn round.
 pub fn simulation(record: &Value) -> Vec<Part> {
     let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64);
@@ -50,16 +62,13 @@ pub fn simulation(record: &Value) -> Vec<Part> {
     };
     let what = match list("perturbations") {
         [] => "Without a change".to_owned(),
-        [one] => {
-            let kind = match one["kind"].as_str() {
-                Some("stenosis") => "Stenosis",
-                Some("occlusion") => "Occlusion",
-                Some("tortuosity") => "Tortuosity",
-                _ => "Change",
-            };
-            format!("{kind} of {}", name(one))
+        many => {
+            let said: Vec<String> = many.iter().take(MOST_NAMED).map(|one| changed(one, &name(one))).collect();
+            let more = if many.len() > MOST_NAMED { format!(" and {} more", many.len() - MOST_NAMED) } else { String::new() };
+            let mut letters = said.join(", ");
+            letters[..1].make_ascii_uppercase();
+            letters + &more
         }
-        many => format!("{} vessels changed", many.len()),
     };
     let mut parts = vec![
         (format!("{what}: "), false),
@@ -70,6 +79,9 @@ pub fn simulation(record: &Value) -> Vec<Part> {
     parts.push(match reversed {
         [] => ("no flow is reversed".to_owned(), true),
         [one] => (format!("the flow of {} is reversed", name(one)), true),
+        few if few.len() <= MOST_NAMED => {
+            (format!("the flows of {} are reversed", few.iter().map(name).collect::<Vec<_>>().join(", ")), true)
+        }
         many => (format!("{} flows are reversed", many.len()), true),
     });
     if let Some(first) = list("collaterals").first() {
@@ -87,8 +99,14 @@ pub fn modulation(record: &Value) -> Vec<Part> {
     let of = |name: &str| Some((rest[name].as_f64()?, class[name].as_f64()?));
     let Some((inflow, modulated)) = of("total_inflow_mL_per_min") else { return Vec::new() };
     let range = class["class"].as_str().unwrap_or_default().replace(':', "\u{2013}");
+    let does = match record.pointer("/parameters/reading").and_then(Value::as_str) {
+        Some("conductance") => "every resistance R becomes R / (1 - u)",
+        Some("literal") => "every resistance R becomes R (1 - u)",
+        Some("geometry") => "every radius r becomes r (1 - u), every length l (1 + u)",
+        _ => "every resistance R becomes R (1 + u)",
+    };
     let mut parts = vec![
-        (format!("With u in {range} "), false),
+        (format!("Of each vessel a number u is drawn: {does}. With u in {range} "), false),
         (format!("inflow goes from {} to {} mL/min{}", brief(inflow), brief(modulated), change(inflow, modulated)), true),
     ];
     if let Some((before, after)) = of("rho_G_W_per_m3") {

@@ -16,7 +16,7 @@ mod template;
 
 pub use comparison::write_comparison_page;
 pub use content::{Page, PagePicture};
-pub use image::{ImageCut, Segmentation};
+pub use image::{ImagePlace, Segmentation};
 pub use inference::page as infer_page;
 pub use modulation::{ModulationTables, page as modulation_page};
 pub use scene::scene;

@@ -103,7 +103,7 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
     let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
         let mean = Colouring::new(name, unit, ColourScale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
-        [mean, Colouring::new(of, "std / |mean|", ColourScale::Linear, by_class(variation.to_owned()).collect())]
+        [mean, Colouring::new(of, "std / |mean|", ColourScale::Log, by_class(variation.to_owned()).collect())]
     });
     each.flatten().collect()
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::content::{PageTable, title};
+use super::content::{PageTable, warnings};
 use super::encode::{self, colours};
 use super::template::Template;
 use willis_io::formats::Column;
@@ -23,22 +23,30 @@ const PHENOTYPE_PAGE: Template = Template {
     ],
 };
 
-/// Writes the page of a classification from its record and the columns of collateral.csv.
+/// Writes the page of a classification of a `subject` from its record and the columns of collateral.csv; `run`: the page of its run.
 ///
 /// # Errors
 ///
 /// An error of the writer.
-pub fn write_phenotype_page(out: &mut impl Write, record: &Value, collaterals: Vec<Column>) -> io::Result<()> {
+pub fn write_phenotype_page(
+    out: &mut impl Write,
+    subject: &str,
+    record: &Value,
+    run: Option<&str>,
+    collaterals: Vec<Column>,
+) -> io::Result<()> {
     let mut record = record.clone();
     let phenotype = record["phenotype"].take();
     record["collateral"].take();
     let table = PageTable::new("Flow without each feeder", collaterals, false);
-    let title = title("classify", &record);
+    let warnings = warnings(&record, &[]);
     let data = json!({
         "phenotype": phenotype,
         "record": record,
+        "run": run,
+        "warnings": warnings,
         "colours": colours(),
         "collaterals": encode::table(&table)?,
     });
-    PHENOTYPE_PAGE.fill(out, &title, &data)
+    PHENOTYPE_PAGE.fill(out, &format!("willis classify: {subject}"), &data)
 }

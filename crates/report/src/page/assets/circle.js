@@ -32,16 +32,17 @@ function segmentState(phenotype, name) {
     present: own("present") ?? (typeof said === "boolean" ? said : probability === null || probability >= 0.5),
     notSeen: own("not_seen") ?? listed("not_seen"),
     hypoplastic: own("hypoplastic") ?? listed("hypoplastic"),
+    impossible: listed("impossible"),
   };
 }
 
-// A probability in two or three figures; never a rounded 0 or 1.
 // A probability as it stands after "P": `= .35`, or `> .999`.
 function isChance(p) {
   const text = chance(p);
   return /^[<>]/.test(text) ? `P ${text}` : `P = ${text}`;
 }
 
+// A probability in two or three figures; never a rounded 0 or 1.
 function chance(p) {
   if (!Number.isFinite(p)) return "";
   if (p > 0.9995) return "> .999";
@@ -52,7 +53,7 @@ function chance(p) {
 function stateWords(state) {
   const words = [];
   if (state.notSeen) words.push("not seen");
-  else if (!state.present) words.push("absent");
+  else if (!state.present) words.push(state.impossible ? "no candidate" : "absent");
   if (state.hypoplastic && state.present && !state.notSeen) words.push("hypoplastic");
   return words.join(", ");
 }
@@ -101,8 +102,9 @@ function drawCircle(phenotype, colours) {
   return { svg, states };
 }
 
-// A list of the next most probable variants and of what would decide between them. `flies(row)` goes to a vessel, where there is a view.
-function variantList(phenotype, flies) {
+// A list of the next most probable variants and of what would decide between them. `flies(row)` goes to a vessel, where there is a view;
+// `called(row)` is its name.
+function variantList(phenotype, flies, called) {
   const known = phenotype.probabilities, parts = [];
   const says = (words, p) => make("li", {}, words, " ", make("b", { text: isChance(p) }));
   if (!known) return [make("p", { class: "quiet", text: "The vessels were taken as they stand, so there are no probabilities. Classify the folder of a run to have them." })];
@@ -111,7 +113,7 @@ function variantList(phenotype, flies) {
   const deciding = known.deciding.slice(0, 5);
   if (deciding.length) {
     const item = d => {
-      const name = `connection ${d.edge} (${d.id_a} to ${d.id_b})`;
+      const name = called?.(d.edge) ?? `connection ${d.edge} (${d.id_a} to ${d.id_b})`;
       const go = flies ? make("button", { type: "button", text: name }) : make("span", { text: name });
       if (flies) go.addEventListener("click", () => flies(d.edge));
       const own = d.probability === null ? "" : `, ${isChance(d.probability)}`;
@@ -123,14 +125,15 @@ function variantList(phenotype, flies) {
 }
 
 // Fills the section of a phenotype.
-function showCircle(phenotype, colours, flies) {
+function showCircle(phenotype, colours, flies, called) {
   const { svg, states } = drawCircle(phenotype, colours);
   const known = phenotype.probabilities;
   const any = test => states.some(test);
   const notes = [known ? "Darker is more probable." : null, any(s => !s.present && !s.notSeen) ? "A dashed outline is a segment that the most probable variant lacks." : null,
+    any(s => s.impossible && !s.present && !s.notSeen) ? "“No candidate”: the input does not have the segment, and no possible connection could make it, so that its P says nothing about the patient if the extraction missed it." : null,
     any(s => s.notSeen) ? "A grey dashed line is a segment that was not seen; its probability is what is usual." : null, any(s => s.hypoplastic) ? "A thin one is hypoplastic." : null];
   byId("circle-drawing").replaceChildren(svg, make("p", { class: "quiet", text: ["Seen as a radiologist sees it: the patient's right is on the left, the front is at the top.", ...notes].filter(Boolean).join(" ") }));
   byId("circle-words").replaceChildren(
     make("p", { class: "variant-words" }, make("b", { text: phenotype.words.replace(/^./, c => c.toUpperCase()) }), known ? ` ${isChance(known.variant)}` : ""),
-    ...variantList(phenotype, flies));
+    ...variantList(phenotype, flies, called));
 }

@@ -4,16 +4,18 @@ const names = subjects.find("subject"), status = subjects.find("status");
 const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
-names.address = row => bad(row) ? null : page(row).split("/").map(encodeURIComponent).join("/");
+names.address = row => bad(row) ? null : page(row).endsWith(".html") ? wayTo(page(row)) : page(row).split("/").map(encodeURIComponent).join("/");
 // The variant leads to the drawing of the circle.
 const variants = subjects.find("variant");
-if (variants) variants.address = row => bad(row) || variants.at(row) === "" ? null : `${names.address(row)}#circle`;
+if (variants) variants.address = row => bad(row) || variants.at(row) === "" ? null : names.address(row).replace(/(#.*)?$/, "#circle");
 subjects.mark = row => bad(row) ? "failed" : null;
 // Columns of long texts come last.
 const late = ["input", "error"];
 subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
 
+const undecided = subjects.find("undecided");
+const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
 
 // Why a subject needs a person; empty where it does not.
 function reasons(row) {
@@ -23,7 +25,6 @@ function reasons(row) {
 }
 
 function showSummary() {
-  const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
   const open = good.filter(row => reasons(row).length > 0).length, words = [make("b", { text: `${count(good.length, "subject")} of ${grouped(subjects.rows)} done` })];
   if (data.failed > 0) words.push(", ", make("b", { text: `${grouped(data.failed)} failed` }));
   words.push("; ", make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` }), ".");
@@ -37,6 +38,9 @@ function showSummary() {
   byId("origin").textContent = `Made by willis ${data.willis}.`;
 }
 
+// The part of the picture of a run that a card shows, the view from the front, in the units of the picture.
+const THUMBNAIL = [1400, 4600, 18400, 21600];
+
 // A card a subject: its picture, its name, and why it needs a person.
 const CARDS = 24;
 function showPersons() {
@@ -48,10 +52,10 @@ function showPersons() {
   const card = row => {
     const address = names.address(row), picture = data.pictures?.[row], why = reasons(row), variant = variants?.at(row);
     const name = address ? make("a", { href: address, text: names.at(row) }) : make("span", { text: names.at(row) });
-    const image = picture && address ? make("a", { href: address, tabindex: "-1", "aria-hidden": "true" }, make("img", { src: picture.split("/").map(encodeURIComponent).join("/"), alt: "", loading: "lazy", width: 640, height: 390 })) : null;
+    const image = picture && address ? make("a", { href: address, tabindex: "-1", "aria-hidden": "true" }, make("img", { src: `${picture.split("/").map(encodeURIComponent).join("/")}#svgView(viewBox(${THUMBNAIL}))`, alt: "", loading: "lazy", width: 184, height: 216 })) : null;
     return make("article", { class: `card${bad(row) ? " failed" : why.length ? " open" : ""}` }, ...[image, make("h3", {}, name),
-      variant ? make("p", {}, make("a", { href: `${address}#circle`, text: variant })) : null,
-      why.length ? make("ul", {}, ...why.map(text => make("li", { text }))) : make("p", { class: "quiet", text: "nothing to check" })].filter(Boolean));
+      variant ? make("p", {}, make("a", { href: variants.address(row), text: variant })) : null,
+      why.length ? make("ul", {}, ...why.map(text => make("li", { text }))) : make("p", { class: "quiet", text: undecided?.at(row) > 0 ? `nothing to check: ${count(undecided.at(row), "open connection")}, of which none would change the variant` : "nothing to check" })].filter(Boolean));
   };
   let at = 0;
   const more = () => {
@@ -62,6 +66,7 @@ function showPersons() {
   };
   byId("more-cards").addEventListener("click", more);
   more();
+  if (data.walks) new Walk(order.filter(row => !bad(row) && page(row).endsWith(".html")));
 }
 
 function showFailures() {

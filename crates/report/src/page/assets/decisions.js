@@ -21,7 +21,14 @@ class Decisions {
     const { input, graph } = data.record;
     this.key = `willis ${input?.sha256} ${graph?.sha256 ?? ""}`;
     this.restored = this.restore();
+    this.isFirst = true;
     this.follow();
+    this.isFirst = false;
+    // A page of a cohort that shows this one may keep what was decided.
+    window.addEventListener("message", ({ source, data: said }) => {
+      if (source !== parent || said?.willis !== "load" || this.made.size + this.edits.length) return;
+      try { this.load(said.csv); } catch { /* A list for another graph. */ }
+    });
     window.addEventListener("beforeunload", event => { if (!this.saved && !this.stored) event.preventDefault(); });
   }
 
@@ -48,6 +55,15 @@ class Decisions {
     } catch {
       this.stored = false;
     }
+    this.tell(() => {
+      const question = this.threshold.questions(), open = [...Array(this.threshold.rows).keys()].filter(row => !this.made.has(row) && question(row).asked).length;
+      return { willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open, isFirst: this.isFirst };
+    });
+  }
+
+  // Tells the page of a cohort that shows this one.
+  tell(what) {
+    if (parent !== window) parent.postMessage(what(), "*");
   }
 
   // Decides rows alike: "accept", "reject", "unsure", or null to leave them open again.

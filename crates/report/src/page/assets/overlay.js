@@ -3,16 +3,21 @@ const DIRECTIONS = { RAS: [["R", "L"], ["A", "P"], ["S", "I"]], LPS: [["L", "R"]
 const MOST_NAMES = 60;
 
 class Overlay {
-  constructor(scene, frame) {
+  // `sides`: as `sidesOf`, where labels alone say them.
+  constructor(scene, frame, sides) {
     this.scene = scene;
-    this.letters = DIRECTIONS[frame] || [["x", ""], ["y", ""], ["z", ""]];
-    this.known = frame in DIRECTIONS;
+    this.axes = (DIRECTIONS[frame] || [["x"], ["y"], ["z"]]).map(([name]) => name);
+    this.letters = DIRECTIONS[frame] || [0, 1, 2].map(axis => axis === sides?.axis ? sides.names : ["", ""]);
     // `{at: [x, y, z], text, strong}` in mm.
     this.names = [];
     this.chances = [];
     // `{at, text}` of places of edits.
     this.places = [];
     this.namesShown = true;
+    // `{at, towards, reversed}`: which way blood flows; and `{at, text}` of what a simulation changed.
+    this.arrows = [];
+    this.changes = [];
+    this.flowShown = true;
     // `{at, row}` of what is selected.
     this.picked = null;
     this.legend = null;
@@ -31,8 +36,9 @@ class Overlay {
     ink.textBaseline = "middle";
     this.ring(ink, w, h);
     const taken = [];
-    for (const place of this.places) this.dot(ink, w, h, place);
-    for (const label of [...this.chances, ...this.places.filter(place => place.text)]) this.label(ink, w, h, label, taken);
+    if (this.flowShown) for (const arrow of this.arrows) this.arrow(ink, w, h, arrow);
+    for (const place of [...this.places, ...this.changes]) this.dot(ink, w, h, place);
+    for (const label of [...this.chances, ...this.changes, ...(this.flowShown ? this.arrows.filter(arrow => arrow.text) : []), ...this.places.filter(place => place.text)]) this.label(ink, w, h, label, taken);
     if (this.namesShown) for (const label of this.names) this.label(ink, w, h, label, taken);
     this.edges(ink, w, h);
     this.cross(ink, w, h);
@@ -82,6 +88,23 @@ class Overlay {
     }
   }
 
+  // An arrowhead along a vessel, where it is seen from the side; one of a flow that turned round is red.
+  arrow(ink, w, h, { at, towards, reversed }) {
+    const [x, y] = this.on(w, h, at), [right, up] = this.scene.camera.turn, d = [dot(right, towards), -dot(up, towards)];
+    const long = Math.hypot(...towards), seen = Math.hypot(...d);
+    if (!(seen > 0.3 * long)) return;
+    const [a, b] = d.map(c => c / seen), r = reversed ? 9 : 6.5;
+    ink.beginPath();
+    ink.moveTo(x + r * a, y + r * b);
+    for (const side of [1, -1]) ink.lineTo(x - r * (0.8 * a - side * 0.75 * b), y - r * (0.8 * b + side * 0.75 * a));
+    ink.closePath();
+    ink.lineWidth = 1.5;
+    ink.strokeStyle = reversed ? "#fff" : "#1a1a1a";
+    ink.fillStyle = reversed ? "#c8102e" : "#fff";
+    ink.fill();
+    ink.stroke();
+  }
+
   ring(ink, w, h) {
     if (!this.picked) return;
     const [x, y] = this.on(w, h, this.picked.at), r = Math.max(this.picked.reach / this.scene.camera.mm, 14);
@@ -102,7 +125,6 @@ class Overlay {
   }
 
   edges(ink, w, h) {
-    if (!this.known) return;
     const [right, up] = this.scene.camera.turn, minus = v => v.map(x => -x);
     const style = { colour: "#444", weight: "bold" };
     this.text(ink, this.towards(minus(right)), 14, h / 2, style);
@@ -114,7 +136,7 @@ class Overlay {
   // Three short axes in the lower right corner.
   cross(ink, w, h) {
     const { turn } = this.scene.camera, [x, y] = [w - 44, h - 44];
-    const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.letters[axis][0] }));
+    const arms = [0, 1, 2].map(axis => ({ x: turn[0][axis], y: -turn[1][axis], z: turn[2][axis], name: this.axes[axis] }));
     for (const arm of arms.sort((a, b) => a.z - b.z)) {
       ink.strokeStyle = arm.z < -0.05 ? "#999" : "#333";
       ink.lineWidth = 2;
@@ -155,11 +177,9 @@ class Overlay {
 
 // One name for each label, at the middle of its longest vessel.
 function namesOf(shape, vessels) {
-  const labels = vessels.find("label");
-  if (!labels?.text) return [];
   const longest = new Map(), lengths = vessels.find("length_mm");
   for (let row = 0; row < vessels.rows; row++) {
-    const text = labels.at(row), length = lengths ? lengths.at(row) : 0;
+    const text = nameOf(row), length = lengths ? lengths.at(row) : 0;
     if (text && !(longest.get(text)?.length >= length)) longest.set(text, { row, length });
   }
   if (longest.size > MOST_NAMES) return [];

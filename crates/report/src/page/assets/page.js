@@ -7,7 +7,9 @@ const threshold = data.threshold && vessels.rows > 0 ? new Threshold(data.thresh
 const histogram = threshold && new Histogram(threshold);
 const live = threshold ? [{ name: "state", text: true, at: row => threshold.state(row) }] : [];
 const frame = data.record.input?.frame;
-let scene = null, slices = null, sheet = null, picked = -1, decisions = null, review = null, edits = null;
+// What a vessel is called: by its label, else by the artery that geometry finds it to be; empty without one.
+const nameOf = row => vessels.find("label")?.at(row) || vessels.find("artery")?.at(row) || "";
+let scene = null, slices = null, flows = null, sheet = null, picked = -1, decisions = null, review = null, edits = null;
 
 // Selects a vessel in all views; -1 clears the selection. Its row is that of the shown table, if rows are vessels, or of the first.
 function pick(row, turn = true, reveal = turn) {
@@ -30,14 +32,13 @@ function showPicked() {
     return;
   }
   const of = sheet.table.ofVessels ? sheet.table : vessels;
-  const label = of.find("label")?.at(row);
+  const label = nameOf(row);
   const rest = [...of.columns.filter(c => c.name !== "label" && !UNSHOWN.has(c.name)), ...live];
   const entries = rest.map(c => [c.name, shown(c.at(row), 7)]).filter(([, text]) => text !== "");
-  const image = of === vessels ? imageOf(row) : null;
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
   const cuts = beside && slices ? slices.of(row, threshold.rivals(row).filter(other => !(threshold.chance(other) < UNLIKELY)), other => Boolean(threshold.kept[other])) : null;
-  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, image, beside,
+  place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
 
@@ -55,7 +56,7 @@ function showChoice() {
 function decideHere(decision) {
   const row = picked, again = decisions.of(row).decision === decision;
   decisions.decide([row], again ? null : decision);
-  if (!again) review.step(1);
+  if (!again && review.open.length) review.step(1);
 }
 
 // Flies to an uncertain connection and shows its alternatives; to any other vessel as a selection does.
@@ -88,11 +89,12 @@ function showAnswer() {
     const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
     const kept = candidates.filter(row => threshold.kept[row]).length;
     words.push(figure(candidates.length ? `${grouped(kept)} of ${count(candidates.length, "possible connection")} kept` : "There is no possible connection"));
-    if (contacts.length) words.push(", ", figure(`${grouped(contacts.filter(row => !threshold.kept[row]).length)} of ${count(contacts.length, "observed contact")} cut`));
+    const cut = contacts.filter(row => !threshold.kept[row]).length;
+    if (contacts.length) words.push(", ", figure(`${grouped(cut)} of ${count(contacts.length, "observed contact")} cut, ${grouped(contacts.length - cut)} kept`));
     if (observed) words.push(", ", figure(`${count(uncertain.filter(row => origins?.at(row) === "observed" && !threshold.kept[row]).length, "observed vessel")} pruned`));
     if (uncertain.length) words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
     const about = x => x < 0.05 ? "none" : `about ${shown(x, x < 1 ? 1 : 2)}`;
-    if (expected) words.push("; ", figure(`${about(expected.wrong)} expected to be wrong, ${about(expected.missed)} missed`, false));
+    if (expected) words.push("; of all that is kept ", figure(`${about(expected.wrong)} expected to be wrong, ${about(expected.missed)} missed`, false));
     words.push(". ", figure(`The vessels form ${count(counts.components, "part")}${counts.cycles ? ` with ${count(counts.cycles, "loop")}` : ""}.`, false));
     if (threshold.decided.size) words.push(" ", figure(`${grouped(threshold.decided.size)} decided by a person.`, false));
     else if (!threshold.asRun && threshold.now !== threshold.cut) words.push(" ", figure("At another threshold than that of the run.", false));
@@ -119,8 +121,12 @@ function showFacts() {
 
 function showFigures() {
   byId("figures").hidden = data.figures.length === 0;
-  byId("pictures").append(...data.figures.map(({ title, caption, source, wide }) =>
-    make("figure", { class: wide ? "wide" : null }, make("img", { src: source, alt: caption }), make("figcaption", {}, make("b", { text: title }), `. ${caption}`))));
+  byId("pictures").append(...data.figures.map(({ title, caption, source, wide }) => {
+    const enlarge = make("button", { type: "button", class: "enlarge", "aria-pressed": false, "aria-label": `Enlarge ${title}` }, make("img", { src: source, alt: caption }));
+    const whole = make("figure", { class: wide ? "wide" : null }, enlarge, make("figcaption", {}, make("b", { text: title }), `. ${caption} Click to enlarge.`));
+    enlarge.addEventListener("click", () => enlarge.setAttribute("aria-pressed", String(whole.classList.toggle("large"))));
+    return whole;
+  }));
 }
 
 function showTables() {
@@ -170,6 +176,7 @@ function colouring() {
     if (chosen.uncertain_only) parts.push("certain vessels are grey");
     const name = withUnit(chosen.name, chosen.unit && `(${chosen.unit})`);
     byId("colour-note").textContent = [name, ...parts].join("; ") + ".";
+    flows?.show(chosen.variants[variant.value || 0][0] === "unperturbed");
     const values = each[variant.value || 0], decidedColour = chosen.variants[0][2] === "probability" && threshold;
     const none = x => Number.isNaN(x) || x === 0 && chosen.scale === "log" && !chosen.uncertain_only;
     colour = row => {
@@ -315,7 +322,7 @@ function showTooltip(row, x, y) {
   const tip = byId("tooltip");
   tip.hidden = !(row >= 0);
   if (tip.hidden) return;
-  const label = vessels.find("label")?.at(row), radius = vessels.find("radius_mm")?.at(row);
+  const label = nameOf(row), radius = vessels.find("radius_mm")?.at(row);
   const lines = [label ? `${label} (vessel ${row})` : `Vessel ${row}`];
   if (threshold?.uncertain[row]) lines.push(`${review.figure(row)}, ${threshold.state(row)}`);
   if (radius !== undefined) lines.push(`radius ${shown(radius, 2)} mm, length ${shown(vessels.find("length_mm").at(row), 3)} mm`);
@@ -334,9 +341,10 @@ function showScene() {
     return;
   }
   scene = new SceneView(data.scene, vessels, frame, data.segmentation);
-  slices = data.segmentation && threshold ? new Slices(data.segmentation, scene.shape, frame) : null;
+  slices = threshold ? new Slices(data.segmentation, data.image_places, scene.shape, frame, scene.camera.along) : null;
   const names = { y: "y", x: "x", z: "z" };
   byId("sides-note").hidden = frame in ANATOMICAL;
+  if (scene.sidesOfLabels) byId("sides-note").textContent = "The input states no frame: left and right in the view are those of the labels.";
   if (!(frame in ANATOMICAL)) for (const [axis, text] of Object.entries(names)) document.querySelector(`[data-view=${axis}]`).textContent = text;
   listen(scene, {
     pick: row => {
@@ -347,7 +355,7 @@ function showScene() {
     hover: showTooltip,
     whole: () => { scene.showAll(); dress(); },
     step: by => {
-      if (review?.items.length) { if (review.open.length) review.step(by); }
+      if (review?.items.length || parent !== window) review?.step(by);
       else pick((picked + by + vessels.rows + (picked < 0 && by < 0 ? 1 : 0)) % vessels.rows);
     },
     key: name => {
@@ -358,6 +366,7 @@ function showScene() {
       return true;
     },
   });
+  flows = vessels.find("flow_mL_per_min") ? new Flows(scene, vessels, tables) : null;
   colourOf = colouring();
   const toggle = (id, isOne, change) => {
     const box = byId(id);
@@ -371,6 +380,7 @@ function showScene() {
   toggle("hull", Boolean(scene.hull), on => { scene.hullShown = on; });
   if (scene.hull) tellResolution(data.segmentation);
   toggle("names", scene.overlay.names.length > 0, on => { scene.overlay.namesShown = on; });
+  toggle("flow", Boolean(flows), on => { scene.overlay.flowShown = on; });
   byId("markers").checked = scene.markersShown;
   byId("picture").addEventListener("click", () => make("a", { href: scene.picture().toDataURL(), download: `${[nameOfInput(), picked >= 0 ? review?.name(picked).replace(/\W+/g, "-") ?? picked : ""].filter(Boolean).join("-")}.png` }).click());
   dress();
@@ -391,7 +401,7 @@ function tellResolution({ affine, block }) {
 
 function showPhenotype() {
   byId("circle").hidden = !data.phenotype;
-  if (data.phenotype) showCircle(data.phenotype, data.colours, scene && goTo);
+  if (data.phenotype) showCircle(data.phenotype, data.colours, scene && goTo, review && (row => review.name(row)));
 }
 
-showAll(showFacts, showTables, showScene, showReview, () => { showThreshold.again = showThreshold(); }, showAnswer, showPhenotype, showFigures, showRun);
+showAll(showBack, showFacts, showTables, showScene, showReview, () => { showThreshold.again = showThreshold(); }, showAnswer, showPhenotype, showFigures, showRun);

@@ -29,7 +29,7 @@ class Review {
   // The next or previous that is open; from the one that was decided or is open no more, the first.
   step(by) {
     const { open } = this;
-    if (!open.length) return;
+    if (!open.length) return this.decisions.tell(() => ({ willis: "next" }));
     const at = open.findIndex(item => item.row === this.current);
     this.goes(open[at < 0 ? (by > 0 ? 0 : open.length - 1) : (at + by + open.length) % open.length].row);
   }
@@ -43,25 +43,25 @@ class Review {
     line?.scrollIntoView({ block: "nearest" });
   }
 
-  // What a connection is called: by its labels, by those of the vessels that it joins, or by its row.
+  // What a connection is called: by its label, by the arteries that it joins, or by its row.
   name(row) {
     const label = this.vessels.find("label"), kind = this.vessels.find("origin")?.at(row);
     if (label?.at(row)) return label.at(row);
     const [a, b] = this.threshold.ends.map(of => this.labelAt(of[row]));
-    const joined = a && b ? a === b ? ` of ${a}` : `, ${a} to ${b}` : "";
-    return `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}${joined}`;
+    const what = `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}`;
+    return a && b ? a === b ? `${a}, ${what}` : `${a} to ${b}, ${what}` : a || b ? `${a || b}, ${what}` : what;
   }
 
-  // The label of the observed vessels at a node, where they have one.
+  // The name of the observed vessels at a node, where they have one.
   labelAt(node) {
     if (!this.labels) {
-      const { threshold, vessels } = this, label = vessels.find("label");
+      const { threshold } = this;
       this.labels = new Map();
-      for (let row = 0; label && row < threshold.rows; row++) {
-        if (!threshold.isObserved(row)) continue;
-        for (const of of threshold.ends) {
+      for (let row = 0; row < threshold.rows; row++) {
+        const label = threshold.isObserved(row) ? nameOf(row) : "";
+        for (const of of label ? threshold.ends : []) {
           const here = this.labels.get(of[row]);
-          this.labels.set(of[row], here === undefined || here === label.at(row) ? label.at(row) : "");
+          this.labels.set(of[row], here === undefined || here === label ? label : "");
         }
       }
     }

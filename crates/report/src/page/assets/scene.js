@@ -8,6 +8,23 @@ const ANATOMICAL = {
   RAS: { y: [[-1, 0, 0], [0, 0, 1], [0, 1, 0]], x: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]], z: [[-1, 0, 0], [0, 1, 0], [0, 0, -1]] },
   LPS: { y: [[1, 0, 0], [0, 0, 1], [0, -1, 0]], x: [[0, 1, 0], [0, 0, 1], [1, 0, 0]], z: [[1, 0, 0], [0, -1, 0], [0, 0, -1]] },
 };
+// The direction from what labels call right to what they call left; null where they name neither, or where no axis points there.
+function sidesOf(shape, vessels) {
+  const sum = { L: [0, 0, 0, 0], R: [0, 0, 0, 0] };
+  for (let row = 0; row < vessels.rows; row++) {
+    const side = /^([LR])-/.exec(nameOf(row))?.[1];
+    if (side) [...shape.middle(row), 1].forEach((x, k) => { sum[side][k] += x; });
+  }
+  if (!sum.L[3] || !sum.R[3]) return null;
+  const left = unit([0, 1, 2].map(k => sum.L[k] / sum.L[3] - sum.R[k] / sum.R[3])), axis = left.findIndex(x => Math.abs(x) > 0.8);
+  return axis < 0 ? null : { left, axis, names: left[axis] > 0 ? ["L", "R"] : ["R", "L"] };
+}
+
+// The views along the axes from the side that has the patient's left on the viewer's right.
+function asLabelled(left) {
+  const turned = ([right, up, back]) => dot(right, left) < 0 ? [right.map(x => -x), up, back.map(x => -x)] : [right, up, back];
+  return Object.fromEntries(Object.entries(along).map(([axis, view]) => [axis, turned(view)]));
+}
 const FLIGHT = 450;
 // A frame with the surface that takes more (ms) is slow; so long after the last move (ms) the view rests.
 const SLOW = 50, REST = 150;
@@ -19,11 +36,12 @@ class SceneView {
     this.canvas = byId("canvas");
     this.over = byId("overlay");
     this.camera = new Camera(this.geometry.points);
-    if (ANATOMICAL[frame]) {
-      this.camera.along = ANATOMICAL[frame];
-      this.camera.look(this.camera.home);
-    }
-    this.overlay = new Overlay(this, frame);
+    // Where no frame is known, labels may say where left and right are.
+    const sides = ANATOMICAL[frame] ? null : sidesOf(this.shape, vessels);
+    this.sidesOfLabels = sides !== null;
+    this.camera.along = ANATOMICAL[frame] ?? (sides ? asLabelled(sides.left) : along);
+    this.camera.look(this.camera.home);
+    this.overlay = new Overlay(this, frame, sides);
     this.overlay.names = namesOf(this.shape, vessels);
     this.looks = new Uint8Array(4 * (this.geometry.starts.length - 1));
     this.markersShown = this.geometry.markers.filter(([kind]) => !CUTS.has(kind)).length <= MANY;
@@ -186,16 +204,21 @@ class SceneView {
 
   paintVessels() {
     const seen = this.hull && this.hullShown && !(this.hullIsSlow && this.moving);
-    this.painter.paint(this.camera, seen ? { lift: this.voxel, focus: this.focus } : null);
+    this.painter.paint(this.camera, seen ? { lift: this.voxel, focus: this.focus } : null, this.isSlow && this.moving);
   }
 
-  // Whether a frame with the surface takes long here, as without a graphics card: then it is left out while the view moves.
+  // Whether a frame takes long here, as without a graphics card: then the picture is coarser while the view moves; and whether one with the
+  // surface does: then that is left out.
   time() {
-    this.painter.finish();
-    const from = performance.now();
-    this.paintVessels();
-    this.painter.finish();
-    this.hullIsSlow = performance.now() - from > SLOW;
+    const took = hull => {
+      this.painter.finish();
+      const from = performance.now();
+      this.painter.paint(this.camera, hull, false);
+      this.painter.finish();
+      return performance.now() - from;
+    };
+    this.isSlow = took(null) > SLOW / 2;
+    if (this.hull && this.hullShown) this.hullIsSlow = took({ lift: this.voxel, focus: this.focus }) > SLOW;
   }
 
   // Paints a view that moves.
@@ -211,8 +234,8 @@ class SceneView {
 
   frame() {
     if (!this.colour) return;
+    if (this.painter.finish && this.canvas.width > 1 && (this.isSlow === undefined || this.hull && this.hullShown && this.hullIsSlow === undefined)) this.time();
     this.paintVessels();
-    if (this.hull && this.hullShown && this.hullIsSlow === undefined && this.canvas.width > 1) this.time();
     this.overlay.draw(this.over.getContext("2d"), this.camera.size, this.ratio, false);
   }
 

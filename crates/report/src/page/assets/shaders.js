@@ -105,6 +105,48 @@ void main() {
   ink = vec4(colour, clamp(inside / pixel + 0.5, 0.0, 1.0));
 }`;
 
+// While a slow picture moves: bands that face the reader, darker at the rims.
+const BAND_VERTEX = `#version 300 es
+precision highp float;
+uniform mat3 turn;
+uniform vec3 centre;
+uniform vec2 extent;
+uniform float pixel, depth, shift;    // mm
+in vec4 place;                        // mm, and the radius, below zero on the one side
+in vec3 towards;
+in vec4 look;
+out vec4 band;
+void main() {
+  int state = int(look.a * 255.0 + 0.5);
+  if ((state & 1) != 0) { gl_Position = vec4(2.0, 2.0, 2.0, 1.0); return; }
+  vec3 at = (place.xyz - centre) * turn;
+  vec2 d = (towards * turn).xy;
+  float size = length(d), wide = max(abs(place.w) * ((state & 2) != 0 ? 0.55 : 1.0), pixel) + ((state & 8) != 0 ? 2.5 * pixel : 0.0);
+  if (size > 0.0) at.xy += sign(place.w) * wide * vec2(-d.y, d.x) / size;
+  float deep = clamp(0.5 - 0.5 * (at.z - shift) / depth, 0.0, 1.0);
+  band = vec4((state & 64) != 0 ? mix(look.rgb, vec3(1.0), 0.82) : look.rgb, sign(place.w));
+  gl_Position = vec4(at.xy / extent, 2.0 * ((state & 8) != 0 ? 0.01 * deep : 0.02 + 0.98 * deep) - 1.0, 1.0);
+}`;
+const BAND_FRAGMENT = `#version 300 es
+precision mediump float;
+in vec4 band;
+out vec4 ink;
+void main() { ink = vec4(band.rgb * (1.0 - 0.4 * band.a * band.a), 1.0); }`;
+
+// One triangle that covers the view, with a picture.
+const COPY_VERTEX = `#version 300 es
+out vec2 at;
+void main() {
+  at = vec2(gl_VertexID == 1 ? 2.0 : 0.0, gl_VertexID == 2 ? 2.0 : 0.0);
+  gl_Position = vec4(2.0 * at - 1.0, 0.0, 1.0);
+}`;
+const COPY_FRAGMENT = `#version 300 es
+precision mediump float;
+uniform sampler2D small;
+in vec2 at;
+out vec4 ink;
+void main() { ink = vec4(texture(small, at).rgb, 1.0); }`;
+
 // The surface of the segmentation looks like glass: clear where it faces the reader, denser at its rims. Far from a place in focus it nearly disappears.
 const HULL_VERTEX = `#version 300 es
 precision highp float;

@@ -17,16 +17,42 @@ class Shape {
 
   // The middle of a vessel along its course, mm.
   middle(row) {
+    return this.halfway(row).at;
+  }
+
+  // The same with the direction of the course there.
+  halfway(row) {
     const { points, starts } = this, [from, to] = [starts[row], starts[row + 1] - 1];
     let left = 0;
     const step = i => Math.hypot(...[0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]));
     for (let i = from; i < to; i++) left += step(i) / 2;
     for (let i = from; i < to; i++) {
       const length = step(i);
-      if (left <= length) return [0, 1, 2].map(axis => points[4 * i + axis] + (length > 0 ? left / length : 0) * (points[4 * i + 4 + axis] - points[4 * i + axis]));
+      if (left <= length) {
+        const towards = [0, 1, 2].map(axis => points[4 * i + 4 + axis] - points[4 * i + axis]);
+        return { at: towards.map((d, axis) => points[4 * i + axis] + (length > 0 ? left / length : 0) * d), towards };
+      }
       left -= length;
     }
-    return [0, 1, 2].map(axis => points[4 * from + axis]);
+    return { at: [0, 1, 2].map(axis => points[4 * from + axis]), towards: [0, 0, 0] };
+  }
+
+  // The course of a vessel: its length, and where it is and where it goes at a distance (mm) from its middle, straight on beyond its ends.
+  course(row) {
+    const { points, starts } = this, place = i => [points[4 * i], points[4 * i + 1], points[4 * i + 2]], line = [];
+    for (let i = starts[row]; i < starts[row + 1]; i++) {
+      const p = place(i), last = line.at(-1), step = last ? Math.hypot(...p.map((x, k) => x - last.p[k])) : 0;
+      if (!last || step > 0) line.push({ p, s: last ? last.s + step : 0 });
+    }
+    const length = line.at(-1).s;
+    const at = by => {
+      const s = by + length / 2;
+      let k = 1;
+      while (k < line.length - 1 && line[k].s < s) k += 1;
+      const [a, b] = [line[k - 1], line[k]], towards = a && b ? b.p.map((x, i) => (x - a.p[i]) / (b.s - a.s)) : [0, 0, 1];
+      return { at: a.p.map((x, i) => x + (s - a.s) * towards[i]), towards };
+    };
+    return { length, at };
   }
 
   // The direction in which a vessel leaves one of its ends, over some radii, and its radius there.

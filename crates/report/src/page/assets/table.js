@@ -1,7 +1,10 @@
 // A table that sorts by any column, filters by text, and shows a page of its rows at a time.
-const ROWS_A_PAGE = 100;
+const ROWS_A_PAGE = 100, ROWS_IN_PRINT = 3000;
 // Columns that the page computes with and that the tables leave out.
 const UNSHOWN = new Set(["uncertain", "loose_mm", "loop_mm", "attached_a", "attached_b", "alone"]);
+
+// A name that may go on in another line after each of its words.
+const worded = name => name.split(/(?<=_)/).flatMap((word, at) => at ? [make("wbr"), word] : [word]);
 
 class Sheet {
   // `live` are columns that change while the page is open; `picks(row)` is called with the vessel whose row was chosen.
@@ -13,10 +16,16 @@ class Sheet {
     this.order = Uint32Array.from({ length: table.rows }, (_, row) => row);
     this.by = null;
     this.page = 0;
+    this.size = ROWS_A_PAGE;
     this.words = "";
     this.picked = -1;
     this.among = null;
     this.build();
+    const printed = this.element.querySelector("table");
+    // A print has all rows, and columns that would not fit on the paper as it is printed (its width in pixels, its letters to those here) are smaller.
+    for (const [when, size] of [["beforeprint", ROWS_IN_PRINT], ["afterprint", ROWS_A_PAGE]]) {
+      window.addEventListener(when, () => { if (this.element.isConnected) { this.size = size; this.show(); printed.style.zoom = when === "beforeprint" ? Math.min(1, 1046 / (0.6 * printed.offsetWidth)) : ""; } });
+    }
   }
 
   build() {
@@ -39,7 +48,7 @@ class Sheet {
   }
 
   heading(column) {
-    const button = make("button", { type: "button", text: column.name });
+    const button = make("button", { type: "button" }, ...worded(column.name));
     button.addEventListener("click", () => this.sort(column));
     return make("th", { scope: "col", class: column.text ? "text" : null, "aria-sort": "none" }, button);
   }
@@ -56,7 +65,7 @@ class Sheet {
     [...this.head.children].forEach((th, i) => {
       const here = this.columns[i] === column;
       th.setAttribute("aria-sort", here ? this.falling ? "descending" : "ascending" : "none");
-      th.firstElementChild.textContent = this.columns[i].name + (here ? this.falling ? " ▼" : " ▲" : "");
+      th.firstElementChild.replaceChildren(...worded(this.columns[i].name + (here ? this.falling ? " ▼" : " ▲" : "")));
     });
     this.page = 0;
     this.show();
@@ -71,9 +80,9 @@ class Sheet {
   }
 
   show() {
-    const rows = this.rows(), pages = Math.max(Math.ceil(rows.length / ROWS_A_PAGE), 1);
+    const rows = this.rows(), pages = Math.max(Math.ceil(rows.length / this.size), 1);
     this.page = Math.min(Math.max(this.page, 0), pages - 1);
-    const first = this.page * ROWS_A_PAGE, shownRows = rows.slice(first, first + ROWS_A_PAGE);
+    const first = this.page * this.size, shownRows = rows.slice(first, first + this.size);
     this.body.replaceChildren(...Array.from(shownRows, row => this.line(row)));
     this.where.textContent = rows.length ? `${grouped(first + 1)}–${grouped(first + shownRows.length)} of ${grouped(rows.length)}` : "no rows";
     this.back.disabled = this.page === 0;
@@ -104,7 +113,7 @@ class Sheet {
     if (!this.table.ofVessels) return;
     this.picked = row;
     const place = turn ? this.rows().indexOf(row) : -1;
-    const page = Math.floor(place / ROWS_A_PAGE);
+    const page = Math.floor(place / this.size);
     if (place >= 0 && page !== this.page) { this.page = page; this.show(); }
     for (const line of this.body.children) line.setAttribute("aria-selected", Number(line.dataset.row) === row);
   }

@@ -1,5 +1,8 @@
 // The vessels by WebGL 2: two triangles per segment. One texture holds the segments, another the appearance of each vessel.
 // (Instancing would be shorter, but nearly twice as slow in a browser without a graphics card.)
+// The segments of a coarse picture, but for one a vessel.
+const FEW = 8000;
+
 class GlPainter {
   // Throws when the browser has no WebGL 2.
   constructor(canvas, geometry, hull) {
@@ -12,6 +15,7 @@ class GlPainter {
     this.program = this.link(VERTEX, FRAGMENT);
     this.places = this.uniforms(this.program, ["turn", "centre", "extent", "pixel", "depth", "shift", "paper", "segments", "looks"]);
     this.fill();
+    this.sketch = this.half = null;
     this.hull = hull && this.wrap(hull);
   }
 
@@ -47,8 +51,89 @@ class GlPainter {
       }
     }
     this.count = segments.length / 12;
-    const { gl } = this;
-    this.texture(0, gl.RGBA32F, gl.FLOAT, Float32Array, segments);
+    this.texture(0, this.gl.RGBA32F, this.gl.FLOAT, Float32Array, segments);
+  }
+
+  // The vessels as flat bands of few segments, which a computer without a graphics card draws ten times as fast, for the most part because
+  // they go into a picture of their own, of half the size, in which no edge is smoothed.
+  bands() {
+    const { gl } = this, { points, starts, vessels } = this.geometry, most = Math.max(Math.floor(FEW / vessels), 1), corners = [], whose = [], triangles = [];
+    for (let row = 0; row < vessels; row++) {
+      const first = starts[row], steps = Math.max(starts[row + 1] - 1 - first, 0), all = Math.min(steps, most);
+      for (let k = 0; k < all; k++) {
+        const [p, q] = [k, k + 1].map(at => 4 * (first + Math.round(at * steps / all))), towards = [0, 1, 2].map(axis => points[q + axis] - points[p + axis]), at = whose.length;
+        for (const end of [p, q]) for (const side of [-1, 1]) { corners.push(points[end], points[end + 1], points[end + 2], side * points[end + 3], ...towards); whose.push(row); }
+        triangles.push(at, at + 1, at + 2, at + 2, at + 1, at + 3);
+      }
+    }
+    const program = this.link(BAND_VERTEX, BAND_FRAGMENT), array = gl.createVertexArray(), colours = gl.createBuffer();
+    gl.bindVertexArray(array);
+    const bind = (name, size, type, isUnit, stride, offset) => {
+      const at = gl.getAttribLocation(program, name);
+      gl.enableVertexAttribArray(at);
+      gl.vertexAttribPointer(at, size, type, isUnit, stride, offset);
+    };
+    gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ARRAY_BUFFER, Float32Array.from(corners), gl.STATIC_DRAW);
+    bind("place", 4, gl.FLOAT, false, 28, 0);
+    bind("towards", 3, gl.FLOAT, false, 28, 16);
+    gl.bindBuffer(gl.ARRAY_BUFFER, colours);
+    bind("look", 4, gl.UNSIGNED_BYTE, true, 0, 0);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, gl.createBuffer());
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, Uint32Array.from(triangles), gl.STATIC_DRAW);
+    gl.bindVertexArray(null);
+    return { program, array, colours, whose, count: triangles.length, places: this.uniforms(program, ["turn", "centre", "extent", "pixel", "depth", "shift"]) };
+  }
+
+  // A picture of half the size, with the program that shows it.
+  small() {
+    const { gl } = this, program = this.link(COPY_VERTEX, COPY_FRAGMENT), places = this.uniforms(program, ["small"]), [colour, depth, frame] = [gl.createTexture(), gl.createRenderbuffer(), gl.createFramebuffer()];
+    gl.activeTexture(gl.TEXTURE2);
+    gl.bindTexture(gl.TEXTURE_2D, colour);
+    for (const filter of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, filter, gl.LINEAR);
+    for (const way of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, way, gl.CLAMP_TO_EDGE);
+    return { program, places, colour, depth, frame, size: [0, 0] };
+  }
+
+  // The picture is made as large as half the canvas, and drawn into.
+  intoSmall() {
+    const { gl } = this, size = [this.canvas.width, this.canvas.height].map(length => Math.max(length >> 1, 1)), small = this.half ??= this.small();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, small.frame);
+    if (small.size.join() !== size.join()) {
+      small.size = size;
+      gl.activeTexture(gl.TEXTURE2);
+      gl.texImage2D(gl.TEXTURE_2D, 0, gl.RGBA8, ...size, 0, gl.RGBA, gl.UNSIGNED_BYTE, null);
+      gl.bindRenderbuffer(gl.RENDERBUFFER, small.depth);
+      gl.renderbufferStorage(gl.RENDERBUFFER, gl.DEPTH_COMPONENT16, ...size);
+      gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, small.colour, 0);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, gl.DEPTH_ATTACHMENT, gl.RENDERBUFFER, small.depth);
+    }
+    gl.viewport(0, 0, ...size);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+  }
+
+  paintBands(aim, pixel) {
+    const { gl } = this, { program, array, colours, whose, count, places } = this.sketch ??= this.bands();
+    this.intoSmall();
+    gl.useProgram(program);
+    aim(places);
+    gl.uniform1f(places.pixel, 2 * pixel);
+    gl.bindVertexArray(array);
+    if (this.sketch.looks !== this.looks) {
+      const bytes = new Uint8Array(4 * whose.length);
+      whose.forEach((row, at) => bytes.set(this.looks.subarray(4 * row, 4 * row + 4), 4 * at));
+      gl.bindBuffer(gl.ARRAY_BUFFER, colours);
+      gl.bufferData(gl.ARRAY_BUFFER, bytes, gl.DYNAMIC_DRAW);
+      this.sketch.looks = this.looks;
+    }
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_INT, 0);
+    gl.bindVertexArray(null);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    gl.viewport(0, 0, this.canvas.width, this.canvas.height);
+    gl.disable(gl.DEPTH_TEST);
+    gl.useProgram(this.half.program);
+    gl.uniform1i(this.half.places.small, 2);
+    gl.drawArrays(gl.TRIANGLES, 0, 3);
   }
 
   // The surface around the vessels, ready to be drawn.
@@ -72,6 +157,7 @@ class GlPainter {
   // Red, green, blue and LOOK of every vessel and marker.
   dress(looks) {
     const { gl } = this;
+    this.looks = looks.slice();
     this.texture(1, gl.RGBA8, gl.UNSIGNED_BYTE, Uint8Array, looks);
   }
 
@@ -89,8 +175,8 @@ class GlPainter {
     gl.texImage2D(gl.TEXTURE_2D, 0, inside, wide, high, 0, gl.RGBA, kind, dots);
   }
 
-  // `hull`: how the surface is shown; null where it is not.
-  paint(camera, hull) {
+  // `hull`: how the surface is shown; null where it is not. `coarse`: as bands.
+  paint(camera, hull, coarse) {
     const gl = this.gl, { width, height } = this.canvas, [w, h] = camera.size;
     gl.viewport(0, 0, width, height);
     gl.clearColor(...this.paper, 1);
@@ -105,6 +191,7 @@ class GlPainter {
       gl.uniform1f(places.depth, camera.depth * 1.1);
       gl.uniform1f(places.shift, dot(camera.turn[2], camera.middle.map((m, axis) => m - camera.centre[axis])));
     };
+    if (coarse) return this.paintBands(aim, camera.mm * w / width);
     gl.useProgram(this.program);
     aim(this.places);
     gl.uniform1f(this.places.pixel, camera.mm * w / width);
