@@ -266,7 +266,8 @@ class Person:
             if order != "review" and not counts:
                 return
             if not fresh:
-                yield "all", decisions, out
+                for count in [*counts, "all"]:
+                    yield count, decisions, out
                 return
 
     def right_at_last(self, decisions, out, rounds):
