@@ -439,7 +439,7 @@ fn the_page_works_in_chromium() {
     let document = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(document.contains("data-ready=\"yes\""), "{}", stderr(&output));
     for name in ["scan1", "scan2"] {
-        assert!(document.contains(&format!("<a href=\"{name}/report.html\">{name}</a>")), "{name}");
+        assert!(document.contains(&format!("<a href=\"{name}/report.html?from=..%2Fcohort.html\">{name}</a>")), "{name}");
     }
     assert!(document.contains("<tr class=\"failed\"><td class=\"text\">_b_bad</td>"));
     assert!(document.contains("<b>_b_bad</b>: &lt;b&gt;bad.swc:1: "));

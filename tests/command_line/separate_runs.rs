@@ -114,7 +114,11 @@ fn the_links_of_the_page_work_in_chromium() {
     let address = format!("file://{}", here.join("far/cohort/cohort.html").display());
     let output = browser.arg(format!("--user-data-dir={}", here.join("profile").display())).arg(address).output().expect("runs");
     let document = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(document.contains("<a href=\"../../on/run%20%26%201/report.html\">other</a>"), "{}", stderr(&output));
+    assert!(
+        document.contains("<a href=\"../../on/run%20%26%201/report.html?from=..%2F..%2Ffar%2Fcohort%2Fcohort.html\">other</a>"),
+        "{}",
+        stderr(&output)
+    );
     assert!(document.contains("<tr class=\"failed\"><td class=\"text\">bad</td>"));
 }
 

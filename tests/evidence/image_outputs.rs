@@ -103,7 +103,7 @@ fn a_cube_shows_a_vessel_where_it_is_and_as_bright_or_dark_as_it_is() {
         let share = |y: usize| (value(at(y)) - cube.shown[0]) / (cube.shown[1] - cube.shown[0]);
         let (inside, outside) = if cube.is_dark { (0.25, 0.75) } else { (0.75, 0.25) };
         assert_eq!(cube.is_dark, appearance == Appearance::Dark);
-        assert!((share(19) - inside).abs() < 0.12 && (share(28) - outside).abs() < 0.12, "{} {}", share(19), share(28));
+        assert!((share(19) - inside).abs() < 0.12 && (share(12) - outside).abs() < 0.12, "{} {}", share(19), share(12));
         assert_eq!(ImageCube::new(&scene, [1.0; 3]), None);
     }
 }

@@ -5,7 +5,7 @@ use super::alastruey::{NODES, ROOT, TABLE};
 use super::curve::course;
 use super::{add_curved_vessel, add_node, make_inlet, widen_nodes};
 use willis_core::error::{Error, Result};
-use willis_core::network::{Condition, Frame, Network, Role, Vessel};
+use willis_core::network::{Condition, Network, Role, Vessel};
 use willis_core::support::suggestions::did_you_mean;
 
 /// The complete network of [`TABLE`], with centerline points at about `spacing` (m; 0.5 mm is usual).
@@ -21,7 +21,6 @@ use willis_core::support::suggestions::did_you_mean;
 pub fn circle_of_willis(spacing: f64) -> Network {
     assert!(spacing.is_finite() && spacing > 0.0, "spacing {spacing} m is not positive");
     let mut network = Network::new();
-    network.frame = Frame::Ras;
     for number in 1..=NODES {
         add_node(&mut network, alastruey::position(number), None);
     }

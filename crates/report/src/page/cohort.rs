@@ -1,7 +1,7 @@
 //! cohort.html: the subjects of a cohort in a table, the most uncertain first, and the distribution of any column.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Component, Path, absolute};
 
 use serde_json::{Value, json};
 
@@ -64,7 +64,15 @@ pub fn write_cohort_page(
 fn picture(row: &CohortRow, folder: &Path) -> Value {
     let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
     let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
-    // A folder that is being written stands elsewhere until it is whole; subjects in it are with it.
-    let there = [folder.to_owned(), final_path(folder)].iter().any(|folder| folder.join(&beside).is_file());
+    // A folder that is being written stands elsewhere until it is whole; subjects in it are with it, others are told from where it will stand.
+    let mut will_be = absolute(final_path(folder)).unwrap_or_default();
+    for step in Path::new(&beside).components() {
+        if step == Component::ParentDir {
+            will_be.pop();
+        } else {
+            will_be.push(step);
+        }
+    }
+    let there = folder.join(&beside).is_file() || will_be.is_file();
     if row.figures.is_ok() && there { json!(beside) } else { Value::Null }
 }
