@@ -3,7 +3,7 @@
 #
 #   willis infer mask.nii.gz -o OUT --decisions decisions.csv
 #
-# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (MINUTES).
+# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (an hour on two busy cores).
 # ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
