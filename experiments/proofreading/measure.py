@@ -23,6 +23,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import common
 
 HERE = Path(__file__).resolve().parent
+AXES = ("x_mm", "y_mm", "z_mm")
 WILLIS = os.environ.get("WILLIS", "target/release/willis")
 FIGURES = ("path", "nrun", "join_f1", "cut_recall", "lost_connections", "cycles")
 #: The ends of a true link are so near to the stations between which it is missing, mm.
@@ -31,6 +32,11 @@ SITE = 4.0
 FOLLOWED, ON = 15.0, 1.5
 #: So many decisions are made on a list, before the run is made again with them and has a new one.
 AT_ONCE = 10
+
+
+def ends_of(row):
+    """The places of the two nodes of a row of edges.csv, mm."""
+    return np.array([[float(row[end + axis]) for axis in AXES] for end in "ab"])
 
 
 class Person:
@@ -57,7 +63,7 @@ class Person:
 
     def along(self, row):
         """Whether a candidate that makes none of the case's links goes along the tracing all the same: over a gap of it, or else nobody can say."""
-        places = [[float(row[end + axis]) for axis in ("x_mm", "y_mm", "z_mm")] for end in "ab"]
+        places = ends_of(row)
         a, b = (next((self.case.station_of[node] for node in self.case.snap(place) if node in self.case.station_of), None) for place in places)
         if a is None or b is None:
             return False
@@ -210,9 +216,8 @@ class Person:
         if self.is_candidate(row) and self.right[row] is None:
             return []
         said = []
-        for end in "ab" if self.is_candidate(row) else "":
-            place = [float(self.rows[row][end + axis]) for axis in ("x_mm", "y_mm", "z_mm")]
-            node = self.rows[row]["node_" + end]
+        ends = zip(ends_of(self.rows[row]), (self.rows[row]["node_a"], self.rows[row]["node_b"]))
+        for place, node in ends if self.is_candidate(row) else ():
             beside = [other for other, yes in self.right.items() if yes and self.is_candidate(other) and node in (self.rows[other]["node_a"], self.rows[other]["node_b"])]
             away = lambda way: min(np.linalg.norm(self.case.station[way[at]] - place) for at in (0, -1))
             way = min(absent, key=away, default=None)
@@ -227,9 +232,8 @@ class Person:
         part = lambda place: net.comp[net.kd.query(place)[1]]
         loose = part(at)
         size = np.bincount(net.comp)
-        ends = lambda row: [[float(row[end + axis]) for axis in ("x_mm", "y_mm", "z_mm")] for end in "ab"]
         leads = lambda places: (two := list(map(part, places))) and two[0] != two[1] and loose in two and size[two].sum()
-        found = [(leads(ends(self.rows[row])), (row, True)) for row, yes in self.right.items() if yes and self.is_candidate(row)]
+        found = [(leads(ends_of(self.rows[row])), (row, True)) for row, yes in self.right.items() if yes and self.is_candidate(row)]
         found += [(leads([self.place(way[0]), self.place(way[-1])]), self.join(way)) for way in absent]
         most, said = max(found, key=lambda one: one[0], default=(0, None))
         return [said] if most else []
@@ -237,16 +241,15 @@ class Person:
     def questions(self, order, out):
         """Rows of an answer in an order, and the places of the questions."""
         rows = common.rows(out / "edges.csv")[: len(self.rows)]
-        middle = lambda row: [(float(row["a" + axis]) + float(row["b" + axis])) / 2 for axis in ("x_mm", "y_mm", "z_mm")]
         if order == "review":
             asked = common.rows(out / "review.csv") if (out / "review.csv").exists() else []
-            return [(row["kind"], int(row["edge"]), [float(row[axis]) for axis in ("x_mm", "y_mm", "z_mm")]) for row in asked if int(row["edge"]) < len(self.rows)]
+            return [(row["kind"], int(row["edge"]), [float(row[axis]) for axis in AXES]) for row in asked if int(row["edge"]) < len(self.rows)]
         open_rows = [row for row in self.right if rows[row]["probability"] not in ("", "0", "1")]
         doubt = lambda row: -(p := float(rows[row]["probability"])) * (1 - p)
         open_rows.sort(key=doubt)
         if order == "chance":
             random.Random(0).shuffle(open_rows)
-        return [(None, row, middle(rows[row])) for row in open_rows]
+        return [(None, row, ends_of(rows[row]).mean(axis=0)) for row in open_rows]
 
     def session(self, order, counts):
         """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and where the list of the review
@@ -278,8 +281,7 @@ class Person:
             rows = common.rows(out / "edges.csv")
             absent = self.missing(net)
             wrong = [row for row, yes in self.right.items() if yes is False and self.is_candidate(row) and float(rows[row]["kept"] or 0)]
-            middle = lambda row: [(float(rows[row]["a" + axis]) + float(rows[row]["b" + axis])) / 2 for axis in ("x_mm", "y_mm", "z_mm")]
-            said = [one for row in wrong for one in self.answers(row, middle(row), absent)]
+            said = [one for row in wrong for one in self.answers(row, ends_of(rows[row]).mean(axis=0), absent)]
             left = {tuple(fusion["place"]): fusion for fusion in self.fusions_left(net)}
             said += [self.part(fusion) for place, fusion in left.items() if place not in tried]
             tried.update(left)

@@ -25,7 +25,7 @@ use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::run_record::Built;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, review_columns, supply_columns, supply_json, topology_columns,
+    CircleFigures, Outcome, Summary, phenotype_json, questions, review_columns, supply_columns, supply_json, topology_columns,
     vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
@@ -298,7 +298,8 @@ impl Inference {
 
     /// What a person is asked, as review.csv has it; `None` where that is not written.
     pub fn review(&self) -> Option<Vec<Column>> {
-        review_columns(&self.outcome())
+        let outcome = self.outcome();
+        review_columns(&outcome, &questions(&outcome))
     }
 
     /// SHA-256 of the input, as run.json has it.

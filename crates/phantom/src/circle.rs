@@ -65,7 +65,6 @@ pub fn cerebral(network: &Network) -> Network {
 fn restricted(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network {
     let degree = network.degrees(&keep);
     let mut rest = Network::new();
-    rest.frame = network.frame;
     let mut row_of = vec![usize::MAX; network.node_count()];
     for (row, node) in network.nodes().enumerate().filter(|(row, _)| degree[*row] > 0) {
         row_of[row] = rest.add_node(node.clone());

@@ -196,8 +196,7 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
     }
     let inlets = (0..network.node_count()).filter(|row| network.node(*row).role == Some(Role::Inlet));
     let inlets: Vec<usize> = inlets.filter_map(|row| node_point[row]).collect();
-    let (mut lines, number) = ordered.centerlines(params, rng);
-    lines.frame = network.frame;
+    let (lines, number) = ordered.centerlines(params, rng);
 
     let mut truth = Truth {
         vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),

@@ -89,7 +89,6 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
         ..Truth::default()
     };
     let (complete, mut graph) = (network.node_count(), Network::new());
-    graph.frame = network.frame;
     let sampled: Vec<SampledVessel> = chosen.iter().map(|row| gaps.sampled(&network, *row, true)).collect();
     let (nodes, vessels) = network.into_parts();
     for node in nodes {

@@ -21,7 +21,7 @@ mod supply;
 pub use accuracy::{Segments, accuracy_columns};
 pub use circle_figures::{CircleFigures, NamedFigures};
 pub use inference::{
-    Outcome, agreement, few_perfused, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
+    Outcome, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
 };
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::{MeasuredSubject, named_figures};

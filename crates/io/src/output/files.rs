@@ -183,7 +183,7 @@ pub fn relative(file: &Path, folder: &Path) -> Option<String> {
 }
 
 /// The steps to a path from the root, none of which leads back.
-fn plain(path: &Path) -> Option<Vec<String>> {
+pub fn plain(path: &Path) -> Option<Vec<String>> {
     let mut steps: Vec<String> = Vec::new();
     for step in absolute(path).ok()?.components() {
         match step {

@@ -154,22 +154,28 @@ impl Circle {
     /// The anatomy in the vessels that `kept` selects. The network must be the one in which the circle was found, or have the same nodes
     /// and vessels in the same rows. It takes a few shortest paths, so that the time is nearly proportional to the network.
     pub fn variant(&self, network: &Network, kept: impl Fn(usize) -> bool) -> Variant {
-        match &self.location {
-            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &kept),
-            Location::Nodes(points) => points.variant(network, &points.between(network), &kept),
-        }
+        self.variant_between(network, &self.between(network), kept)
     }
 
     /// The anatomy in each of some topologies, given as the vessels that they keep with their weights; as [`Circle::variant`].
     pub fn variants(&self, network: &Network, topologies: &[(Vec<bool>, f64)]) -> Vec<Variant> {
-        let between = match &self.location {
+        let between = self.between(network);
+        in_order(topologies, |_, (kept, _)| self.variant_between(network, &between, |row| kept[row]))
+    }
+
+    /// The vessels that may lie between landmarks; none where labels say what vessels are.
+    fn between(&self, network: &Network) -> Vec<bool> {
+        match &self.location {
             Location::Vessels(_) => Vec::new(),
             Location::Nodes(points) => points.between(network),
-        };
-        in_order(topologies, |_, (kept, _)| match &self.location {
-            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &|row| kept[row]),
-            Location::Nodes(points) => points.variant(network, &between, &|row| kept[row]),
-        })
+        }
+    }
+
+    fn variant_between(&self, network: &Network, between: &[bool], kept: impl Fn(usize) -> bool) -> Variant {
+        match &self.location {
+            Location::Vessels(meanings) => segments_by_labels::variant(meanings, network, &kept),
+            Location::Nodes(points) => points.variant(network, between, &kept),
+        }
     }
 
     /// The circle in a network of the same nodes with only the vessels of `rows`.

@@ -8,7 +8,7 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment, name_of, side_of, states_of};
+use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of, label_of_segment, mirrored, name_of, side_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, BodySide, Circle, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
@@ -46,8 +46,7 @@ pub struct NamedCircle {
     pub diameters: [Option<f64>; 7],
     /// Candidates and contacts with the factor that names give to their odds.
     pub factors: Vec<(usize, f64)>,
-    /// Vessels with the name that most of their length has; older records have none.
-    #[serde(default)]
+    /// Vessels with the name that most of their length has.
     pub names: Vec<(usize, String)>,
 }
 
@@ -106,7 +105,11 @@ impl NamedCircle {
             is_in_view: exchanged(self.is_in_view),
             diameters: exchanged(self.diameters),
             factors: self.factors,
-            names: self.names.into_iter().map(|(row, name)| (row, other_side(&name))).collect(),
+            names: self
+                .names
+                .into_iter()
+                .map(|(row, name)| (row, label_of(&name).map_or(name, |label| name_of(mirrored(label)))))
+                .collect(),
         }
     }
 
@@ -132,12 +135,6 @@ pub fn topologies_say(circle: &Circle, named: &NamedCircle, network: &Network, o
 pub fn log_odds(p: f64) -> f64 {
     let p = p.clamp(1.0 - MOST_SURE, MOST_SURE);
     (p / (1.0 - p)).ln()
-}
-
-/// The name of the same artery of the other side.
-fn other_side(name: &str) -> String {
-    let turned = |from, to| name.strip_prefix(from).map(|rest| format!("{to}{rest}"));
-    turned("L-", "R-").or_else(|| turned("R-", "L-")).unwrap_or_else(|| name.to_owned())
 }
 
 impl Names {

@@ -17,6 +17,8 @@ const SIZE: [f64; 2] = [184.0, 204.0];
 /// Upper left corner of the colour bar, and its height, points.
 const BAR: [f64; 2] = [404.0, 76.0];
 const BAR_HEIGHT: f64 = 144.0;
+/// The left edge, the top, the width and the height of the first view with what is under it, points.
+pub const FRONT: [f64; 4] = [LEFT[0], TOP, SIZE[0], SIZE[1] + 12.0];
 /// The scale bar stands so far above the lower edge of its panel, points.
 const FOOT: f64 = 8.0;
 /// The thinnest vessel, and the thinnest connection that was kept, points.

@@ -86,7 +86,8 @@ fn embedded(boxes: &[FilledBox]) -> Result<String, String> {
     ))
 }
 
-fn units(points: f64) -> i32 {
+/// Points in units of the files.
+pub fn units(points: f64) -> i32 {
     (UNITS * points).round() as i32
 }
 

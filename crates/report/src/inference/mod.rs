@@ -26,7 +26,7 @@ use willis_io::output::write_file;
 use willis_io::output::write_record;
 
 pub use outcome::{Outcome, few_perfused};
-pub use questions::review_columns;
+pub use questions::{questions, review_columns};
 pub use tables::{agreement, vessel_columns};
 
 /// The largest matrix written densely, in nodes.
@@ -81,7 +81,8 @@ pub fn write_outcome(
     if !outcome.pairings.is_empty() {
         write_file(&folder.join(PAIRINGS), |out| write_csv(out, &pairing_columns(outcome)))?;
     }
-    if let Some(columns) = review_columns(outcome) {
+    let asked = questions(outcome);
+    if let Some(columns) = review_columns(outcome, &asked) {
         write_file(&folder.join(REVIEW), |out| write_csv(out, &columns))?;
     }
     matrices(folder, outcome, &mut notes)?;
@@ -92,7 +93,7 @@ pub fn write_outcome(
     let figures = pictures(folder, outcome, dpi)?;
     write_record(folder, summary)?;
     if let Some(nodes) = for_page {
-        let page = infer_page(outcome, &*summary, vessel_columns(outcome), nodes, figures);
+        let page = infer_page(outcome, &asked, &*summary, vessel_columns(outcome), nodes, figures);
         write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     } else {
         notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));

@@ -34,9 +34,8 @@ pub struct Question {
 }
 
 /// The columns of review.csv; `None` where nothing is asked.
-pub fn review_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
+pub fn review_columns(outcome: &Outcome<'_>, asked: &[Question]) -> Option<Vec<Column>> {
     let (network, kept) = (outcome.network, &outcome.answer.kept);
-    let asked = questions(outcome);
     let mut columns = vec![
         Column::whole("rank", 1..=asked.len()),
         Column::whole("edge", asked.iter().map(|one| one.row)),

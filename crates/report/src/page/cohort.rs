@@ -1,7 +1,7 @@
 //! cohort.html: the subjects of a cohort in a table, the most uncertain first, and the distribution of any column.
 
 use std::io::{self, Write};
-use std::path::{Component, Path, absolute};
+use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 
@@ -9,9 +9,10 @@ use super::content::PageTable;
 use super::encode;
 use super::template::Template;
 use crate::cohort::{CohortRow, CohortRun, WALL_TIME};
+use crate::figures::{FRONT, units};
 use willis_io::formats::Column;
-use willis_io::output::final_path;
 use willis_io::output::names::{PAGE, SUMMARY_PICTURE};
+use willis_io::output::{final_path, plain};
 
 const COHORT: Template = Template {
     goal: "subjects",
@@ -51,6 +52,7 @@ pub fn write_cohort_page(
         "failed": failed,
         "walks": about.command != "classify" && about.command != "label",
         "opens": PAGE,
+        "thumbnail": FRONT.map(units),
         "table": encode::table(&table)?,
     });
     if rows.iter().any(|row| row.page.is_some()) {
@@ -65,14 +67,7 @@ fn picture(row: &CohortRow, folder: &Path) -> Value {
     let page = row.page.clone().unwrap_or_else(|| format!("{}/{PAGE}", row.subject));
     let beside = Path::new(&page).with_file_name(format!("{SUMMARY_PICTURE}.svg"));
     // A folder that is being written stands elsewhere until it is whole; subjects in it are with it, others are told from where it will stand.
-    let mut will_be = absolute(final_path(folder)).unwrap_or_default();
-    for step in Path::new(&beside).components() {
-        if step == Component::ParentDir {
-            will_be.pop();
-        } else {
-            will_be.push(step);
-        }
-    }
-    let there = folder.join(&beside).is_file() || will_be.is_file();
+    let will_be = plain(&final_path(folder).join(&beside)).map(|steps| steps.iter().collect::<PathBuf>());
+    let there = folder.join(&beside).is_file() || will_be.is_some_and(|path| path.is_file());
     if row.figures.is_ok() && there { json!(beside) } else { Value::Null }
 }

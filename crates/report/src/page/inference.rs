@@ -9,7 +9,7 @@ use super::content::{
 };
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
-use crate::inference::questions::{LOOP, PART, WORTH, questions};
+use crate::inference::questions::{LOOP, PART, Question, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::Summary;
 use willis_core::decision::{BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, has_evidence};
@@ -30,6 +30,7 @@ const EXACT: [&str; 7] = ["likelihood", "std_error", "frequency", "probability",
 /// The page of an inference from the columns of edges.csv and nodes.csv.
 pub fn page(
     outcome: &Outcome<'_>,
+    asked: &[Question],
     summary: &Summary,
     mut columns: Vec<Column>,
     mut nodes: Vec<Column>,
@@ -61,7 +62,6 @@ pub fn page(
     columns.push(Column::text("artery", names.into_iter()));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
-    let asked = questions(outcome);
     for (name, kind) in STANDS_FOR {
         let mut length = vec![f64::NAN; outcome.network.vessel_count()];
         asked.iter().filter(|one| one.kind == kind).for_each(|one| length[one.row] = millimetres(one.hangs));

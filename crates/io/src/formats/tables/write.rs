@@ -28,10 +28,8 @@ pub enum Values {
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Texts {
     all: String,
-    /// The lower 32 bits of where each ends.
-    ends: Vec<u32>,
-    /// The rows whose upper bits are one more than those of the row before.
-    steps: Vec<usize>,
+    /// Where each ends.
+    ends: Vec<usize>,
 }
 
 impl Texts {
@@ -55,9 +53,8 @@ impl std::ops::Index<usize> for Texts {
     type Output = str;
 
     fn index(&self, row: usize) -> &str {
-        let upper = |row: usize| self.steps.partition_point(|step| *step <= row) as u64;
-        let end = |row: usize| (upper(row) << 32 | u64::from(self.ends[row])) as usize;
-        &self.all[row.checked_sub(1).map_or(0, end)..end(row)]
+        let start = if row == 0 { 0 } else { self.ends[row - 1] };
+        &self.all[start..self.ends[row]]
     }
 }
 
@@ -65,10 +62,8 @@ impl<S: AsRef<str>> FromIterator<S> for Texts {
     fn from_iter<I: IntoIterator<Item = S>>(texts: I) -> Self {
         let mut made = Self::default();
         for text in texts {
-            let before = made.all.len() as u64 >> 32;
             made.all.push_str(text.as_ref());
-            made.steps.extend((before..made.all.len() as u64 >> 32).map(|_| made.ends.len()));
-            made.ends.push(made.all.len() as u32);
+            made.ends.push(made.all.len());
         }
         made.all.shrink_to_fit();
         made.ends.shrink_to_fit();

@@ -4,7 +4,7 @@ const names = subjects.find("subject"), status = subjects.find("status");
 const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
-names.address = row => bad(row) ? null : page(row).endsWith(".html") ? wayTo(page(row)) : page(row).split("/").map(encodeURIComponent).join("/");
+names.address = row => bad(row) ? null : page(row).endsWith(".html") ? wayTo(page(row)) : encoded(page(row));
 // The variant leads to the drawing of the circle.
 const variants = subjects.find("variant");
 if (variants) variants.address = row => bad(row) || variants.at(row) === "" ? null : names.address(row).replace(/(#.*)?$/, "#circle");
@@ -38,9 +38,6 @@ function showSummary() {
   byId("origin").textContent = `Made by willis ${data.willis}.`;
 }
 
-// The part of the picture of a run that a card shows, the view from the front, in the units of the picture.
-const THUMBNAIL = [1400, 4600, 18400, 21600];
-
 // A card a subject: its picture, its name, and why it needs a person.
 const CARDS = 24;
 function showPersons() {
@@ -52,7 +49,7 @@ function showPersons() {
   const card = row => {
     const address = names.address(row), picture = data.pictures?.[row], why = reasons(row), variant = variants?.at(row);
     const name = address ? make("a", { href: address, text: names.at(row) }) : make("span", { text: names.at(row) });
-    const image = picture && address ? make("a", { href: address, tabindex: "-1", "aria-hidden": "true" }, make("img", { src: `${picture.split("/").map(encodeURIComponent).join("/")}#svgView(viewBox(${THUMBNAIL}))`, alt: "", loading: "lazy", width: 184, height: 216 })) : null;
+    const image = picture && address ? make("a", { href: address, tabindex: "-1", "aria-hidden": "true" }, make("img", { src: `${encoded(picture)}#svgView(viewBox(${data.thumbnail}))`, alt: "", loading: "lazy", width: 184, height: 216 })) : null;
     return make("article", { class: `card${bad(row) ? " failed" : why.length ? " open" : ""}` }, ...[image, make("h3", {}, name),
       variant ? make("p", {}, make("a", { href: variants.address(row), text: variant })) : null,
       why.length ? make("ul", {}, ...why.map(text => make("li", { text }))) : make("p", { class: "quiet", text: undecided?.at(row) > 0 ? `nothing to check: ${count(undecided.at(row), "open connection")}, of which none would change the variant` : "nothing to check" })].filter(Boolean));

@@ -31,18 +31,21 @@ const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
 const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;
 
+// A path as an address.
+const encoded = path => path.split("/").map(encodeURIComponent).join("/");
+
 // The address of another page of the same folders, which then leads back here.
 function wayTo(page, goal = "") {
   const steps = page.split("/"), up = steps.filter(step => step === "..").length, here = location.pathname.split("/").filter(Boolean).map(decodeURIComponent);
   // From that page: as many steps up as it lies down, and down as many as it lies up.
   const back = [...Array(steps.length - up - 1).fill(".."), ...here.slice(here.length - up - 1)].join("/");
-  return `${steps.map(encodeURIComponent).join("/")}?from=${encodeURIComponent(back)}${goal ? `#${goal}` : ""}`;
+  return `${encoded(page)}?from=${encodeURIComponent(back)}${goal ? `#${goal}` : ""}`;
 }
 
 // A link back to the page that led here; only to a page in a folder nearby.
 function showBack() {
   const from = new URLSearchParams(location.search).get("from");
-  if (from && /^(\.\.\/)*([^/:\\?#]+\/)*[^/:\\?#]+\.html$/.test(from)) byId("origin").before(make("p", {}, make("a", { id: "back", href: from.split("/").map(encodeURIComponent).join("/"), text: "‹ Back to where you came from" })));
+  if (from && /^(\.\.\/)*([^/:\\?#]+\/)*[^/:\\?#]+\.html$/.test(from)) byId("origin").before(make("p", {}, make("a", { id: "back", href: encoded(from), text: "‹ Back to where you came from" })));
 }
 
 // Shows the parts of a page in order, and the error if one fails.

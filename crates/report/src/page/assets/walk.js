@@ -28,7 +28,7 @@ class Walk {
     this.at = at;
     this.row = order[at];
     byId("walk").hidden = false;
-    byId("walk-page").src = page(this.row).split("/").map(encodeURIComponent).join("/");
+    byId("walk-page").src = encoded(page(this.row));
     byId("walk-heading").textContent = `${names.at(this.row)}, ${at + 1} of ${order.length}`;
     byId("walk-why").textContent = reasons(this.row).join("; ");
     byId("walk-back").disabled = at === 0;
