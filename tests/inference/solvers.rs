@@ -61,23 +61,37 @@ proptest! {
         epsilon in 0.05..0.9_f64,
         one_radius in any::<bool>(),
     ) {
-        let mut draw = Draw::new(seed);
-        let nodes = 5 + draw.below(30);
-        let radius = if one_radius { radii(1.0, 1.0) } else { radii(0.3, 2.0) };
-        let mut network = random_network(&mut draw, nodes, 2 * nodes, radius);
-        network.add_vessel([1, 1], vessels::tube(10.0, 1.0));
-        network.vessel_mut(draw.below(nodes)).certain = true;
-        let conditions = random_conditions(&mut draw, nodes);
-        let of = |solver| {
-            run(&network, &conditions, &SamplingOptions { solver, seed, weight, uncertain, epsilon, samples: 150, ..SamplingOptions::default() })
-        };
-        let reference = of(Solver::Reference);
-        for solver in [Solver::Auto, Solver::Lanes, Solver::Gradients] {
-            let fast = of(solver);
-            agree(&format!("{solver:?}"), &reference, &fast);
-            let (a, b) = (reference.network_resilience, fast.network_resilience);
-            prop_assert!((a - b).abs() <= 1e-9 * a, "{solver:?}: {a} and {b}");
-        }
+        kernels_agree(seed, weight, uncertain, epsilon, one_radius);
+    }
+}
+
+/// The drops along two equal vessels in series have eight right digits here; a coin says which of the two a forest leaves out.
+#[test]
+fn equal_vessels_in_series_tie_where_pressures_have_few_digits() {
+    kernels_agree(854_634_542_677, Weight::Resilience, Uncertain::Candidates, 0.05, true);
+}
+
+fn kernels_agree(seed: u64, weight: Weight, uncertain: Uncertain, epsilon: f64, one_radius: bool) {
+    let mut draw = Draw::new(seed);
+    let nodes = 5 + draw.below(30);
+    let radius = if one_radius { radii(1.0, 1.0) } else { radii(0.3, 2.0) };
+    let mut network = random_network(&mut draw, nodes, 2 * nodes, radius);
+    network.add_vessel([1, 1], vessels::tube(10.0, 1.0));
+    network.vessel_mut(draw.below(nodes)).certain = true;
+    let conditions = random_conditions(&mut draw, nodes);
+    let of = |solver| {
+        run(
+            &network,
+            &conditions,
+            &SamplingOptions { solver, seed, weight, uncertain, epsilon, samples: 150, ..SamplingOptions::default() },
+        )
+    };
+    let reference = of(Solver::Reference);
+    for solver in [Solver::Auto, Solver::Lanes, Solver::Gradients] {
+        let fast = of(solver);
+        agree(&format!("{solver:?}"), &reference, &fast);
+        let (a, b) = (reference.network_resilience, fast.network_resilience);
+        assert!((a - b).abs() <= 1e-9 * a, "{solver:?}: {a} and {b}");
     }
 }
 

@@ -15,6 +15,7 @@ use super::forest::Kruskal;
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Weight};
 use super::per_sample::{PerSample, expectation, open_vessels, part, perfused};
+use super::ties::{Ties, TiesWorkspace};
 use crate::error::Result;
 use crate::flow::batch::star_mesh::StarMeshWorkspace;
 use crate::flow::circuit::beyond_doubles;
@@ -23,7 +24,8 @@ use crate::flow::floating_components::stranded;
 use crate::flow::peeling::{Peeled, peel};
 use crate::flow::residual::Check;
 use crate::flow::resilience::{
-    DROP_CUT, MOST_RESILIENCE, diffused_resilience, resilience_per_square_drop, resilience_per_square_flow, rounding_drops,
+    DROP_CUT, MOST_RESILIENCE, diffused_resilience, resilience, resilience_per_square_drop, resilience_per_square_flow,
+    rounding_drops,
 };
 use crate::flow::{Circuit, StarMesh};
 use crate::network::Network;
@@ -38,6 +40,7 @@ pub struct FullGraph {
     solver: StarMesh,
     /// Where pressures may not show what flows in wide vessels.
     drops: Option<Drops>,
+    ties: Ties,
     /// The forest program; Kruskal's algorithm without one.
     forest: Option<ForestProgram>,
     /// Where the keys of each vessel go: as the forest program has it, or each to a place of its own.
@@ -76,6 +79,7 @@ pub struct FullWorkspace {
     diffused: Vec<ForestEdge>,
     check: Check,
     drops: DropsWorkspace,
+    ties: TiesWorkspace,
 }
 
 /// The pressure at a slot above the circuit's level, and the drop that is only rounding beside it, Pa.
@@ -99,6 +103,9 @@ impl FullGraph {
         most_joins: usize,
     ) -> Result<Option<Self>> {
         let ends = circuit.ends[..circuit.vessel_count()].to_vec();
+        let of_square_flow: Vec<f64> =
+            network.vessels().zip(&circuit.conductance).map(|((_, v), c)| resilience(1.0 / c, 1.0, v.volume())).collect();
+        let ties = Ties::new(circuit, &of_square_flow);
         let Peeled { circuit, chain } = peel(circuit, &circuit.certain_rows(certain));
         let Some(solver) = StarMesh::compile(&circuit, most_joins) else { return Ok(None) };
         let slot = |node: usize| solver.slot(node) as u32;
@@ -133,6 +140,7 @@ impl FullGraph {
             forest,
             weight: options.weight,
             drops: Drops::may_hide(&circuit).then(|| Drops::compile(&circuit, most_joins)).flatten(),
+            ties,
             circuit,
             solver,
             vessels,
@@ -161,6 +169,7 @@ impl FullGraph {
             diffused: Vec::new(),
             check: Check::default(),
             drops: DropsWorkspace::default(),
+            ties: TiesWorkspace::default(),
         }
     }
 
@@ -203,12 +212,13 @@ impl Kernel for FullGraphKernel<'_> {
                 program.clear(&mut work.key);
             }
             let coin = Coin { coins, of_samples: &part(&***coin, first) };
-            let mut total = graph.resiliences(simd, masks, group, coin, work);
-            if let Some(drops) = &graph.drops
-                && graph.refine(drops, masks, first..(first + B).min(*samples), work)
-            {
-                total = graph.sum_and_keys(simd, group, coin, work);
+            graph.resiliences(simd, masks, group, work);
+            if let Some(drops) = &graph.drops {
+                graph.refine(drops, masks, first..(first + B).min(*samples), work);
             }
+            let rho = &mut work.resilience[group * vessels..][..vessels];
+            graph.ties.equalise(rho, &mut work.ties);
+            let total = graph.sum_and_keys(simd, group, coin, work);
             global[first..first + B].copy_from_slice(&*total);
             let in_forest = &mut work.in_forest[group * (vessels + 1)..][..=vessels];
             match forest {
@@ -244,36 +254,28 @@ struct Coin<'a> {
 }
 
 impl FullGraph {
-    /// ρ and the forest key of every vessel in a group; returns Σ ρ of each sample.
+    /// ρ of every vessel in a group.
     #[inline(always)]
-    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
+    fn resiliences<S: Simd>(&self, simd: S, masks: &[u64], group: usize, work: &mut FullWorkspace) {
         for (node, pressure) in work.nodes.iter_mut().zip(&work.flow.pressure) {
             node.pressure = *pressure;
             node.rounding = rounding_drops(simd, pressure, self.circuit.level);
         }
-        let (nodes, key) = (&work.nodes[..], &mut work.key[..]);
-        let mut sum = Lanes::ZERO;
+        let nodes = &work.nodes[..];
         let resilience = &mut work.resilience[group * self.vessels.len()..][..self.vessels.len()];
-        let vessels = self.vessels.iter().zip(masks).zip(&self.key_slots).zip(resilience);
-        for (row, (((vessel, mask), key_slot), resilience)) in vessels.enumerate() {
+        for ((vessel, mask), resilience) in self.vessels.iter().zip(masks).zip(resilience) {
             let [a, b] = vessel.slots.map(|slot| &nodes[slot as usize]);
             let (ends, rounding) = ([&a.pressure, &b.pressure], [&a.rounding, &b.rounding]);
             let rho = diffused_resilience(simd, ends, rounding, None, vessel.factor);
-            let rho = masked(simd, &rho, *mask, group * B);
-            sum = plus(simd, &sum, &rho);
-            *resilience = rho;
-            key_slot.put(simd, &coin.coins.keys_or_zero(simd, &rho, row, coin.of_samples), key);
+            *resilience = masked(simd, &rho, *mask, group * B);
         }
-        sum
     }
 
-    /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly; returns
-    /// whether there are any.
+    /// Works out ρ from drops in those of the samples in which a vessel flows although pressures do not show it, or hardly.
     #[cold]
-    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, work: &mut FullWorkspace) -> bool {
+    fn refine(&self, drops: &Drops, masks: &[u64], samples: Range<usize>, work: &mut FullWorkspace) {
         let (vessels, rounding, group) = (self.vessels.len(), FEW_DIGITS / DROP_CUT, samples.start / B);
         let resilience = &mut work.resilience[group * vessels..][..vessels];
-        let mut found = false;
         for sample in samples {
             let open = |row: usize| masks[row] >> sample & 1 == 1;
             let lane = sample % B;
@@ -291,16 +293,14 @@ impl FullGraph {
             if !(0..vessels).filter(doubtful).any(|row| drop(row).is_some()) {
                 continue;
             }
-            found = true;
             for (row, (vessel, resilience)) in self.vessels.iter().zip(&mut *resilience).enumerate() {
                 let drop = if vessel.factor > 0.0 && open(row) { drop(row) } else { None };
                 resilience[lane] = drop.map_or(0.0, |drop| (drop * drop * vessel.factor).min(MOST_RESILIENCE));
             }
         }
-        found
     }
 
-    /// Puts the forest key of every vessel in a group anew; returns Σ ρ of each sample.
+    /// Puts the forest key of every vessel in a group; returns Σ ρ of each sample.
     #[inline(always)]
     fn sum_and_keys<S: Simd>(&self, simd: S, group: usize, coin: Coin<'_>, work: &mut FullWorkspace) -> Lanes<B> {
         let resilience = &work.resilience[group * self.vessels.len()..][..self.vessels.len()];

@@ -131,7 +131,7 @@ impl Kernel for ReducedGraphKernel<'_> {
                 residual = check.residual(&graph.core, graph.core.if_open(masks), stranded, pressure);
             }
             group.resiliences(simd, resilience);
-            graph.ties.equalise::<B, _>(|chain| graph.chains[chain].factor, resilience, ties);
+            graph.ties.equalise(resilience, ties);
             let mut total = Lanes::ZERO;
             for (chain, rho) in graph.chains.iter().zip(&*resilience) {
                 total = plus_product(simd, &total, &splat(simd, chain.total_share), rho);

@@ -43,8 +43,6 @@ pub struct Reference {
     circuit: Circuit,
     /// π r² l of each vessel, m³.
     volume: Vec<f64>,
-    /// ρ over the square of the flow, of each vessel.
-    factor: Vec<f64>,
     /// Where pressures may not show what flows in wide vessels.
     drops: Option<Drops>,
     ties: Ties,
@@ -57,7 +55,7 @@ impl Reference {
         let volume: Vec<f64> = network.vessels().map(|(_, vessel)| vessel.volume()).collect();
         let factor: Vec<f64> = volume.iter().zip(&circuit.conductance).map(|(v, c)| resilience(1.0 / c, 1.0, *v)).collect();
         let drops = Drops::may_hide(&circuit).then(|| Drops::compile(&circuit, usize::MAX)).flatten();
-        Self { ties: Ties::new(&circuit, &factor), circuit, volume, factor, drops, weight }
+        Self { ties: Ties::new(&circuit, &factor), circuit, volume, drops, weight }
     }
 
     /// How the samples are computed.
@@ -129,7 +127,7 @@ impl Reference {
                 rho = (0..rho.len()).map(|vessel| [drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))]).collect();
             }
         }
-        self.ties.equalise::<1, _>(|vessel| self.factor[vessel], &mut rho, &mut TiesWorkspace::default());
+        self.ties.equalise(&mut rho, &mut TiesWorkspace::default());
         rho.concat()
     }
 }

@@ -1,26 +1,40 @@
 //! Ties between vessels in series. Where nothing branches off between two vessels they carry one flow, and with equal radii they have one
 //! resilience. Rounding separates them, differently in every solver; here they are made equal to the last bit.
 
+use std::ops::Range;
+
 use crate::flow::Circuit;
 
 /// Nodes at which two vessels may tie, in depth-first order. A vessel here is a row of the circuit, which may be a chain.
 #[derive(Debug, Default)]
 pub struct Ties {
-    /// Per such node where its vessels begin; one more at the end.
-    start: Vec<u32>,
+    nodes: Vec<Node>,
     vessels: Vec<u32>,
+    /// Where those of one factor lie among the vessels of a node, if there are several.
+    alike: Vec<Range<u32>>,
 }
 
-/// Two vessels that tie in one sample of a group.
+/// What is at a node: its vessels, by factor, and those of them that are alike.
+#[derive(Debug)]
+struct Node {
+    vessels: Range<u32>,
+    alike: Range<u32>,
+}
+
+/// Two vessels that tie, and the samples of a group in which they do, as bits.
 #[derive(Debug, Clone, Copy)]
 struct Tie {
     vessels: [u32; 2],
-    lane: u32,
+    lanes: u64,
 }
 
 /// The memory of one worker.
 #[derive(Debug, Default)]
-pub struct TiesWorkspace(Vec<Tie>);
+pub struct TiesWorkspace {
+    ties: Vec<Tie>,
+    /// Per vessel of a node the samples in which it flows, as bits.
+    flowing: Vec<u64>,
+}
 
 impl Ties {
     /// The ties of a circuit; `factor` is ρ over the square of the flow of each vessel.
@@ -33,12 +47,7 @@ impl Ties {
                 around[*end].push(vessel as u32);
             }
         }
-        let may_tie = |vessels: &[u32]| {
-            let mut factors: Vec<f64> = vessels.iter().map(|vessel| factor[*vessel as usize]).collect();
-            factors.sort_unstable_by(f64::total_cmp);
-            factors.windows(2).any(|pair| same(pair[0], pair[1]))
-        };
-        let mut ties = Self { start: vec![0], vessels: Vec::new() };
+        let mut ties = Self::default();
         let (mut seen, mut stack) = (vec![false; nodes], Vec::new());
         for root in 0..nodes {
             stack.push(root);
@@ -47,9 +56,8 @@ impl Ties {
                     continue;
                 }
                 let vessels = &around[node];
-                if circuit.is_inner(node) && may_tie(vessels) {
-                    ties.vessels.extend_from_slice(vessels);
-                    ties.start.push(ties.vessels.len() as u32);
+                if circuit.is_inner(node) {
+                    ties.add_node(vessels, factor);
                 }
                 for vessel in vessels.iter().rev() {
                     let [a, b] = circuit.ends[*vessel as usize];
@@ -60,37 +68,72 @@ impl Ties {
         ties
     }
 
-    /// Gives all vessels of a series that tie the largest resilience among them.
-    pub fn equalise<const B: usize, G: AsRef<[f64]> + AsMut<[f64]>>(
-        &self,
-        factor: impl Fn(usize) -> f64,
-        resilience: &mut [G],
-        work: &mut TiesWorkspace,
-    ) {
-        let ties = &mut work.0;
-        ties.clear();
-        for at in self.start.windows(2) {
-            let vessels = &self.vessels[at[0] as usize..at[1] as usize];
-            let (mut count, mut two) = ([0_u32; B], [[0_u32; B]; 2]);
-            for vessel in vessels {
-                for (lane, rho) in resilience[*vessel as usize].as_ref().iter().enumerate() {
-                    if *rho > 0.0 {
-                        two[(count[lane] & 1) as usize][lane] = *vessel;
-                        count[lane] += 1;
-                    }
-                }
+    /// Adds a node if two of its vessels are alike.
+    fn add_node(&mut self, vessels: &[u32], factor: &[f64]) {
+        let (first, first_alike) = (self.vessels.len() as u32, self.alike.len() as u32);
+        self.vessels.extend_from_slice(vessels);
+        let sorted = &mut self.vessels[first as usize..];
+        sorted.sort_unstable_by(|a, b| factor[*a as usize].total_cmp(&factor[*b as usize]));
+        let mut at = 0;
+        for alike in sorted.chunk_by(|a, b| same(factor[*a as usize], factor[*b as usize])) {
+            if alike.len() > 1 {
+                self.alike.push(at..at + alike.len() as u32);
             }
-            for lane in (0..B).filter(|lane| count[*lane] == 2) {
-                let vessels = [two[0][lane], two[1][lane]];
-                if same(factor(vessels[0] as usize), factor(vessels[1] as usize)) {
-                    ties.push(Tie { vessels, lane: lane as u32 });
+            at += alike.len() as u32;
+        }
+        let alike = first_alike..self.alike.len() as u32;
+        if alike.is_empty() {
+            self.vessels.truncate(first as usize);
+        } else {
+            self.nodes.push(Node { vessels: first..self.vessels.len() as u32, alike });
+        }
+    }
+
+    /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group.
+    pub fn equalise<G: AsRef<[f64]> + AsMut<[f64]>>(&self, resilience: &mut [G], work: &mut TiesWorkspace) {
+        let TiesWorkspace { ties, flowing } = work;
+        ties.clear();
+        for node in &self.nodes {
+            let vessels = &self.vessels[range(&node.vessels)];
+            flowing.clear();
+            // The samples in which one vessel at least flows, two, and more.
+            let (mut one, mut two, mut more) = (0, 0, 0);
+            for vessel in vessels {
+                let flows = flows(resilience[*vessel as usize].as_ref());
+                more |= two & flows;
+                two |= one & flows;
+                one |= flows;
+                flowing.push(flows);
+            }
+            let in_series = two & !more;
+            if in_series == 0 {
+                continue;
+            }
+            for alike in &self.alike[range(&node.alike)] {
+                for a in range(alike) {
+                    let mut lanes = in_series & flowing[a];
+                    let mut b = a + 1;
+                    while lanes != 0 && b < alike.end as usize {
+                        let both = lanes & flowing[b];
+                        if both != 0 {
+                            ties.push(Tie { vessels: [vessels[a], vessels[b]], lanes: both });
+                            lanes &= !both;
+                        }
+                        b += 1;
+                    }
                 }
             }
         }
         let mut level = |tie: &Tie| {
-            let [a, b] = tie.vessels.map(|vessel| resilience[vessel as usize].as_ref()[tie.lane as usize]);
-            let most = a.max(b);
-            tie.vessels.iter().for_each(|vessel| resilience[*vessel as usize].as_mut()[tie.lane as usize] = most);
+            let [a, b] = tie.vessels.map(|vessel| vessel as usize);
+            let mut lanes = tie.lanes;
+            while lanes != 0 {
+                let lane = lanes.trailing_zeros() as usize;
+                let most = resilience[a].as_ref()[lane].max(resilience[b].as_ref()[lane]);
+                resilience[a].as_mut()[lane] = most;
+                resilience[b].as_mut()[lane] = most;
+                lanes &= lanes - 1;
+            }
         };
         // Along a branch of the depth-first order the largest is carried up to its top, and from there down again.
         for _ in 0..2 {
@@ -98,6 +141,15 @@ impl Ties {
             ties.iter().for_each(&mut level);
         }
     }
+}
+
+/// The samples in which a vessel has resilience, as bits.
+fn flows(resilience: &[f64]) -> u64 {
+    resilience.iter().rev().fold(0, |bits, rho| bits << 1 | u64::from(*rho > 0.0))
+}
+
+fn range(range: &Range<u32>) -> Range<usize> {
+    range.start as usize..range.end as usize
 }
 
 /// Whether two factors are equal up to the rounding of radii, such as that of the mean of two equal ones.
