@@ -22,7 +22,7 @@ use willis_models::circle_of_willis::{
     Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
     identify_landmarks, in_axes_of, segment_diameters,
 };
-use willis_models::naming::{NamedCircle, Names, NamingModels};
+use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
 use willis_report::CircleFigures;
 
 impl ArterySource {
@@ -77,9 +77,14 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
-pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>, models: &NamingModels) -> Result<FoundArteries> {
+pub(crate) fn by_geometry(
+    input: &Path,
+    network: &Network,
+    like: Option<&Bearings>,
+    models: &NamingModels,
+) -> Result<FoundArteries> {
     let names = match like {
-        Some(names) => models.name_again(network, names),
+        Some(bearings) => models.name_again(network, bearings),
         None => models.name(network),
     };
     let here = |fault: Fault| fault.in_file(input);
