@@ -200,7 +200,7 @@ impl FoundArteries {
         CircleFigures::of(variant, &diameters, thin)
     }
 
-    /// The plausible topologies, and how they were drawn: by the evidence, or without any those that the samples vote for, by the
+    /// The plausible topologies, and how they were drawn: `by_evidence`, or without any those that the samples vote for, by the
     /// vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
     pub(crate) fn topologies(
         &self,
@@ -209,6 +209,7 @@ impl FoundArteries {
         options: &SamplingOptions,
         given: &[usize],
         above_median: Option<&[bool]>,
+        by_evidence: for<'a> fn(KnownEnds<'a>) -> TopologySource<'a>,
     ) -> Result<(Topologies, String)> {
         let weighed = self.named.as_ref().map(|named| named.weighed(network));
         let network = weighed.as_ref().unwrap_or(network);
@@ -222,10 +223,7 @@ impl FoundArteries {
             inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
         }
         let (draw, how) = match above_median {
-            None => (
-                TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &inlets }),
-                "whose free ends continue by the evidence",
-            ),
+            None => (by_evidence(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
             Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;
