@@ -141,7 +141,8 @@ fn pandas_and_r_read_the_same_tables() {
     fs::write(here.path().join("participants.tsv"), rows).expect("written");
     let words = ["measure", "runs/*", "-o", "measured", "--participants", "participants.tsv", "--compare", "group"];
     done(here.path(), &words);
-    let by_r = Command::new("Rscript").current_dir(here.path()).args(["-e", BY_R]).output().expect("runs");
+    fs::write(here.path().join("by.R"), BY_R).expect("written");
+    let by_r = Command::new("Rscript").current_dir(here.path()).arg("by.R").output().expect("runs");
     assert!(by_r.status.success(), "{}", stderr(&by_r));
     fs::write(here.path().join("r.txt"), &by_r.stdout).expect("written");
     let told = fs::File::open(here.path().join("r.txt")).expect("there");

@@ -105,7 +105,7 @@ def near(found, expected, share):
 def drawn():
     for spacing in (0.1, 0.25, 0.5):
         for lines in (helix(spacing), fork(spacing), circle(spacing), straight(spacing)):
-            vessels, subject = measure(swc(lines), "--smoothing", "2mm")
+            vessels, subject = measure(swc(lines), "--smoothing", "2mm", "--inlet", "1")
             assert len(vessels) == len(lines) and subject.bifurcations == len(lines) // 3
             vessels = vessels.sort_values("length_mm")
             if len(lines) == 3:

@@ -305,7 +305,8 @@ fn dividing_turning_and_resampling_change_little() {
             shape.curvature,
             shape.torsion,
             shape.sum_of_angles_metric,
-            shape.taper,
+            // It has the sign of where blood comes from.
+            shape.taper.abs(),
             shape.least_radius,
         ]
     };
