@@ -278,8 +278,8 @@ fn connect(ends: &[Vec<(usize, f64, Option<usize>)>], rng: &mut ChaCha8Rng, kept
         let open = choices.iter().filter(|(_, _, other)| other.is_none_or(|other| !asked[other]));
         if let Some(row) = chosen(open.map(|(row, odds, _)| (*row, *odds)), rng) {
             kept[row] = true;
-            for (_, _, other) in choices.iter().filter(|(of, ..)| *of == row) {
-                other.iter().for_each(|other| asked[*other] = true);
+            if let Some((_, _, Some(other))) = choices.iter().find(|(of, ..)| *of == row) {
+                asked[*other] = true;
             }
         }
     }
