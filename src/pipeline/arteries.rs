@@ -200,8 +200,8 @@ impl FoundArteries {
         CircleFigures::of(variant, &diameters, thin)
     }
 
-    /// The plausible topologies, and how they were drawn: `by_evidence`, or without any those that the samples vote for, by the
-    /// vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
+    /// The plausible topologies, and how they were drawn: by the evidence, where `ends_go_on` as if no vessel ended where nobody knows of an
+    /// end; without evidence those that the samples vote for, by the vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
     pub(crate) fn topologies(
         &self,
         network: &Network,
@@ -209,7 +209,7 @@ impl FoundArteries {
         options: &SamplingOptions,
         given: &[usize],
         above_median: Option<&[bool]>,
-        by_evidence: for<'a> fn(KnownEnds<'a>) -> TopologySource<'a>,
+        ends_go_on: bool,
     ) -> Result<(Topologies, String)> {
         let weighed = self.named.as_ref().map(|named| named.weighed(network));
         let network = weighed.as_ref().unwrap_or(network);
@@ -222,8 +222,10 @@ impl FoundArteries {
         if !inlets.is_empty() {
             inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
         }
+        let ends = KnownEnds { ends: &known, inlets: &inlets };
         let (draw, how) = match above_median {
-            None => (by_evidence(KnownEnds { ends: &known, inlets: &inlets }), "whose free ends continue by the evidence"),
+            None if ends_go_on => (TopologySource::FreeEnds(ends), "whose free ends continue by the evidence"),
+            None => (TopologySource::Connections(ends), "by the probabilities of their connections"),
             Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;

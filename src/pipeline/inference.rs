@@ -11,7 +11,7 @@ use super::decisions::{ConnectionDecision, Decidable, Decided, DecisionList, Gra
 use super::options::SaveOptions;
 use super::prepared::Prepared;
 use super::progress::{Follow, Notes, Step};
-use willis_core::decision::{Decision, Keep, Topology, TopologySource, all_decided, decide, expected_errors, has_evidence};
+use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
 use willis_core::network::Network;
@@ -163,8 +163,7 @@ impl Prepared {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) =
-                found.topologies(&self.graph, &self.boundary, options, &given, above, |known| TopologySource::FreeEnds(known))?;
+            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above, true)?;
             let phenotypes = &self.options.infer.phenotypes;
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
             circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));

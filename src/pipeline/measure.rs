@@ -186,12 +186,7 @@ impl Measuring<'_> {
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
         let above = above_median(network, boundary, &options, progress)?;
         if let Some(found) = &self.found {
-            return Ok(found
-                .topologies(network, boundary, &options, &run.given, above.as_deref(), |known| {
-                    TopologySource::Connections(known)
-                })?
-                .0
-                .weighted);
+            return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
         }
         let mut known = vec![false; network.node_count()];
         for node in run.given.iter().filter(|node| **node < network.node_count()) {

@@ -78,12 +78,12 @@ fn a_run_is_measured_as_networkx_measures_its_topology() {
 fn the_interval_of_a_gap_is_that_of_its_probability() {
     let here = folder();
     let points = |from: f64, y: f64| (0..=20).map(move |i| (from + f64::from(i), y)).collect::<Vec<_>>();
-    let mut text = String::new();
-    for (at, (x, y)) in points(0.0, 0.0).into_iter().chain(points(29.0, 6.0)).enumerate() {
+    let both = points(0.0, 0.0).into_iter().chain(points(29.0, 6.0)).enumerate();
+    let line = |(at, (x, y)): (usize, (f64, f64))| {
         let parent = if at % 21 == 0 { -1 } else { at as i64 };
-        text += &format!("{} 0 {x} {y} 0 1 {parent}\n", at + 1);
-    }
-    fs::write(here.path().join("gap.swc"), text).expect("written");
+        format!("{} 0 {x} {y} 0 1 {parent}\n", at + 1)
+    };
+    fs::write(here.path().join("gap.swc"), both.map(line).collect::<Vec<String>>().concat()).expect("written");
     done(here.path(), &["infer", "gap.swc", "-o", "out", "-n", "10", "-k", "1", "--dpi", "36"]);
     done(here.path(), &["measure", "out", "-o", "measured"]);
     let edges = here.path().join("out/edges.csv");
