@@ -7,6 +7,7 @@ mod classify;
 mod compare;
 mod cuts;
 pub mod decisions;
+mod early;
 mod flow_options;
 mod inference;
 mod input;

@@ -1,28 +1,26 @@
 //! From an input to the graph that is sampled: files, vessels, candidates, contacts, decisions, arteries and boundary conditions, in this order.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
-
-use serde::{Deserialize, Serialize};
 
 use super::arteries::{self, FoundArteries};
 use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
 use super::decisions::{Decidable, DecisionList};
+use super::early::{EarlyArteries, EarlyKnowledge};
 use super::picture::{ImageSource, image_places};
 use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
 use super::{Contents, InferOptions, Input, Preset, RunOptions, unused};
 use willis_core::error::{Error, Result};
-use willis_core::flow::{Boundary, FoundOutlets, Given};
+use willis_core::flow::{FoundOutlets, Given};
 use willis_core::network::units::Scale;
 use willis_core::network::{Condition, Network, Origin};
 use willis_io::formats::Format;
 use willis_io::masks::{Scene, Unseen, View};
 use willis_models::candidates::CandidateOptions;
 use willis_models::candidates::kind::CenterlineKind;
-use willis_models::naming::Bearings;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -161,66 +159,6 @@ impl<'a> Loaded<'a> {
     fn find(&self, source: &ArterySource, network: &Network) -> Result<FoundArteries> {
         source.find(&self.path, network, &self.scale, &self.options.phenotypes)
     }
-}
-
-/// What is known of an input before there are candidates. Its arteries and boundary conditions follow from it and from the graph, and do so
-/// again when a person has decided on that.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct EarlyKnowledge {
-    given: Vec<Given>,
-    inlets_by_labels: Vec<usize>,
-    arteries: EarlyArteries,
-}
-
-impl EarlyKnowledge {
-    /// Whether it may be that of this graph, by the number of its nodes.
-    pub(crate) fn fits(&self, graph: &Network) -> bool {
-        self.given.iter().all(|given| given.node < graph.node_count())
-            && !matches!(&self.arteries, EarlyArteries::Landmarks(found) if !found.circle.fits(graph))
-    }
-
-    /// The arteries of a graph of the input at this path.
-    pub(crate) fn arteries(&self, graph: &Network, path: &Path, run: &RunOptions) -> Result<Option<FoundArteries>> {
-        let phenotypes = &run.infer.phenotypes;
-        match (&self.arteries, &run.infer.arteries) {
-            (EarlyArteries::Landmarks(found), _) => found.clone().with_names(graph, phenotypes).map(Some),
-            (EarlyArteries::Geometry(_, bearings), _) => {
-                arteries::by_geometry(path, graph, Some(bearings), &phenotypes.models()?).map(Some)
-            }
-            (EarlyArteries::Nothing, None | Some(ArterySource::Geometry)) => Ok(None),
-            (EarlyArteries::Nothing, Some(labels)) => labels.find(path, graph, &run.read.scale, phenotypes).map(Some),
-        }
-    }
-
-    /// The stated conditions of a graph, and those that are found: not where a candidate probably leaves.
-    pub(crate) fn boundary(
-        &self,
-        graph: &Network,
-        arteries: Option<&FoundArteries>,
-        outlets: FoundOutlets,
-        options: &InferOptions,
-        follow: &mut dyn Follow,
-    ) -> Result<Boundary> {
-        let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.known_inlets(graph));
-        let boundary = Boundary::resolve_knowing(graph, &self.given, outlets, &known)?;
-        let all_stated = boundary.found_outlets.is_empty() && arteries.is_none_or(|found| found.circle.outlets().is_empty());
-        if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
-            follow.step(Step::OutletsAllStated);
-        }
-        follow.step(Step::Boundary { graph, boundary: &boundary });
-        Ok(boundary)
-    }
-}
-
-/// What is known of the arteries before there are candidates: where they enter and leave is a boundary condition.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-enum EarlyArteries {
-    /// Nothing: labels are looked at when every vessel has its row.
-    Nothing,
-    /// By landmarks, found before candidates make new nodes.
-    Landmarks(FoundArteries),
-    /// By geometry: where they lie was found with the candidates of a first over-connected graph, which pass names over gaps.
-    Geometry(FoundArteries, Bearings),
 }
 
 impl EarlyArteries {

@@ -15,7 +15,6 @@
 use std::collections::BTreeMap;
 
 use rand::RngExt;
-use rand_chacha::ChaCha8Rng;
 
 use crate::error::Result;
 use crate::flow::pressures::PressureSolver;
@@ -26,7 +25,7 @@ use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
 use crate::sampling::{Coins, Kruskal};
 use crate::support::random;
-use crate::support::random::{BLOCK, stream};
+use crate::support::random::{BLOCK, RandomStream, stream};
 
 /// What topologies are drawn from.
 #[derive(Debug, Clone, Copy)]
@@ -87,7 +86,7 @@ impl Topologies {
         network: &Network,
         known: KnownEnds<'_>,
         params: &SamplingOptions,
-        go_on: impl Fn(&mut ChaCha8Rng, &mut [bool]),
+        go_on: impl Fn(&mut RandomStream, &mut [bool]),
     ) -> Self {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
@@ -253,7 +252,7 @@ impl KnownEnds<'_> {
 }
 
 /// The candidate along which an end goes on, by the odds of each against 1 for ending there.
-fn chosen(choices: impl Iterator<Item = (usize, f64)> + Clone, rng: &mut ChaCha8Rng) -> Option<usize> {
+fn chosen(choices: impl Iterator<Item = (usize, f64)> + Clone, rng: &mut RandomStream) -> Option<usize> {
     let total: f64 = 1.0 + choices.clone().map(|(_, odds)| odds).sum::<f64>();
     let mut left = total * rng.random::<f64>() - 1.0;
     for (row, odds) in choices {
@@ -269,7 +268,7 @@ fn chosen(choices: impl Iterator<Item = (usize, f64)> + Clone, rng: &mut ChaCha8
 }
 
 /// Asks each free end in turn, unless another went on to it, and no more of what leads to one that was asked.
-fn connect(ends: &[Vec<(usize, f64, Option<usize>)>], rng: &mut ChaCha8Rng, kept: &mut [bool]) {
+fn connect(ends: &[Vec<(usize, f64, Option<usize>)>], rng: &mut RandomStream, kept: &mut [bool]) {
     let mut asked = vec![false; ends.len()];
     for (at, choices) in ends.iter().enumerate() {
         if std::mem::replace(&mut asked[at], true) {

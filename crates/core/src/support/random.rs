@@ -10,8 +10,11 @@ use super::simd::Simd;
 /// Samples in one block, drawn together from one stream.
 pub const BLOCK: u64 = 64;
 
+/// Random numbers of a stream.
+pub type RandomStream = ChaCha8Rng;
+
 /// A stream of a seed, as the functions below number them: what it draws depends on these two numbers alone.
-pub fn stream(seed: u64, stream: u64) -> ChaCha8Rng {
+pub fn stream(seed: u64, stream: u64) -> RandomStream {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     rng.set_stream(stream);
     rng
