@@ -52,6 +52,8 @@ def check_list(page):
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])
         if q["kind"] == "part":
             assert any(abs(part_length(kept, int(edge[end])) - gain) <= 1e-6 * gain for end in ("node_a", "node_b")), q
+        elif q["kind"] == "touch":
+            assert abs((1 - float(q["probability"])) * float(q["hangs_mm"]) - gain) < 1e-6 * gain, q
         elif q["kind"] == "loop":
             # The shortest way round through it.
             ends, length = (int(edge["node_a"]), int(edge["node_b"])), float(edge["length_mm"])
