@@ -25,7 +25,8 @@ pub struct Question {
     pub row: usize,
     /// The origin of that, `part` or `loop`.
     pub kind: &'static str,
-    at: Point,
+    /// Where it is.
+    pub at: Point,
     words: String,
     /// The length that hangs on it, m.
     pub hangs: f64,

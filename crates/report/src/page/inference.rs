@@ -21,6 +21,8 @@ const UNCERTAIN: &str = "uncertain";
 const UNDECIDED: &str = "undecided";
 /// The columns with the length of a part that nothing connects, and of a loop, in the row that stands for it, mm.
 const STANDS_FOR: [(&str, &str); 2] = [("loose_mm", PART), ("loop_mm", LOOP)];
+/// The column with the number of a vessel in review.csv, by which the list and the rings of pictures have it.
+const RANK: &str = "rank";
 /// The columns of the page with the probability that a vessel attaches its one end to its other, and the reverse.
 const ATTACHED: [&str; 2] = ["attached_a", "attached_b"];
 /// That with the score of the fragment of a node for being attached to nothing.
@@ -67,6 +69,9 @@ pub fn page(
         asked.iter().filter(|one| one.kind == kind).for_each(|one| length[one.row] = millimetres(one.hangs));
         columns.push(Column::real(name, length.into_iter()));
     }
+    let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
+    asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
+    columns.push(Column::real(RANK, ranks.into_iter()));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached =
