@@ -22,7 +22,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
 from drive_surface import check_cube, check_slices, check_surface
-from drive_words import check_classified, check_coarse, check_names, check_print, check_simulated, check_walk
+from drive_words import check_classified, check_coarse, check_figures, check_names, check_print, check_simulated, check_walk
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -423,6 +423,7 @@ def main():
                     continue
                 page = Page(driver, folder)
                 check_access(page)
+                check_figures(page)
                 page = Page(driver, folder)
                 if (Path(folder) / "comparison.csv").exists():
                     check_comparison(page)

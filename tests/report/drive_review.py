@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import networkx as nx
 from selenium.webdriver.common.action_chains import ActionChains
@@ -47,6 +48,12 @@ def check_list(page):
     asked = list(csv.DictReader(open(page.folder / "review.csv")))
     assert [int(q["edge"]) for q in asked[:50]] == listed and [int(q["rank"]) for q in asked] == list(range(1, len(asked) + 1)), (asked, listed)
     assert set(undecided) <= {int(q["edge"]) for q in asked}
+    # The list and the rings of the picture have these numbers.
+    ranks = page.driver.execute_script("return [...document.querySelectorAll('#review-list .rank')].map(rank => Number(rank.textContent))")
+    assert ranks == [int(q["rank"]) for q in asked[:50]], ranks
+    if (page.folder / "summary.svg").exists():
+        said = [text.text for text in ElementTree.parse(page.folder / "summary.svg").iter("{http://www.w3.org/2000/svg}text")]
+        assert all(said.count(str(rank)) >= 2 for rank in ranks[:30]) and str(len(ranks[:30]) + 1) not in said, said
     kept = kept_graph(page)
     for q in asked[:50]:
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])

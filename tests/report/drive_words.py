@@ -53,6 +53,23 @@ def check_simulated(page):
         page.click(".enlarge")
 
 
+def check_figures(page):
+    """Each figure is shown, and no word of it is cut off at the edge of its page, in a wider font either."""
+    shown = "return [...document.querySelectorAll('#pictures img')].every(image => image.naturalWidth > 0)"
+    WebDriverWait(page.driver, 20).until(lambda driver: driver.execute_script(shown))
+    outside = """const page = document.documentElement.getBoundingClientRect();
+      return [...document.querySelectorAll("text")].filter(text => {
+        if (arguments[0]) text.setAttribute("font-family", arguments[0]);
+        const box = text.getBoundingClientRect();
+        return box.left < page.left || box.right > page.right || box.top < page.top || box.bottom > page.bottom;
+      }).map(text => text.textContent)"""
+    for figure in page.folder.glob("*.svg"):
+        page.driver.get(figure.as_uri())
+        assert page.driver.execute_script("return document.querySelectorAll('text').length") > 2, figure
+        for font in ("", "DejaVu Sans"):
+            assert not page.driver.execute_script(outside, font), (figure, font, page.driver.execute_script(outside, font))
+
+
 def check_classified(page):
     """A sentence leads, with the warnings; the subject is the title; a link goes to the run, and from there back."""
     told = json.loads((page.folder / "phenotype.json").read_text())

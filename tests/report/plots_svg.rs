@@ -108,7 +108,7 @@ fn paths<'a>(svg: &'a Document<'_>, attribute: &str, value: &str) -> Vec<Node<'a
         .collect()
 }
 
-/// A text of a figure: what it says, and the box that it takes in a font whose letters are .62 of their size wide on average, as those of DejaVu Sans, in
+/// A text of a figure: what it says, and the box that it takes in a font whose letters are .56 of their size wide on average, as those of DejaVu Sans, in
 /// points.
 fn texts(svg: &Document<'_>) -> Vec<(String, [[f64; 2]; 2])> {
     let all = svg.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "text")));
@@ -116,7 +116,7 @@ fn texts(svg: &Document<'_>) -> Vec<(String, [[f64; 2]; 2])> {
         let number = |name| text.attribute(name).and_then(|t| t.parse::<f64>().ok()).expect("a number") / 100.0;
         let words: String = text.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect();
         let (at, size) = ([number("x"), number("y")], number("font-size"));
-        let long = 0.62 * size * words.chars().count() as f64;
+        let long = 0.56 * size * words.chars().count() as f64;
         let back = match text.attribute("text-anchor") {
             None => 0.0,
             Some("middle") => long / 2.0,
@@ -142,6 +142,14 @@ fn said(svg: &Document<'_>, words: &str) -> usize {
 
 fn d(path: &Node<'_, '_>) -> Vec<[f64; 2]> {
     places(path.attribute("d").expect("a path"))
+}
+
+/// The boxes of a colour, which a path has several of.
+fn boxes(svg: &Document<'_>, rgb: [u8; 3]) -> Vec<[[f64; 2]; 2]> {
+    let [r, g, b] = rgb;
+    let all = paths(svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}"));
+    let each = all.iter().flat_map(|path| path.attribute("d").expect("a path").split_inclusive('z'));
+    each.map(|one| bounds(&places(one))).collect()
 }
 
 fn near(got: [f64; 2], want: [f64; 2], within: f64) {
@@ -332,8 +340,7 @@ fn rings_have_the_numbers_of_the_list() {
 fn the_cells_of_a_matrix_are_where_they_belong() {
     let text = heat(5, &[(3, 1, 1e6), (0, 4, 1.0)]).svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
-    let [r, g, b] = colour(1.0);
-    let hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    let hot = boxes(&svg, colour(1.0));
     let at = |node: f64, corner: f64| [corner + 63.6 * node, corner + 63.6 * (node + 1.0)];
     for (row, column) in [(1.0, 3.0), (3.0, 1.0)] {
         assert!(hot.iter().any(|[x, y]| {
@@ -358,8 +365,7 @@ fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
     };
     let text = heat_map(&matrix, Weight::Resilience).svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
-    let [r, g, b] = colour(1.0);
-    let mut hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    let mut hot = boxes(&svg, colour(1.0));
     hot.sort_by(|a, b| a[0][0].total_cmp(&b[0][0]));
     let left = hot.iter().map(|[x, _]| x[0]).collect::<Vec<_>>();
     let [cell, wide] = [318.0 / 4.0, 318.0 / 2.0];

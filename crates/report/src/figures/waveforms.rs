@@ -19,7 +19,9 @@ const BELOW: f64 = 24.0;
 /// Above the panels: the title and the legend; below them: the name of the axis, points.
 const TOP: f64 = 42.0;
 const BOTTOM: f64 = 20.0;
+/// Left of the panels, and right of them, where figures above the last one may go on.
 const MARGIN: f64 = 12.0;
+const RIGHT: f64 = 34.0;
 const LINE: f64 = 1.2;
 /// Less flow is none, mL/min.
 const NONE: f64 = 1e-3;
@@ -49,7 +51,7 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
         "Flow over a cycle".to_owned()
     };
     let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
-    let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + MARGIN;
+    let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + RIGHT;
     let height = TOP + lines * (ABOVE + PANEL[1] + BELOW) + BOTTOM;
     let (mut sheet, count) = (Sheet::default(), shown.len());
     sheet.title(&title, MARGIN + LEFT);

@@ -82,7 +82,7 @@ class Review {
       observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
     const rank = this.vessels.find("rank")?.at(row);
     const go = make("button", { type: "button", class: "go" },
-      make("b", {}, rank > 0 ? make("span", { class: "quiet", text: `${rank}. ` }) : "", this.name(row)), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
     const choose = (text, label, which) => {
       const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
