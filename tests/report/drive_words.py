@@ -1,5 +1,6 @@
 """What pages say and mark: arteries by name, what a simulation changed, the page of a classification, a cohort that is walked through."""
 
+import base64
 import csv
 import json
 import re
@@ -68,6 +69,11 @@ def check_figures(page):
         assert page.driver.execute_script("return document.querySelectorAll('text').length") > 2, figure
         for font in ("", "DejaVu Sans"):
             assert not page.driver.execute_script(outside, font), (figure, font, page.driver.execute_script(outside, font))
+        # A browser makes a PDF of the size of the figure, with its text as text.
+        printed = base64.b64decode(page.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"])
+        size = [float(x) for x in page.driver.execute_script("return document.documentElement.getAttribute('viewBox')").split()[2:]]
+        boxes = [list(map(float, box.split())) for box in re.findall(rb"/MediaBox ?\[([^]]*)\]", printed)]
+        assert len(boxes) == 1 and all(abs(a - b / 100) < 1 for a, b in zip(boxes[0][2:], size)) and b"/Font" in printed, (figure, boxes, size)
 
 
 def check_classified(page):

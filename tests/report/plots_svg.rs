@@ -177,7 +177,7 @@ fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
         near([points("width"), points("height")], [width as f64, height as f64], 0.5);
         for node in root.descendants().filter(Node::is_element) {
             let tag = node.tag_name().name();
-            assert!(["svg", "path", "linearGradient", "stop", "image", "text", "tspan"].contains(&tag), "{tag}");
+            assert!(["svg", "path", "linearGradient", "stop", "image", "text", "tspan", "style"].contains(&tag), "{tag}");
             if tag == "text" {
                 // Any reader has a font of the last name.
                 assert!(node.attribute("font-family").is_some_and(|fonts| fonts.ends_with(", sans-serif")));

@@ -22,13 +22,14 @@ const BOXES: usize = 4000;
 /// ... of this side in pixels.
 const IMAGE: u32 = 1325;
 
-/// The SVG file of some marks, for the figure called `name`.
+/// The SVG file of some marks, for the figure called `name`. A browser prints it on a page of its size.
 pub fn svg(name: &str, inches: [f64; 2], marks: &[Mark]) -> Result<String, String> {
     let [wide, high] = inches.map(|length| units(length * POINTS_PER_INCH));
     let [width, height] = [wide, high].map(|length| f64::from(length) / UNITS);
     let mut file = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width}pt\" \
-         height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
+         height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n\
+         <style>@page{{size:{width}pt {height}pt;margin:0}}</style>\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
     );
     for mark in marks {
         file += &element(name, mark)?;
