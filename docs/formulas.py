@@ -58,6 +58,8 @@ class Formula:
             return f"<msqrt>{self.part()}</msqrt>"
         if token.endswith("}") and name:
             kind, words = name[:-1].split("{")
+            # MathML drops the spaces at the ends of text.
+            words = re.sub(r"^ | $", "\N{NO-BREAK SPACE}", words)
             return f"<mtext>{escape(words)}</mtext>" if kind == "text" else f'<mi mathvariant="normal">{escape(words)}</mi>'
         if name in SPACES:
             return f'<mspace width="{SPACES[name]}"/>'
@@ -77,7 +79,9 @@ class Formula:
             return f"<mi>{token}</mi>"
         if token in "()[]|":
             return f'<mo stretchy="false">{token}</mo>'
-        if token in "+-=/,;<>!":
+        if token == "/":
+            return '<mo lspace="0" rspace="0">/</mo>'
+        if token in "+-=,;<>!":
             return f"<mo>{escape(token.replace('-', '−'))}</mo>"
         return self.fail(f"{token} is not known")
 

@@ -42,7 +42,7 @@ WANTED = {
                     ["infer", "scan-*.swc", "--landmarks", "{}.landmarks.csv", "-n", "64", "-o", "cohort"]], "cohort/cohort.html", (1280, 900), ""),
     "simulate.png": ([["simulate", CIRCLE, "--occlude", "L-A1", "-o", "occluded"]], "occluded/report.html", (1280, 960), ""),
     "modulate.png": ([["modulate", CIRCLE, "-n", "64", "-o", "modulated"]], "modulated/report.html", (1280, 960), ""),
-    "comparison.png": ([*(["phantom", "cerebral", "--seed", str(seed), "-o", f"of-{seed}.swc"] for seed in range(8)),
+    "comparison.png": ([*([*BROKEN, str(seed), "-o", f"of-{seed}.swc"] for seed in range(8)),
                         ["measure", "groups.csv", "--compare", "group", "-o", "compared"]], "compared/report.html", (1280, 1100), ""),
     "waveforms.svg": ([["simulate", CIRCLE, "--pulse", "--occlude", "L-A1", "-o", "pulse"]], "pulse/waveforms.svg", None, ""),
     "territories.svg": ([["simulate", CIRCLE, "--transport", "--occlude", "L-A1", "-o", "transport"]], "transport/territories.svg", None, ""),
