@@ -151,6 +151,9 @@ def check_decisions(page, downloads):
         go(page, unsure)
         page.click("#decide .unsure")
         assert state(page, unsure) == "unsure"
+        # What the reader is unsure of is open no more.
+        left = driver.execute_script("return document.querySelectorAll('#review-list li:not(.accept, .reject, .unsure)').length")
+        assert not left or page.text("#review-note").startswith(f"{left} open"), (left, page.text("#review-note"))
     after, errors = page.counts(), page.text("#answer-words")
     # A reload keeps decisions and what can be taken back.
     page.open()
