@@ -236,6 +236,12 @@ def check_toggles(page):
     for name in names:
         page.click(f"#show-{name}")
     assert page.picture() == whole
+    # What is pruned and hardly probable is drawn only where it is asked for.
+    if page.one("#show-unlikely").is_displayed() and any(0 < float(e["probability"] or 1) < 0.05 and e["kept"] == "0" for e in page.edges):
+        page.click("#show-unlikely")
+        assert page.picture() != whole
+        page.click("#show-unlikely")
+        assert page.picture() == whole
 
 
 def rows(page):
