@@ -1,9 +1,10 @@
 """A person who knows the truth works on the answers to simulated scans; what the topology gains by number of decisions; the table of README.md too.
 
     measure.py SKELBENCH CASES WORK LEVEL [--subjects a,b] [--orders review,doubt,chance] [--decisions 20,60] [--rounds 4]
+    measure.py SKELBENCH CASES WORK LEVEL --alone 20 [--subjects a,b]
 
 Prints results.csv: level, subject, order, asked (0: the default answer; all: every question of that order; right: whatever is seen to be wrong, in so many
-rounds of looking), figure, value. CASES has skelbench's cases with masks. WILLIS names the program. Answers are kept in WORK, and gone on from.
+rounds of looking), figure, value. With `--alone` alone.csv: by what each of the first decisions of the review, made alone, changes path and run length. CASES has skelbench's cases with masks. WILLIS names the program. Answers are kept in WORK, and gone on from.
 """
 import argparse
 import collections
@@ -273,6 +274,18 @@ class Person:
                     yield count, decisions, out
                 return
 
+    def alone(self, count):
+        """What each of the first decisions of the review changes by itself: (its word, the change of each figure)."""
+        before, net = self.seen(self.first)
+        absent, said = self.missing(net), []
+        for kind, row, at in self.questions("review", self.first):
+            said += self.where(at, net, absent) if kind == "part" else self.answers(row, at, absent)
+        for number, decision in enumerate(list(dict.fromkeys(said))[:count]):
+            made = [decision]
+            after = self.seen(self.infer(f"alone-{number}", made))[0]
+            if made:
+                yield decision[0] if isinstance(decision[0], str) else "accept" if decision[1] else "reject", {name: after[name] - before[name] for name in ("path", "nrun")}
+
     def right_at_last(self, decisions, out, rounds):
         """After these decisions: whatever is seen to be wrong decided, and what is seen then, as often as that."""
         tried = set()
@@ -314,8 +327,28 @@ def measured(given, score, proofread):
                 yield [given.level, folder.name, order, count, figure, f"{value:.6g}"]
 
 
+def alone(given, score, proofread):
+    for folder in sorted(path.parent for path in given.cases.glob(f"{given.level}/*/truth.json")):
+        if given.subjects and folder.name not in given.subjects.split(","):
+            continue
+        work = given.work / given.level / folder.name
+        work.mkdir(parents=True, exist_ok=True)
+        for number, (word, changes) in enumerate(Person(score, proofread, folder, work).alone(given.alone)):
+            yield [given.level, folder.name, number + 1, word, *(f"{x:.6g}" for x in changes.values())]
+
+
 def table():
-    """README.md's table, of results.csv: means over the subjects."""
+    """README.md's tables: means over the subjects, of results.csv, and over decisions, of alone.csv."""
+    changes = collections.defaultdict(list)
+    for row in common.rows(HERE / "alone.csv"):
+        changes[row["level"], row["decision"]].append((float(row["path"]), float(row["nrun"])))
+        changes[row["level"], "all"].append((float(row["path"]), float(row["nrun"])))
+    lines = []
+    for (level, word), made in sorted(changes.items(), key=lambda item: (item[0][0] == "fair", item[0][1] == "all")):
+        path, run = np.array(made).T
+        lines.append([level, word, len(path), f"{path.mean():+.4f}", f"{np.median(path):+.4f}", f"{path.min():+.3f}", int((path < -0.01).sum()), int((path > 0.01).sum()), f"{run.mean():+.4f}"])
+    names = ["level", "decision", "made", "path, mean", "median", "worst", "of them below -.01", "above .01", "run length, mean"]
+    common.splice(HERE / "README.md", "alone", common.table(names, lines))
     found = collections.defaultdict(list)
     for row in common.rows(HERE / "results.csv"):
         found[row["level"], row["order"], row["asked"], row["figure"]].append(float(row["value"]))
@@ -337,14 +370,15 @@ def main():
     parser.add_argument("--orders", default="review,doubt,chance")
     parser.add_argument("--decisions", default="20,60")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--alone", type=int)
     given = parser.parse_args()
     sys.path.insert(0, str(given.bench))
     import proofread
     import score
 
     out = csv.writer(sys.stdout, lineterminator="\n")
-    out.writerow(["level", "subject", "order", "asked", "figure", "value"])
-    for row in measured(given, score, proofread):
+    out.writerow(["level", "subject", "number", "decision", "path", "nrun"] if given.alone else ["level", "subject", "order", "asked", "figure", "value"])
+    for row in (alone if given.alone else measured)(given, score, proofread):
         out.writerow(row)
         sys.stdout.flush()
 

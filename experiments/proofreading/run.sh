@@ -12,8 +12,10 @@ here=experiments/proofreading
 for level in good fair; do
     [ -d "$work/cases/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask --subjects BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
     "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level >"$work/$level.csv"
+    "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level --alone 20 >"$work/alone-$level.csv"
 done
 [ -z "$tried" ] || exit 0
 { cat "$work/good.csv"; tail -n +2 "$work/fair.csv"; } >$here/results.csv
+{ cat "$work/alone-good.csv"; tail -n +2 "$work/alone-fair.csv"; } >$here/alone.csv
 "$python" $here/measure.py table
 cargo run --release --locked --quiet --example fingerprints -- record proofreading

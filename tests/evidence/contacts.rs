@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
-use willis::internals::contacts::branches::Branches;
+use willis::internals::contacts::branches::{BranchEnd, Branches};
 use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{PairTable, pairs_of, skeleton_feature_names};
 use willis::internals::contacts::model::ContactModel;
@@ -17,7 +17,7 @@ use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
-use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
+use willis::internals::network::{GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};
 use willis::internals::support::statistics::sigmoid;
 
@@ -204,6 +204,63 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
+}
+
+/// The crossing of `crossing`, opened so that 2-4 and 3-5 are vessels, is decided in each of the fifteen ways to pair four ends: within 4 mm of
+/// the middle the ends of a block are joined, and those of two blocks are not.
+#[test]
+fn a_decision_pairs_vessels_in_any_way() {
+    let network = crossing();
+    let branches = Branches::new(&network);
+    let vessel_of = |end: &BranchEnd| branches.branches[end.branch].vessels[0].0;
+    let of_end: Vec<usize> = branches.clusters[0].ends.iter().map(|end| usize::from([1, 4].contains(&vessel_of(end)))).collect();
+    let first = of_end[0];
+    let of_end = of_end.iter().map(|block| usize::from(*block != first)).collect();
+    let opened = split(&network, &branches, &[Blocks { of_end, joined: vec![([0, 1], 0.25)], ..Blocks::default() }], |p| p);
+    let [pairings] = &opened.pairings[..] else { panic!("one place") };
+    let mut ways = BTreeSet::new();
+    for code in 0..256_usize {
+        // The blocks of four ends, numbered as they come.
+        let blocks = [code & 3, code >> 2 & 3, code >> 4 & 3, code >> 6];
+        let mut seen = Vec::new();
+        ways.insert(blocks.map(|block| {
+            seen.iter().position(|of| *of == block).unwrap_or_else(|| {
+                seen.push(block);
+                seen.len() - 1
+            })
+        }));
+    }
+    assert_eq!(ways.len(), 15);
+    let mut edits = 0;
+    for way in ways {
+        let decision = pairings.decision(&way, &opened.graph).expect("a way");
+        let mut editor = GraphEditor::new(opened.graph.clone());
+        if let Some(edit) = &decision.part {
+            edits += 1;
+            editor.edit(edit).expect("made");
+        }
+        let graph = editor.finish();
+        let is_there = |row: usize, vessel: &Vessel| match vessel.origin {
+            Origin::Candidate => vessel.certain,
+            Origin::Contact => decision.accept.contains(&row) || decision.part.is_some() && vessel.certain,
+            Origin::Observed => true,
+        };
+        let away = |node: usize| distance(graph.node(node).position.expect("a place"), [0.0005, 0.0, 0.0]);
+        let near = |node: usize| away(node) < 0.004;
+        let whole = fragments(&graph, |row, v| is_there(row, v) && graph.ends(row).into_iter().all(near));
+        // Of a vessel that the edit divides its row has the place as an end.
+        let place = |vessel: usize| {
+            let ends = graph.ends(vessel).into_iter().filter(|node| near(*node));
+            whole.of_node[ends.max_by(|a, b| away(*a).total_cmp(&away(*b))).expect("an end")]
+        };
+        for (a, vessel) in pairings.vessels.iter().enumerate() {
+            for (b, other) in pairings.vessels.iter().enumerate() {
+                assert_eq!(place(*vessel) == place(*other), way[a] == way[b], "{way:?}: {vessel} and {other}");
+            }
+        }
+    }
+    // The way that was taken and that with the contact need none.
+    assert_eq!(edits, 13);
 }
 
 #[test]

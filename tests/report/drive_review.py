@@ -271,6 +271,31 @@ def check_edits(page, downloads):
     driver.execute_script("localStorage.clear()")
 
 
+def check_pairings(page, downloads):
+    """Ways to pair vessels where a contact is: one click decides its contacts or makes an edit, another way takes its place, and the replay has it."""
+    table = page.folder / "pairings.csv"
+    ways = [way for way in csv.DictReader(open(table)) if way["contacts"]] if table.exists() else []
+    contacts = next((way["contacts"] for way in ways if way["part"] and int(way["contacts"].split()[0]) in page.listed()), None)
+    if contacts is None:
+        return
+    page.open()
+    ways = [way for way in ways if way["contacts"] == contacts]
+    rows = list(map(int, contacts.split()))
+    go(page, rows[0])
+    buttons = lambda: page.driver.find_elements("css selector", ".pairings button")
+    assert [button.text for button in buttons()] == [way["vessels"] for way in ways], contacts
+    edited = next(at for at, way in enumerate(ways) if way["part"])
+    stated = next(at for at, way in enumerate(ways) if way["accept"] or way["reject"])
+    for at in (edited, stated, edited):
+        buttons()[at].click()
+        go(page, rows[0])
+        assert [button.get_attribute("aria-pressed") == "true" for button in buttons()] == [n == at for n in range(len(ways))]
+        made = {int(d["edge"]) if d["edge"] else d["places"].strip(): d["decision"] for d in csv.DictReader(open(save(page, downloads)))}
+        wanted = {row: "unsure" for row in rows} | {ways[at]["part"].strip(): "part"} if ways[at]["part"] else {int(row): name for name in ("accept", "reject") for row in ways[at][name].split()}
+        assert made == wanted, (made, wanted)
+    page.driver.execute_script("localStorage.clear()")
+
+
 def save(page, downloads):
     """Downloads the decisions, under the name of the input."""
     name = Path(page.record["input"]["path"]).name.removesuffix(".gz")
@@ -350,6 +375,7 @@ def review(page):
         check_flight(page)
         check_tooltip(page)
         check_picture(page, downloads)
+        check_pairings(page, downloads)
         if any(e["probability"] for e in page.edges) and len(page.record["convergence"]["undecided_edges"]) > 1:
             check_decisions(page, downloads)
             if any(e["origin"] == "candidate" for e in page.edges):

@@ -3,8 +3,14 @@
 use serde::{Deserialize, Serialize};
 
 use super::partition::numbered;
-use willis_core::network::Network;
+use willis_core::network::path_places::at_even_steps;
+use willis_core::network::units::millimetres;
+use willis_core::network::{Edit, Network, PathPoint};
 use willis_core::support::geometry::{Point, distance};
+
+/// A place that stands for a vessel of a pairing is so far from its end, m, but no further than its middle.
+const OUTSIDE: f64 = 0.003;
+const STEPS: usize = 64;
 
 /// The vessels that end at a place where vessels touch, and the ways to pair them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,6 +27,17 @@ pub struct Pairings {
     pub contacts: Vec<([usize; 2], usize)>,
 }
 
+/// What says one way to pair vessels to a run: contacts that are accepted and rejected or, where no contacts say it, an edit.
+#[derive(Debug, Default)]
+pub struct PairingDecision {
+    /// Rows of the graph.
+    pub accept: Vec<usize>,
+    /// Rows of the graph.
+    pub reject: Vec<usize>,
+    /// Parts the vessels; the contacts are left to it.
+    pub part: Option<Edit>,
+}
+
 impl Pairings {
     /// The way that a decision takes: the blocks that kept contacts join are one.
     pub fn taken(&self, kept: &[bool]) -> Vec<usize> {
@@ -34,6 +51,41 @@ impl Pairings {
             *block = name[*block];
         }
         numbered(blocks)
+    }
+
+    /// What a person decides who takes a way; `None` where both ends of a vessel are here, which no places tell apart.
+    pub fn decision(&self, way: &[usize], graph: &Network) -> Option<PairingDecision> {
+        let ends = 0..self.vessels.len();
+        let one = |blocks: &[usize], [a, b]: [usize; 2]| blocks[a] == blocks[b];
+        if ends.clone().all(|a| ends.clone().all(|b| !one(&self.opened, [a, b]) || one(way, [a, b]))) {
+            let of_block = |block: usize| self.opened.iter().position(|of| *of == block).unwrap_or_default();
+            let (accept, reject) = self.contacts.iter().partition::<Vec<_>, _>(|(blocks, _)| one(way, blocks.map(of_block)));
+            let rows = |contacts: Vec<&([usize; 2], usize)>| contacts.into_iter().map(|(_, row)| *row).collect();
+            return Some(PairingDecision { accept: rows(accept), reject: rows(reject), part: None });
+        }
+        if ends.clone().any(|end| self.vessels[..end].contains(&self.vessels[end])) {
+            return None;
+        }
+        let mut groups = vec![Vec::new(); way.iter().max().map_or(0, |most| most + 1)];
+        for (vessel, block) in self.vessels.iter().zip(way) {
+            groups[*block].push(self.outside(graph, *vessel)?.map(|x| (millimetres(x) * 1e3).round() / 1e3));
+        }
+        Some(PairingDecision { part: Some(Edit::Part(groups)), ..PairingDecision::default() })
+    }
+
+    /// A place on a vessel a little outside of where it meets the others; `None` without coordinates.
+    fn outside(&self, graph: &Network, vessel: usize) -> Option<Point> {
+        let [first, last] = graph.ends(vessel).map(|node| graph.node(node).position);
+        let mut path = graph.vessel(vessel).path.clone();
+        if path.len() < 2 {
+            let radius = graph.vessel(vessel).radius;
+            path = [first?, last?].map(|position| PathPoint { position, radius, id: None }).to_vec();
+        }
+        if distance(path[path.len() - 1].position, self.position) < distance(path[0].position, self.position) {
+            path.reverse();
+        }
+        let step = ((OUTSIDE / graph.vessel(vessel).length * STEPS as f64) as usize).clamp(1, STEPS / 2);
+        Some(at_even_steps(&path, STEPS)[step].on(&path).position)
     }
 
     /// A way in words: vessels of one block with a plus between them, blocks with a bar, as in `12+45 | 31+46`.

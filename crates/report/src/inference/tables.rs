@@ -7,6 +7,7 @@ use willis_core::network::units::millimetres;
 use willis_core::network::{Condition, Merged, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{Column, Values};
+use willis_models::contacts::pairings::{PairingDecision, Pairings};
 use willis_models::contacts::suggested_cuts::SuggestedCut;
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
@@ -121,19 +122,28 @@ pub(super) fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Colum
 /// The columns of pairings.csv.
 pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
     let kept = &outcome.answer.kept;
-    let mut rows: Vec<(Point, String, f64, bool)> = Vec::new();
+    let mut rows: Vec<(&Pairings, Vec<usize>, f64, bool)> = Vec::new();
     for pairings in outcome.pairings {
         let taken = pairings.taken(kept);
-        rows.extend(pairings.ways.iter().map(|(way, p)| (pairings.position, pairings.told(way), *p, *way == taken)));
+        rows.extend(pairings.ways.iter().map(|(way, p)| (pairings, way.clone(), *p, *way == taken)));
         if pairings.ways.iter().all(|(way, _)| *way != taken) {
-            rows.push((pairings.position, pairings.told(&taken), f64::NAN, true));
+            rows.push((pairings, taken, f64::NAN, true));
         }
     }
-    let mut columns = positions(&rows.iter().map(|row| row.0));
+    let decided: Vec<PairingDecision> =
+        rows.iter().map(|(pairings, way, ..)| pairings.decision(way, outcome.network).unwrap_or_default()).collect();
+    // A space before a minus, which is no formula then.
+    let as_text = |places: String| if places.starts_with('-') { format!(" {places}") } else { places };
+    let listed = |of: &[usize]| of.iter().map(usize::to_string).collect::<Vec<String>>().join(" ");
+    let mut columns = positions(&rows.iter().map(|row| row.0.position));
     columns.extend([
-        Column::text("vessels", rows.iter().map(|row| row.1.clone())),
+        Column::text("vessels", rows.iter().map(|(pairings, way, ..)| pairings.told(way))),
         Column::real("probability", rows.iter().map(|row| row.2)),
         Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
+        Column::text("contacts", rows.iter().map(|row| listed(&row.0.contacts.iter().map(|(_, row)| *row).collect::<Vec<_>>()))),
+        Column::text("accept", decided.iter().map(|of| listed(&of.accept))),
+        Column::text("reject", decided.iter().map(|of| listed(&of.reject))),
+        Column::text("part", decided.iter().map(|of| of.part.as_ref().map_or_else(String::new, |edit| as_text(edit.places())))),
     ]);
     columns
 }

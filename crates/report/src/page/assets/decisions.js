@@ -68,17 +68,24 @@ class Decisions {
 
   // Decides rows alike: "accept", "reject", "unsure", or null to leave them open again.
   decide(rows, decision) {
-    const at = { when: new Date().toISOString().replace(/\.\d+/, ""), who: byId("who").value.trim() };
-    this.put(rows.map(row => {
-      const comment = this.made.get(row)?.comment ?? "";
-      return [row, decision ? { decision, ...at, comment } : comment ? { decision: "", ...at, comment } : null];
-    }));
+    this.put(rows.map(row => [row, this.after(row, decision)]));
+  }
+
+  // What is said of a row once it is decided so; its comment stays.
+  after(row, decision) {
+    const comment = this.made.get(row)?.comment ?? "";
+    return decision || comment ? this.now({ decision: decision ?? "", comment }) : null;
+  }
+
+  // What is said here and now.
+  now(what) {
+    return { who: byId("who").value.trim(), when: new Date().toISOString().replace(/\.\d+/, ""), ...what };
   }
 
   comment(row, text) {
     const before = this.made.get(row);
     if (text === (before?.comment ?? "")) return;
-    const one = { decision: "", who: byId("who").value.trim(), when: new Date().toISOString().replace(/\.\d+/, ""), ...before, comment: text };
+    const one = this.now({ decision: "", ...before, comment: text });
     this.put([[row, text || one.decision ? one : null]]);
   }
 
@@ -95,7 +102,15 @@ class Decisions {
   }
 
   edit(decision, places) {
-    this.putEdits([...this.edits, { decision, places, when: new Date().toISOString().replace(/\.\d+/, ""), who: byId("who").value.trim() }]);
+    this.putEdits([...this.edits, this.now({ decision, places })]);
+  }
+
+  // Decides how vessels pair where they touch, in one step: contacts, and an edit of these places in place of others, if there is one.
+  pair(rows, places, others) {
+    const rest = this.edits.filter(of => !others.includes(of.places));
+    const changes = rows.map(([row, decision]) => [row, this.after(row, decision)]);
+    if (places || rest.length < this.edits.length) this.putEdits([...rest, ...(places ? [this.now({ decision: "part", places })] : [])], changes);
+    else this.put(changes);
   }
 
   removeEdit(at) {

@@ -123,6 +123,23 @@ class Review {
     for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 
+  // The ways to pair the vessels where a contact is; each is taken as one decision.
+  pairings(row) {
+    const table = tables.find(t => t.find("taken")), of = name => table.find(name)?.at ?? (() => "");
+    const contacts = of("contacts"), [accept, reject, part] = ["accept", "reject", "part"].map(of);
+    const rowsIn = text => String(text).split(" ").filter(Boolean).map(Number);
+    const ways = table ? [...Array(table.rows).keys()].filter(way => rowsIn(contacts(way)).includes(row)) : [];
+    if (!ways.length) return null;
+    const line = way => {
+      const edit = String(part(way)).trim(), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
+      const made = all.every(([rows, decision]) => rowsIn(rows).every(at => this.decisions.of(at).decision === decision)) && (!edit || this.decisions.edits.some(of => of.places === edit));
+      const take = make("button", { type: "button", text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
+      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => String(part(way)).trim())));
+      return make("li", {}, take, " ", make("small", { text: [Number.isNaN(of("probability")(way)) ? "" : isChance(of("probability")(way)), of("taken")(way) ? "taken by the run" : "", edit ? "an edit" : ""].filter(Boolean).join(" · ") }));
+    };
+    return make("div", { class: "pairings" }, make("p", { text: "Which vessels are one here (+), and which only touch (|):" }), make("ul", {}, ...ways.map(line)));
+  }
+
   // The connection with its alternatives: probability, gap, bends and radii.
   alternatives(row, shape) {
     const { threshold } = this;
