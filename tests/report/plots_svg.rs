@@ -287,7 +287,7 @@ fn every_word_is_inside_the_page() {
             &[10],
             &vec![vec![1.0]; 200_000],
             (CutLine::Median, &[1.0]),
-            &[[true; 100_000], [false; 100_000]].concat(),
+            &[vec![true; 100_000], vec![false; 100_000]].concat(),
             Weight::Resilience,
         ),
     ]);
