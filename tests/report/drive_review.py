@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import networkx as nx
 from selenium.webdriver.common.action_chains import ActionChains
@@ -47,6 +48,12 @@ def check_list(page):
     asked = list(csv.DictReader(open(page.folder / "review.csv")))
     assert [int(q["edge"]) for q in asked[:50]] == listed and [int(q["rank"]) for q in asked] == list(range(1, len(asked) + 1)), (asked, listed)
     assert set(undecided) <= {int(q["edge"]) for q in asked}
+    # The list and the rings of the picture have these numbers.
+    ranks = page.driver.execute_script("return [...document.querySelectorAll('#review-list .rank')].map(rank => Number(rank.textContent))")
+    assert ranks == [int(q["rank"]) for q in asked[:50]], ranks
+    if (page.folder / "summary.svg").exists():
+        said = [text.text for text in ElementTree.parse(page.folder / "summary.svg").iter("{http://www.w3.org/2000/svg}text")]
+        assert all(said.count(str(rank)) >= 2 for rank in ranks[:30]) and str(len(ranks[:30]) + 1) not in said, said
     kept = kept_graph(page)
     for q in asked[:50]:
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])
@@ -117,7 +124,7 @@ def check_decisions(page, downloads):
     # The page goes on to the next that is open, and never stops at one that is decided.
     page.rest()
     left = page.listed()[:-1]
-    assert rows[0] not in left, left
+    assert rows[0] not in left and (not left or page.picked() == left[0]), (left, page.picked())
     for _ in range(min(len(left), 4)):
         canvas.send_keys("n")
         assert page.picked() != rows[0]
@@ -146,6 +153,9 @@ def check_decisions(page, downloads):
         go(page, unsure)
         page.click("#decide .unsure")
         assert state(page, unsure) == "unsure"
+        # What the reader is unsure of is open no more.
+        left = driver.execute_script("return document.querySelectorAll('#review-list li:not(.accept, .reject, .unsure)').length")
+        assert not left or page.text("#review-note").startswith(f"{left} open"), (left, page.text("#review-note"))
     after, errors = page.counts(), page.text("#answer-words")
     # A reload keeps decisions and what can be taken back.
     page.open()

@@ -27,7 +27,8 @@ pub struct Question {
     pub row: usize,
     /// The origin of that, `part`, `loop` or `touch`.
     pub kind: &'static str,
-    at: Point,
+    /// Where it is.
+    pub at: Point,
     words: String,
     /// The probability of the row, or that it is one vessel there.
     probability: f64,

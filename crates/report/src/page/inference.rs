@@ -24,6 +24,8 @@ const UNDECIDED: &str = "undecided";
 const STANDS_FOR: [(&str, &str); 3] = [("loose_mm", PART), ("loop_mm", LOOP), ("touch_mm", TOUCH)];
 /// What a right answer to a question of the last kind is expected to put right, mm.
 const TOUCH_GAIN: &str = "touch_gain_mm";
+/// The column with the number of a vessel in review.csv, by which the list and the rings of pictures have it.
+const RANK: &str = "rank";
 /// The columns of the page with the probability that a vessel attaches its one end to its other, and the reverse.
 const ATTACHED: [&str; 2] = ["attached_a", "attached_b"];
 /// That with the score of the fragment of a node for being attached to nothing.
@@ -73,6 +75,9 @@ pub fn page(
     let mut gain = vec![f64::NAN; outcome.network.vessel_count()];
     asked.iter().filter(|one| one.kind == TOUCH).for_each(|one| gain[one.row] = millimetres(one.gain));
     columns.push(Column::real(TOUCH_GAIN, gain.into_iter()));
+    let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
+    asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
+    columns.push(Column::real(RANK, ranks.into_iter()));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached =

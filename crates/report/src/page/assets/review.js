@@ -82,8 +82,9 @@ class Review {
     const observed = threshold.isObserved(row), depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop";
     const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : loop ? `in a loop of ${shown(loop, 2)} mm` : depend,
       touch ? "do vessels only touch there?" : observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
+    const rank = this.vessels.find("rank")?.at(row);
     const go = make("button", { type: "button", class: "go" },
-      make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
     const choose = (text, label, which) => {
       const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
