@@ -290,6 +290,7 @@ def infer(
     image: PathLike | None = None,
     probability: PathLike | None = None,
     vessels: Literal["auto", "bright", "dark"] | None = None,
+    image_places: int | None = None,
     k: int | None = None,
     max_gap: float | str | None = None,
     attach: Literal["centerline", "ends"] | None = None,

@@ -73,6 +73,9 @@ pub struct InferenceArgs {
     /// {} in it is the path of INPUT without its ending
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Answer")]
     pub decisions: Option<PathBuf>,
+    /// At how many of the most doubtful places at the most report.html shows the image, at 85 kB a place [default: 50]
+    #[arg(long, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true, help_heading = "Answer", hide_short_help = true)]
+    pub image_places: Option<usize>,
     /// Resolution of the pictures
     #[arg(long, value_name = "N", default_value_t = DEFAULT_DPI, value_parser = whole::<u32>, allow_negative_numbers = true,
         help_heading = "Answer", hide_short_help = true)]
@@ -159,6 +162,7 @@ impl InferenceArgs {
         options.arteries = self.arteries.source();
         options.phenotypes = self.arteries.phenotypes.clone();
         options.decisions.clone_from(&self.decisions);
+        options.image_places = self.image_places;
         options.validate()?;
         Ok((options, runs))
     }

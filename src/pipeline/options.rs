@@ -38,6 +38,9 @@ pub struct InferOptions {
     pub probability: Option<PathBuf>,
     /// How vessels look in the image.
     pub vessels: Appearance,
+    /// At how many of the most doubtful places at the most the page shows the image; 50 by default.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub image_places: Option<usize>,
     /// Where blood enters and leaves.
     pub boundary: BoundaryOptions,
     /// Occlusion, samples, seed, viscosity.
@@ -137,7 +140,9 @@ impl RunOptions {
     pub fn comparable(&self, prior: &Value) -> Value {
         let mut flat = serde_json::Map::new();
         flatten(serde_json::to_value(self).unwrap_or_default(), &mut flat);
+        // What changes no figure.
         flat.remove("max_input");
+        flat.remove("image_places");
         for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks"), ("decisions", "decisions")] {
             let is_given = flat.remove(own).is_some_and(|path| !path.is_null());
             flat.insert(name.to_owned(), if is_given { "a file".into() } else { Value::Null });

@@ -15,13 +15,14 @@ use willis_report::ImagePlace;
 
 /// Vessels whose probability is at least so far from 0 and 1 are looked at, ...
 const LEAST_DOUBT: f64 = 0.02;
-/// ... at no more than this many places, those of the most doubtful ones, ...
+/// ... at no more than this many places unless it is said otherwise, those of the most doubtful ones, ...
 const MOST_PLACES: usize = 50;
 /// ... which are so far apart, m.
 const APART: f64 = 3e-3;
 
-/// The image around doubtful vessels and contacts, the most doubtful first.
-pub(crate) fn image_places(scene: &Scene, graph: &Network) -> Vec<ImagePlace> {
+/// The image around doubtful vessels and contacts, the most doubtful first, at no more than `most` places.
+pub(crate) fn image_places(scene: &Scene, graph: &Network, most: Option<usize>) -> Vec<ImagePlace> {
+    let most = most.unwrap_or(MOST_PLACES);
     let mut doubtful: Vec<(f64, usize)> = graph
         .vessels()
         .enumerate()
@@ -33,7 +34,7 @@ pub(crate) fn image_places(scene: &Scene, graph: &Network) -> Vec<ImagePlace> {
     let mut places: Vec<(Point, Vec<usize>)> = Vec::new();
     for (_, row) in doubtful {
         let at = graph.middle_of(graph.ends(row), graph.vessel(row));
-        let is_full = places.len() == MOST_PLACES;
+        let is_full = places.len() == most;
         match places.iter_mut().find(|(place, _)| distance(*place, at) < APART) {
             Some((_, rows)) => rows.push(row),
             None if !is_full => places.push((at, vec![row])),

@@ -65,10 +65,18 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
         .chain(stated_resistances(options.preset, &early.given))
         .for_each(|note| notes.say(note));
+    let image_places = built.scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
+    if options.image_places.is_some() {
+        let size = image_places.iter().map(|place| place.samples.len()).sum::<usize>() as f64 / 1e6;
+        notes.follow.step(Step::Note(&format!(
+            "the page holds the image at {} of the doubtful places: {size:.1} MB",
+            image_places.len()
+        )));
+    }
     Ok(Arc::new(Prepared {
         keep,
         segmentation: input.lumen.as_ref().map(Segmentation::of),
-        image_places: built.scene.map(|scene| image_places(&scene, &graph)).unwrap_or_default(),
+        image_places,
         graph,
         own_nodes,
         boundary,

@@ -26,6 +26,9 @@ pub(super) fn refuse(input: &Input, options: &InferOptions, cuts: Option<&Cuts>)
     if options.vessels != Appearance::default() && options.image.is_none() {
         return Err(Error::parameter("vessels", "", "goes with `image`"));
     }
+    if let Some(most) = options.image_places.filter(|_| options.image.is_none() && options.probability.is_none()) {
+        return Err(Error::parameter("image_places", most, "goes with `image` or `probability`"));
+    }
     if options.arteries.is_none()
         && let Some((name, value)) = given(&options.phenotypes).into_iter().next()
     {

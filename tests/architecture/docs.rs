@@ -70,7 +70,7 @@ impl Reader<'_> {
             // Those that use the module are run where it is installed, by python/tests.
             "python" if block.body.contains("willis.") => {}
             "python" => self.draw(&place, &block.body),
-            "" | "csv" | "toml" | "rust" | "bibtex" => {}
+            "" | "csv" | "toml" | "rust" | "bibtex" | "math" => {}
             other => panic!("{place}: a block of {other}, which nothing checks"),
         }
     }
@@ -278,6 +278,51 @@ fn the_performance_page_is_that_of_the_figures() {
     };
     let checked = Command::new(python).arg(root().join("benches/page.py")).arg("--check").output().expect("runs");
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
+}
+
+/// Formulas become MathML without any library, so that no TeX is left on a page; a fraction, a root and a sum are as they are written by hand. Every
+/// picture of a page is one that the script makes. Needs `WILLIS_PYTHON`.
+#[test]
+fn formulas_are_set_and_pictures_are_made() {
+    let Ok(python) = std::env::var("WILLIS_PYTHON") else {
+        eprintln!("skipped: WILLIS_PYTHON names no Python");
+        return;
+    };
+    let run = |arguments: &[&str]| {
+        let run = Command::new(&python).current_dir(root().join("docs")).args(["-B"]).args(arguments).output().expect("runs");
+        assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+        String::from_utf8_lossy(&run.stdout).into_owned()
+    };
+    let set = "import sys, formulas; print(formulas.set_page(sys.argv[1]), end='')";
+    let by_hand = "<math><mrow><mi>R</mi><mo>=</mo><mfrac><mrow><mn>8</mn><mi>µ</mi><mi>l</mi></mrow><mrow><mi>π</mi>\
+                   <msup><mi>r</mi><mn>4</mn></msup></mrow></mfrac></mrow></math>";
+    assert_eq!(run(&["-c", set, r"so $`R = \frac{8 \mu l}{\pi r^4}`$."]), format!("so {by_hand}."));
+    let by_hand = "<math display=\"block\"><mrow><munder><mo largeop=\"true\" movablelimits=\"false\">∑</mo><mi>n</mi></munder>\
+                   <msqrt><mrow><msubsup><mi>q</mi><mi>n</mi><mo>′</mo></msubsup></mrow></msqrt></mrow></math>";
+    assert_eq!(run(&["-c", set, "```math\n\\sum_n \\sqrt{q_n'}\n```"]), format!("<div class=\"formula\">{by_hand}</div>"));
+    let theory = run(&["-c", set, &page("theory.md").text]);
+    assert!(theory.matches("<math").count() > 40);
+    for formula in theory.split("<math").skip(1).filter_map(|rest| rest.split_once("</math>")) {
+        let text = format!("<math{}</math>", formula.0);
+        let tree = roxmltree::Document::parse(&text).expect("well-formed");
+        assert!(tree.descendants().filter(roxmltree::Node::is_text).all(|n| !n.text().unwrap_or("\\").contains('\\')), "{text}");
+    }
+    run(&["formulas.py", "--check"]);
+    let refused = Command::new(&python).current_dir(root().join("docs")).args(["-Bc", set, "$`\\binom{a}{b}`$"]).output();
+    assert!(!refused.expect("runs").status.success(), "what is not known is refused");
+    let made = fs::read_to_string(root().join("docs/pictures.py")).expect("a script");
+    let wanted: Vec<String> = book()
+        .iter()
+        .flat_map(|page| {
+            page.text
+                .split("<!-- picture ")
+                .skip(1)
+                .map(|rest| rest.split(':').next().unwrap_or_default().to_owned())
+                .collect::<Vec<_>>()
+        })
+        .collect();
+    assert!(wanted.len() > 10);
+    assert!(wanted.iter().all(|name| made.contains(&format!("    \"{name}\": ("))), "{wanted:?}");
 }
 
 #[test]

@@ -51,7 +51,8 @@ const USED: [&str; 39] = [
 
 /// What becomes of the others where the input has no use for them: the words, the status, and what is said. SWC is a tracing, GRAPH a ready
 /// graph, SCAN a mask.
-const UNUSED: [(&str, &str, i32, &str); 26] = [
+const UNUSED: [(&str, &str, i32, &str); 27] = [
+    ("image-places", "SWC --image-places 3", 2, "--image-places 3: goes with --image or --probability"),
     ("unseen", "SWC --unseen .5", 2, "--unseen 0.5: goes with --landmarks or --labels"),
     ("variant-prior", "SWC --variant-prior /none", 2, "--variant-prior /none: goes with"),
     ("arteries", "SWC --arteries /none", 2, "--arteries /none: goes with"),

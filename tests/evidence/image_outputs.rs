@@ -48,6 +48,19 @@ fn the_page_has_the_image_around_doubtful_vessels_and_nothing_else_of_it() {
         .map(|row| row.expect("a row"))
         .map(|row| (row[column("origin")].to_owned(), row[column("probability")].parse().unwrap_or(f64::NAN)))
         .collect();
+    // Another number of them is the first of these, or more; the page grows by what is said.
+    let few =
+        willis(here.path(), &["infer", "scan.nii.gz", "--image", "image.nii", "--image-places", "1", "-o", "few", "-n", "1"]);
+    assert!(stderr(&few).contains("the page holds the image at 1 of the doubtful places: 0.1 MB"), "{}", stderr(&few));
+    let first = page(here.path(), "few");
+    let first = first["image_places"]["of"].as_array().expect("a list");
+    assert_eq!((first.len(), &first[0]["samples"]), (1, &places[0]["samples"]));
+    assert!(places.len() > 1 && edges(here.path(), "few") == edges(here.path(), "with"));
+    infer(here.path(), "more", &["--image", "image.nii", "--image-places", "5000"]);
+    assert!(page(here.path(), "more")["image_places"]["of"].as_array().expect("a list").len() >= places.len());
+    let refused = willis(here.path(), &["infer", "scan.nii.gz", "--image-places", "3", "-o", "no"]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(stderr(&refused).contains("goes with --image or --probability"), "{}", stderr(&refused));
     let is_doubtful = |row: &usize| (0.02..=0.98).contains(&rows[*row].1) && rows[*row].0 != "observed";
     let mut shown = Vec::new();
     for place in places {

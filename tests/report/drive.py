@@ -22,7 +22,7 @@ from selenium.webdriver.support.ui import WebDriverWait
 
 from drive_review import check_access, review
 from drive_surface import check_cube, check_slices, check_surface
-from drive_words import check_classified, check_coarse, check_names, check_print, check_simulated, check_walk
+from drive_words import check_classified, check_coarse, check_figures, check_names, check_print, check_simulated, check_walk
 
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
 --disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
@@ -236,6 +236,12 @@ def check_toggles(page):
     for name in names:
         page.click(f"#show-{name}")
     assert page.picture() == whole
+    # What is pruned and hardly probable is drawn only where it is asked for.
+    if page.one("#show-unlikely").is_displayed() and any(0 < float(e["probability"] or 1) < 0.05 and e["kept"] == "0" for e in page.edges):
+        page.click("#show-unlikely")
+        assert page.picture() != whole
+        page.click("#show-unlikely")
+        assert page.picture() == whole
 
 
 def rows(page):
@@ -423,6 +429,7 @@ def main():
                     continue
                 page = Page(driver, folder)
                 check_access(page)
+                check_figures(page)
                 page = Page(driver, folder)
                 if (Path(folder) / "comparison.csv").exists():
                     check_comparison(page)

@@ -7,6 +7,7 @@ import subprocess
 import tempfile
 import time
 from pathlib import Path
+from xml.etree import ElementTree
 
 import networkx as nx
 from selenium.webdriver.common.action_chains import ActionChains
@@ -47,11 +48,19 @@ def check_list(page):
     asked = list(csv.DictReader(open(page.folder / "review.csv")))
     assert [int(q["edge"]) for q in asked[:50]] == listed and [int(q["rank"]) for q in asked] == list(range(1, len(asked) + 1)), (asked, listed)
     assert set(undecided) <= {int(q["edge"]) for q in asked}
+    # The list and the rings of the picture have these numbers.
+    ranks = page.driver.execute_script("return [...document.querySelectorAll('#review-list .rank')].map(rank => Number(rank.textContent))")
+    assert ranks == [int(q["rank"]) for q in asked[:50]], ranks
+    if (page.folder / "summary.svg").exists():
+        said = [text.text for text in ElementTree.parse(page.folder / "summary.svg").iter("{http://www.w3.org/2000/svg}text")]
+        assert all(said.count(str(rank)) >= 2 for rank in ranks[:30]) and str(len(ranks[:30]) + 1) not in said, said
     kept = kept_graph(page)
     for q in asked[:50]:
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])
         if q["kind"] == "part":
             assert any(abs(part_length(kept, int(edge[end])) - gain) <= 1e-6 * gain for end in ("node_a", "node_b")), q
+        elif q["kind"] == "touch":
+            assert abs((1 - float(q["probability"])) * float(q["hangs_mm"]) - gain) < 1e-6 * gain, q
         elif q["kind"] == "loop":
             # The shortest way round through it.
             ends, length = (int(edge["node_a"]), int(edge["node_b"])), float(edge["length_mm"])
@@ -115,7 +124,7 @@ def check_decisions(page, downloads):
     # The page goes on to the next that is open, and never stops at one that is decided.
     page.rest()
     left = page.listed()[:-1]
-    assert rows[0] not in left, left
+    assert rows[0] not in left and (not left or page.picked() == left[0]), (left, page.picked())
     for _ in range(min(len(left), 4)):
         canvas.send_keys("n")
         assert page.picked() != rows[0]
@@ -139,11 +148,14 @@ def check_decisions(page, downloads):
     assert page.counts() == start and page.text("#answer-words") == sentence and page.listed() == listed
     page.click(f"#review-list li[data-row='{rows[0]}'] .accept")
     page.click(f"#review-list li[data-row='{rows[-1]}'] .reject")
-    unsure = next((row for row in page.listed() if row not in (rows[0], rows[-1])), None)
+    unsure = next((row for row in page.listed() if row not in (rows[0], rows[-1]) and page.is_uncertain(page.edges[row])), None)
     if unsure is not None:
         go(page, unsure)
         page.click("#decide .unsure")
         assert state(page, unsure) == "unsure"
+        # What the reader is unsure of is open no more.
+        left = driver.execute_script("return document.querySelectorAll('#review-list li:not(.accept, .reject, .unsure)').length")
+        assert not left or page.text("#review-note").startswith(f"{left} open"), (left, page.text("#review-note"))
     after, errors = page.counts(), page.text("#answer-words")
     # A reload keeps decisions and what can be taken back.
     page.open()
@@ -176,7 +188,7 @@ def check_decisions(page, downloads):
     assert again[rows[0]]["kept"] == "1" and float(again[rows[0]]["probability"]) == 1
     assert again[rows[-1]]["kept"] == "0" and float(again[rows[-1]]["probability"]) == 0 and float(again[rows[-1]]["likelihood"]) == 0
     # What the page says is what the run says: of each that is listed, and in all.
-    for row in set(page.listed()) - set(listed):
+    for row in (row for row in set(page.listed()) - set(listed) if page.is_uncertain(page.edges[row])):
         said = state(page, row).removeprefix("P").removeprefix(" = ").strip()
         p = float(again[row]["probability"])
         assert said[0] in "<>" or abs(float(said) - p) <= 0.005, (row, said, p)
@@ -284,6 +296,7 @@ def check_pairings(page, downloads):
         wanted = {row: "unsure" for row in rows} | {ways[at]["part"].strip(): "part"} if ways[at]["part"] else {int(row): name for name in ("accept", "reject") for row in ways[at][name].split()}
         assert made == wanted, (made, wanted)
     page.driver.execute_script("localStorage.clear()")
+    page.open()
 
 
 def save(page, downloads):

@@ -1,5 +1,6 @@
 """What pages say and mark: arteries by name, what a simulation changed, the page of a classification, a cohort that is walked through."""
 
+import base64
 import csv
 import json
 import re
@@ -51,6 +52,28 @@ def check_simulated(page):
         page.click(".enlarge")
         assert page.driver.execute_script(wide) >= before and page.one(".enlarge").get_attribute("aria-pressed") == "true"
         page.click(".enlarge")
+
+
+def check_figures(page):
+    """Each figure is shown, and no word of it is cut off at the edge of its page, in a wider font either."""
+    shown = "return [...document.querySelectorAll('#pictures img')].every(image => image.naturalWidth > 0)"
+    WebDriverWait(page.driver, 20).until(lambda driver: driver.execute_script(shown))
+    outside = """const page = document.documentElement.getBoundingClientRect();
+      return [...document.querySelectorAll("text")].filter(text => {
+        if (arguments[0]) text.setAttribute("font-family", arguments[0]);
+        const box = text.getBoundingClientRect();
+        return box.left < page.left || box.right > page.right || box.top < page.top || box.bottom > page.bottom;
+      }).map(text => text.textContent)"""
+    for figure in page.folder.glob("*.svg"):
+        page.driver.get(figure.as_uri())
+        assert page.driver.execute_script("return document.querySelectorAll('text').length") > 2, figure
+        for font in ("", "DejaVu Sans"):
+            assert not page.driver.execute_script(outside, font), (figure, font, page.driver.execute_script(outside, font))
+        # A browser makes a PDF of the size of the figure, with its text as text.
+        printed = base64.b64decode(page.driver.execute_cdp_cmd("Page.printToPDF", {"preferCSSPageSize": True})["data"])
+        size = [float(x) for x in page.driver.execute_script("return document.documentElement.getAttribute('viewBox')").split()[2:]]
+        boxes = [list(map(float, box.split())) for box in re.findall(rb"/MediaBox ?\[([^]]*)\]", printed)]
+        assert len(boxes) == 1 and all(abs(a - b / 100) < 1 for a, b in zip(boxes[0][2:], size)) and b"/Font" in printed, (figure, boxes, size)
 
 
 def check_classified(page):

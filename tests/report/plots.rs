@@ -353,12 +353,12 @@ fn a_histogram_is_as_large_as_its_density() {
 #[test]
 fn a_thick_vessel_has_no_spikes_at_its_corners() {
     let course = (0..9).map(|i| [f64::from(i % 2) * 40.0, 0.0, f64::from(i) * 2.0, 1.0]).collect();
-    let vessel = DrawnVessel { course, probability: None, certain: true, kept: true, undecided: false };
+    let vessel = DrawnVessel { course, probability: None, certain: true, kept: true };
     let view = || Projection { name: "", right: [1.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], edges: ["", ""] };
-    let picture = summary("", "", vec![vessel], &[view(), view()]);
+    let picture = summary("", ["", ""], vec![vessel], &[], &[view(), view()]);
     let picture = Picture::read(&picture.png(DEFAULT_DPI).expect("a picture"));
     let inside = |x: usize| (14.0..=198.0).contains(&(x as f64 * 72.0 / 150.0)) || x * 72 > 206 * 150;
-    let page = |y: usize| (50..240).contains(&(y * 72 / 150));
+    let page = |y: usize| (64..254).contains(&(y * 72 / 150));
     let dirty = |x: usize, y: usize| page(y) && !inside(x) && picture.at(x, y) != [255; 3];
     assert!((0..picture.size[1]).all(|y| (0..picture.size[0]).all(|x| !dirty(x, y))), "ink beside the panel");
     let grey = picture.rgb.chunks_exact(3).filter(|p| p[0] < 0xe0 && p[0] > 0x70).count();

@@ -4,8 +4,9 @@ use crate::command;
 use base64::Engine;
 use roxmltree::{Document, Node};
 use willis::internals::report::figures::{
-    Boxes, CutLine, Figure, Histogram, Histograms, LikelihoodMatrix, NodeBlock, Panel, VesselFlow, colour, convergence,
-    flow_bars, heat_map, hypertension, modulation,
+    ArteryWaveform, Boxes, CutLine, DrawnVessel, Figure, Histogram, Histograms, LikelihoodMatrix, NodeBlock, OutletSupply, Panel,
+    Projection, Ring, VesselFlow, colour, convergence, flow_bars, heat_map, hypertension, modulation, summary, supply_bars,
+    waveform_panels,
 };
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
@@ -107,8 +108,48 @@ fn paths<'a>(svg: &'a Document<'_>, attribute: &str, value: &str) -> Vec<Node<'a
         .collect()
 }
 
+/// A text of a figure: what it says, and the box that it takes in a font whose letters are .56 of their size wide on average, as those of DejaVu Sans, in
+/// points.
+fn texts(svg: &Document<'_>) -> Vec<(String, [[f64; 2]; 2])> {
+    let all = svg.descendants().filter(|n| n.has_tag_name(("http://www.w3.org/2000/svg", "text")));
+    let measured = all.map(|text| {
+        let number = |name| text.attribute(name).and_then(|t| t.parse::<f64>().ok()).expect("a number") / 100.0;
+        let words: String = text.descendants().filter_map(|n| if n.is_text() { n.text() } else { None }).collect();
+        let (at, size) = ([number("x"), number("y")], number("font-size"));
+        let long = 0.56 * size * words.chars().count() as f64;
+        let back = match text.attribute("text-anchor") {
+            None => 0.0,
+            Some("middle") => long / 2.0,
+            Some("end") => long,
+            other => panic!("{other:?}"),
+        };
+        let (along, across) = ([-back, long - back], [-0.75 * size, 0.25 * size]);
+        let sides = match text.attribute("transform") {
+            None => [along.map(|by| at[0] + by), across.map(|by| at[1] + by)],
+            Some(turn) => {
+                assert_eq!(turn, format!("rotate(-90 {} {})", at[0] * 100.0, at[1] * 100.0));
+                [across.map(|by| at[0] + by), along.map(|by| at[1] - by)]
+            }
+        };
+        (words, sides.map(|[a, b]| [a.min(b), a.max(b)]))
+    });
+    measured.collect()
+}
+
+fn said(svg: &Document<'_>, words: &str) -> usize {
+    texts(svg).iter().filter(|(text, _)| text == words).count()
+}
+
 fn d(path: &Node<'_, '_>) -> Vec<[f64; 2]> {
     places(path.attribute("d").expect("a path"))
+}
+
+/// The boxes of a colour, which a path has several of.
+fn boxes(svg: &Document<'_>, rgb: [u8; 3]) -> Vec<[[f64; 2]; 2]> {
+    let [r, g, b] = rgb;
+    let all = paths(svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}"));
+    let each = all.iter().flat_map(|path| path.attribute("d").expect("a path").split_inclusive('z'));
+    each.map(|one| bounds(&places(one))).collect()
 }
 
 fn near(got: [f64; 2], want: [f64; 2], within: f64) {
@@ -136,7 +177,13 @@ fn every_figure_is_well_formed_and_refers_to_nothing_outside() {
         near([points("width"), points("height")], [width as f64, height as f64], 0.5);
         for node in root.descendants().filter(Node::is_element) {
             let tag = node.tag_name().name();
-            assert!(["svg", "path", "linearGradient", "stop", "image"].contains(&tag), "{tag}: text would need a font");
+            assert!(["svg", "path", "linearGradient", "stop", "image", "text", "tspan", "style"].contains(&tag), "{tag}");
+            if tag == "text" {
+                // Any reader has a font of the last name.
+                assert!(node.attribute("font-family").is_some_and(|fonts| fonts.ends_with(", sans-serif")));
+                assert!(node.descendants().any(|n| n.is_text()));
+            }
+            assert!(!node.has_attribute("aria-label") || tag == "svg", "words are text");
             for attribute in node.attributes() {
                 let value = attribute.value();
                 match attribute.name() {
@@ -189,26 +236,103 @@ fn there_is_a_curve_a_series_through_the_places_worked_out_by_hand() {
     assert!(blue([middle, y(2.0)]) && !blue([middle, y(2.0) - 2.0]) && !blue([middle, y(2.0) + 2.0]));
 }
 
-/// The ink of the title in the PNG fills the box that its outline has in the SVG, to a point.
+/// The title begins, stands on its line and has the height in the PNG that it has in the SVG, to a point. A capital is .7 of the size.
 #[test]
 fn text_is_where_the_png_has_it() {
     let figure = heat(5, &[(0, 1, 1.0)]);
     let text = figure.svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
-    let title = paths(&svg, "aria-label", "Likelihood matrix (5 nodes)");
-    assert_eq!(title.len(), 1);
-    let outline = bounds(&d(&title[0]));
+    let words = texts(&svg);
+    let of = |name: &str| words.iter().filter(|(text, _)| text == name).map(|(_, sides)| *sides).collect::<Vec<_>>();
+    let [[[left, _], [top, bottom]]] = of("Likelihood matrix (5 nodes)")[..] else { panic!("one title") };
     let (width, _, rgb) = pixels(&figure.png(720).expect("a PNG"));
     let dark = |i: &usize| rgb[3 * i] < 128;
     let ink: Vec<[f64; 2]> =
         (0..width * 300).filter(dark).map(|i| [(i % width) as f64 / 10.0, (i / width) as f64 / 10.0]).collect();
     let ink = bounds(&ink);
-    for axis in [0, 1] {
-        near(ink[axis], outline[axis], 1.5);
-    }
-    let upwards =
-        paths(&svg, "aria-label", "node").iter().map(|p| bounds(&d(p))).filter(|[x, y]| y[1] - y[0] > x[1] - x[0]).count();
+    near([ink[0][0], ink[1][0]], [left, top], 1.5);
+    assert!((ink[1][1] - bottom).abs() < 1.5, "{ink:?}");
+    let upwards = of("node").iter().filter(|[x, y]| y[1] - y[0] > x[1] - x[0]).count();
     assert_eq!(upwards, 1, "one of the two names of axes runs upwards");
+}
+
+/// Nothing is cut off at an edge of a page, whatever the names, in fonts wider than that of the bitmaps too.
+#[test]
+fn every_word_is_inside_the_page() {
+    let long = "a-name-that-nobody-would-give-to-a-vessel_".repeat(6);
+    let supply = |name: &str| OutletSupply { name: name.to_owned(), flow: 1.0, states: vec![Some((vec![0.5, 0.5], 2345.0)); 2] };
+    let wave = |name: &str| ArteryWaveform {
+        name: name.to_owned(),
+        is_named: true,
+        states: vec![(vec![123.0, -45.0, 67.0], 123.4, 12.34); 2],
+    };
+    let inlets = ["x", &*long].map(|name| (name.to_owned(), [0, 114, 178]));
+    let view = |name| Projection { name, right: [1.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], edges: ["R", "L"] };
+    let vessel = DrawnVessel { course: vec![[0.0; 4], [9.0, 9.0, 9.0, 1.0]], probability: None, certain: true, kept: true };
+    let block = |nodes: [usize; 2]| NodeBlock { name: long.clone(), nodes: nodes.to_vec() };
+    let matrix = LikelihoodMatrix {
+        nodes: 4,
+        entries: &[(2, 0, 1.0), (1, 3, 10.0)],
+        uncertain: &[],
+        blocks: &[block([2, 0]), block([1, 3])],
+    };
+    let mut all = figures();
+    all.extend([
+        bars(&[(&long, -20.0, Some(10.0))]),
+        supply_bars(&[supply(&long), supply("y")], &inlets),
+        waveform_panels(&[wave(&long), wave("y"), wave("z"), wave("w"), wave(&long)], 1.0),
+        summary(&long, [&long, &long], vec![vessel], &[], &[view("front"), view("left side")]),
+        heat_map(&matrix, Weight::Resilience),
+        convergence(
+            &[10],
+            &vec![vec![1.0]; 200_000],
+            (CutLine::Median, &[1.0]),
+            &[vec![true; 100_000], vec![false; 100_000]].concat(),
+            Weight::Resilience,
+        ),
+    ]);
+    for figure in all {
+        let text = figure.svg().expect("an SVG");
+        let svg = Document::parse(&text).expect("well-formed");
+        let size =
+            svg.root_element().attribute("viewBox").expect("a size").split(' ').map(|n| n.parse::<f64>().expect("a number"));
+        let size: Vec<f64> = size.map(|units| units / 100.0).collect();
+        let words = texts(&svg);
+        assert!(!words.is_empty());
+        for (words, [x, y]) in words {
+            let inside = x[0] >= 0.0 && y[0] >= 0.0 && x[1] <= size[2] && y[1] <= size[3];
+            assert!(inside, "{}: {words} at {x:?}, {y:?} of {size:?}", figure.name());
+        }
+    }
+}
+
+/// Three rings in a row along x, seen from y: number 1 is left of 2, which is left of 3, each beside its ring; the 31st is not drawn. Without numbers there
+/// are rings alone.
+#[test]
+fn rings_have_the_numbers_of_the_list() {
+    let view = || Projection { name: "", right: [1.0, 0.0, 0.0], up: [0.0, 0.0, 1.0], edges: ["", ""] };
+    let course = vec![[0.0, 0.0, 0.0, 0.1], [60.0, 0.0, 0.0, 0.1]];
+    let vessel = DrawnVessel { course, probability: None, certain: true, kept: true };
+    let drawn = |rings: &[Ring]| summary("", ["", ""], vec![vessel.clone()], rings, &[view(), view()]).svg().expect("an SVG");
+    let at = |x: f64, number| Ring { place: [x, 0.0, 0.0], number };
+    let text = drawn(&[at(10.0, Some(1)), at(30.0, Some(2)), at(50.0, Some(3))]);
+    let svg = Document::parse(&text).expect("well-formed");
+    let rings: Vec<_> =
+        paths(&svg, "stroke", INK).iter().map(d).filter(|places| places.len() == 37).map(|p| bounds(&p)).collect();
+    assert_eq!(rings.len(), 6, "three in each view");
+    let middle = |[x, y]: [[f64; 2]; 2]| [f64::midpoint(x[0], x[1]), f64::midpoint(y[0], y[1])];
+    for (which, ring) in rings.iter().take(3).map(|sides| middle(*sides)).enumerate() {
+        let numbers = texts(&svg).into_iter().filter(|(text, _)| *text == (which + 1).to_string());
+        let near = numbers.filter(|(_, sides)| (middle(*sides)[0] - ring[0]).hypot(middle(*sides)[1] - ring[1]) < 14.0);
+        assert_eq!(near.count(), 1, "{} beside its ring", which + 1);
+    }
+    let many: Vec<Ring> = (1..=40).map(|k| at(f64::from(k), Some(k as usize))).collect();
+    let text = drawn(&many);
+    let svg = Document::parse(&text).expect("well-formed");
+    assert_eq!((said(&svg, "30"), said(&svg, "31")), (2, 0));
+    let text = drawn(&[at(10.0, None)]);
+    let svg = Document::parse(&text).expect("well-formed");
+    assert!(texts(&svg).iter().all(|(words, _)| words.parse::<f64>().is_err() || ["0", "0.5", "1"].contains(&&**words)));
 }
 
 /// A side of 318 points and five nodes: 63.6 points a cell, from the corner (54, 34).
@@ -216,8 +340,7 @@ fn text_is_where_the_png_has_it() {
 fn the_cells_of_a_matrix_are_where_they_belong() {
     let text = heat(5, &[(3, 1, 1e6), (0, 4, 1.0)]).svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
-    let [r, g, b] = colour(1.0);
-    let hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    let hot = boxes(&svg, colour(1.0));
     let at = |node: f64, corner: f64| [corner + 63.6 * node, corner + 63.6 * (node + 1.0)];
     for (row, column) in [(1.0, 3.0), (3.0, 1.0)] {
         assert!(hot.iter().any(|[x, y]| {
@@ -242,8 +365,7 @@ fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
     };
     let text = heat_map(&matrix, Weight::Resilience).svg().expect("an SVG");
     let svg = Document::parse(&text).expect("well-formed");
-    let [r, g, b] = colour(1.0);
-    let mut hot: Vec<_> = paths(&svg, "fill", &format!("#{r:02x}{g:02x}{b:02x}")).iter().map(|p| bounds(&d(p))).collect();
+    let mut hot = boxes(&svg, colour(1.0));
     hot.sort_by(|a, b| a[0][0].total_cmp(&b[0][0]));
     let left = hot.iter().map(|[x, _]| x[0]).collect::<Vec<_>>();
     let [cell, wide] = [318.0 / 4.0, 318.0 / 2.0];
@@ -254,7 +376,7 @@ fn a_matrix_has_its_nodes_in_blocks_and_the_uncertain_vessels_beside_it() {
     assert_eq!(left.len(), 4);
     for (name, times) in [("inlet a", 2), ("inlet b", 2), ("Likelihood matrix (4 nodes)", 1), ("Uncertain vessels (2 nodes)", 1)]
     {
-        assert_eq!(paths(&svg, "aria-label", name).len(), times, "{name}");
+        assert_eq!(said(&svg, name), times, "{name}");
     }
 }
 
@@ -273,7 +395,7 @@ fn the_median_is_dashed_and_nothing_uncertain_is_a_sentence() {
     let length = (right - AXES[0][0]) / (20.0 * 1.02) * 10.0;
     near([median[0][1], median[1][1]], [middle; 2], 0.011);
     assert!((median[1][0] - median[0][0] - length).abs() < 0.011, "{median:?}");
-    assert_eq!(paths(&svg, "aria-label", "median of L (the rule does not use L)").len(), 1);
+    assert_eq!(said(&svg, "median of L (not the rule)"), 1);
     let none = convergence(&[10], &[], (CutLine::Median, &[f64::NAN]), &[], Weight::Resilience).svg();
     let none = none.expect("an SVG");
     assert!(none.contains("Every vessel is certain") && !none.contains("stroke"), "no axes around nothing");
@@ -315,7 +437,7 @@ fn bars_are_in_proportion_and_any_name_can_be_written() {
     let ([before, small], [after, _]) =
         (widths(KEPT)[..].try_into().expect("two"), widths("#e69f00")[..].try_into().expect("two"));
     assert!((before - 4.0 * small).abs() < 0.05 && (before - 2.0 * after).abs() < 0.05, "{before} {small} {after}");
-    assert_eq!(paths(&svg, "aria-label", "a<b>&\"c\u{fffd}'").len(), 1);
+    assert_eq!(said(&svg, "a<b>&\"c\u{fffd}'"), 1);
 }
 
 /// The median of an odd number of likelihoods is one of them: the threshold of a run ends where that vessel's curve ends.
@@ -358,6 +480,6 @@ fn the_unit_is_that_of_what_the_likelihood_adds_up() {
         heat.expect("an SVG") + &curves.expect("an SVG")
     };
     let (resilience, count) = (said(Weight::Resilience), said(Weight::Count));
-    assert!(resilience.contains("\"L (W/m³)\"") && resilience.contains("L/n (W/m³)\""));
-    assert!(count.contains("\"L (samples)\"") && count.contains("\"share of samples L/n\"") && !count.contains("W/m"));
+    assert!(resilience.contains(">L (W/m³)<") && resilience.contains("L/n (W/m³)<"));
+    assert!(count.contains(">L (samples)<") && count.contains(">share of samples L/n<") && !count.contains("W/m"));
 }

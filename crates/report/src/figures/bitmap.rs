@@ -62,7 +62,11 @@ fn draw(page: &mut Pixmap, mark: &Mark, scale: f64) {
             };
             page.stroke_path(path, &paint(*rgb, *opacity), &stroke, to_pixels, None);
         }
-        Mark::Text(outline, _) => page.fill_path(outline, &paint(INK, 1.0), FillRule::Winding, to_pixels, None),
+        Mark::Text(outline, _) => {
+            if let Some(outline) = outline {
+                page.fill_path(outline, &paint(INK, 1.0), FillRule::Winding, to_pixels, None);
+            }
+        }
     }
 }
 
@@ -100,8 +104,10 @@ fn encoded(page: &Pixmap, per_metre: Option<u32>) -> Result<Vec<u8>, String> {
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     encoder.set_pixel_dims(per_metre.map(|n| png::PixelDimensions { xppu: n, yppu: n, unit: png::Unit::Meter }));
-    let rgb: Vec<u8> = page.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    // Figures have large even parts, which filters do not make smaller.
+    encoder.set_filter(png::Filter::NoFilter);
+    let rgb: Vec<[u8; 3]> = page.pixels().iter().map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
     let mut writer = encoder.write_header().map_err(|error| error.to_string())?;
-    writer.write_image_data(&rgb).and_then(|()| writer.finish()).map_err(|error| error.to_string())?;
+    writer.write_image_data(rgb.as_flattened()).and_then(|()| writer.finish()).map_err(|error| error.to_string())?;
     Ok(file)
 }

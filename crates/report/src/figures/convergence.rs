@@ -104,7 +104,7 @@ fn draw(
     let counts = [count("kept", stay), count("pruned", kept.len() - stay)];
     let line = match cut {
         CutLine::Threshold => ("threshold", LegendKey::Line(BOLD), INK),
-        CutLine::Median => ("median of L (the rule does not use L)", REFERENCE.0, REFERENCE.1),
+        CutLine::Median => ("median of L (not the rule)", REFERENCE.0, REFERENCE.1),
     };
     let line = threshold.iter().any(|cut| !cut.is_nan()).then_some(line);
     let curves = [(&*counts[0], LegendKey::Line(CURVE), KEPT), (&*counts[1], LegendKey::Line(CURVE), PRUNED)];

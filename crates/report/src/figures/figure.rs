@@ -58,8 +58,8 @@ impl Figure {
         bitmap::png(self.inches, &self.sheet.marks, dpi).map_err(|reason| self.failure(reason))
     }
 
-    /// The SVG file. It has only curves and filled shapes, for text too, so that it looks the same without any font and refers to no
-    /// other file. Its ids begin with the name of the figure, so that one page can hold several figures.
+    /// The SVG file. Its text is text, which other programs can edit, in the font of the bitmap or in one about as wide. It refers to no other
+    /// file. Its ids begin with the name of the figure, so that one page can hold several figures.
     ///
     /// One unit is 1/100 point (1/7200 inch); coordinates are whole numbers.
     ///

@@ -3,7 +3,6 @@
 use super::axis::{LinearRange, TickLabel};
 use super::colour::{INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
-use super::font;
 use super::legend::{self, LegendKey};
 use super::sheet::{Align, Sheet, TextDirection};
 use super::style::{self, HAIR, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
@@ -72,7 +71,7 @@ pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
     let top = if pair { TOP[0] } else { TOP[1] };
     let bottom = top + each * shown.len() as f64;
     let names: Vec<String> = shown.iter().map(|flow| style::fitting(&flow.name, NAME, TEXT)).collect();
-    let left = names.iter().map(|name| font::width(name, TEXT)).fold(0.0, f64::max) + 22.0;
+    let left = names.iter().map(|name| style::room(name, TEXT)).fold(0.0, f64::max) + 22.0;
     let right = WIDTH - 14.0;
     let both = || shown.iter().flat_map(|f| [Some(f.along().0), f.along().1]).flatten();
     let (low, high) = (both().fold(0.0, f64::min), both().fold(0.0, f64::max));

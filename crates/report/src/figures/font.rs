@@ -1,4 +1,4 @@
-//! The embedded font, whose letters are drawn as outlines: figures need no installed font.
+//! The embedded font, whose letters are outlines in bitmaps, which need no installed font.
 
 use std::sync::OnceLock;
 
@@ -22,6 +22,11 @@ fn letters(font: &FontRef<'_>, text: &str, size: f64) -> (Vec<(GlyphId, f64)>, f
         along += f64::from(font.h_advance_unscaled(glyph)) * scale;
     }
     (all, along, scale)
+}
+
+/// The size that programs call that of text of a size: the side of its em square.
+pub fn em(size: f64) -> f64 {
+    font().map_or(size, |font| size * f64::from(font.units_per_em().unwrap_or(1.0) / font.height_unscaled()))
 }
 
 /// The width of a line of text of a size; zero when the font cannot be read.

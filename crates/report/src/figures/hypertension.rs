@@ -53,7 +53,7 @@ pub fn hypertension(histograms: &Histograms) -> Figure {
 fn draw(sheet: &mut Sheet, histograms: &Histograms, height: f64) {
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
-    sheet.title("Hypertension: pressure over cross-section, all vessels and instances", left);
+    sheet.title("Hypertension: pressure over cross-section, all instances", left);
     let Some(last) = histograms.edges.last() else {
         return sheet.plain("no force above zero", [middle, height / 2.0], Align::Middle);
     };

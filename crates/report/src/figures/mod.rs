@@ -30,7 +30,7 @@ pub use heat_map::{LikelihoodMatrix, NodeBlock, heat_map};
 pub use hypertension::{Histogram, Histograms, hypertension};
 pub use modulation::{Boxes, Panel, modulation};
 pub(crate) use summary::FRONT;
-pub use summary::{DrawnVessel, Projection, summary};
+pub use summary::{DrawnVessel, Projection, Ring, summary};
 pub use supply_bars::{OutletSupply, supply_bars};
 pub(crate) use svg::units;
 pub use waveforms::{ArteryWaveform, waveform_panels};

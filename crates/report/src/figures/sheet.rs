@@ -10,9 +10,9 @@ use super::style::{HAIR, TEXT, TICK, TITLE, TITLE_AT};
 /// Height of the digits as a share of the text's.
 const DIGIT: f64 = 0.6;
 /// Height of an exponent as a share of the text's.
-const EXPONENT: f64 = 0.72;
+pub const EXPONENT: f64 = 0.72;
 /// How far an exponent is raised, as a share of the text's height.
-const LIFT: f64 = 0.3;
+pub const LIFT: f64 = 0.3;
 /// Space for a number left of its tick, and for one below it, points.
 const ASIDE: f64 = 3.0;
 const BELOW: f64 = 7.0;
@@ -63,8 +63,23 @@ pub enum Mark {
     Map([SheetPlace; 2]),
     /// A line of a width in points, and its opacity in (0, 1].
     Line(Path, LineStyle, f64, Rgb, f64),
-    /// The outline of text, and its words.
-    Text(Path, String),
+    /// Text, by its outline, where letters of it have one, and by its words.
+    Text(Option<Path>, Words),
+}
+
+/// The words of a text, where they stand and how.
+#[derive(Debug)]
+pub struct Words {
+    /// What it says.
+    pub label: TickLabel,
+    /// The point of its base line that `align` says.
+    pub place: SheetPlace,
+    /// From the lowest descender to the highest ascender, points.
+    pub height: f64,
+    /// Which point that is.
+    pub align: Align,
+    /// Where it runs.
+    pub run: TextDirection,
 }
 
 /// A sheet whose unit is the point (1/72 inch).
@@ -160,22 +175,33 @@ impl Sheet {
 
     /// Text whose digits are centred on `place` across its direction.
     pub fn text(&mut self, label: &TickLabel, place: SheetPlace, height: f64, align: Align, run: TextDirection) {
-        let raised = height * EXPONENT;
-        let widths = [font::width(&label.text, height), font::width(&label.exponent, raised)];
+        if label.text.trim().is_empty() {
+            return;
+        }
+        let widths = [font::width(&label.text, height), font::width(&label.exponent, height * EXPONENT)];
         let back = match align {
             Align::Begin => 0.0,
             Align::Middle => f64::midpoint(widths[0], widths[1]),
             Align::End => widths[0] + widths[1],
         };
         let base = height * DIGIT / 2.0;
+        let mut outline = PathBuilder::new();
         for (text, size, along, across) in
-            [(&label.text, height, -back, base), (&label.exponent, raised, widths[0] - back, base - height * LIFT)]
+            [(&label.text, height, -back, base), (&label.exponent, height * EXPONENT, widths[0] - back, base - height * LIFT)]
         {
             let at = |[x, y]: [f64; 2]| match run {
                 TextDirection::Right => [place[0] + along + x, place[1] + across + y],
                 TextDirection::Up => [place[0] + across + y, place[1] - along - x],
             };
-            self.marks.extend(font::outline(text, size, at).map(|outline| Mark::Text(outline, text.clone())));
+            if let Some(path) = font::outline(text, size, at) {
+                outline.push_path(&path);
+            }
         }
+        let place = match run {
+            TextDirection::Right => [place[0], place[1] + base],
+            TextDirection::Up => [place[0] + base, place[1]],
+        };
+        let words = Words { label: label.clone(), place, height, align, run };
+        self.marks.push(Mark::Text(outline.finish(), words));
     }
 }

@@ -32,7 +32,15 @@ pub const NAME_LEFT: f64 = 9.0;
 /// More letters than fit, even narrow ones.
 const MOST_LETTERS: usize = 200;
 
-/// A name without its middle where it is wider than `most` points.
+/// A font that stands in for that of the bitmaps is so much wider at the most.
+const WIDER: f64 = 1.16;
+
+/// The room that a text needs in any of the fonts, points.
+pub fn room(text: &str, height: f64) -> f64 {
+    WIDER * font::width(text, height)
+}
+
+/// A name without its middle where it needs more room than `most` points.
 pub fn fitting(name: &str, most: f64, height: f64) -> String {
     let letters: Vec<char> = name.chars().collect();
     let shortened = |kept: usize| {
@@ -41,5 +49,5 @@ pub fn fitting(name: &str, most: f64, height: f64) -> String {
     };
     let whole = (letters.len() <= MOST_LETTERS).then(|| name.to_owned());
     let shorter = (0..letters.len().min(MOST_LETTERS)).rev().map(shortened);
-    whole.into_iter().chain(shorter).find(|cut| font::width(cut, height) <= most).unwrap_or_else(|| shortened(0))
+    whole.into_iter().chain(shorter).find(|cut| room(cut, height) <= most).unwrap_or_else(|| shortened(0))
 }

@@ -5,17 +5,17 @@ use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 use super::colour_bar::colour_bar;
 use super::course::smoothed;
 use super::figure::Figure;
-use super::sheet::{Align, Sheet};
-use super::style::{LEGEND_AT, POINTS_PER_INCH};
+use super::sheet::{Align, Sheet, SheetPlace, TextDirection};
+use super::style::{self, LEGEND_AT, POINTS_PER_INCH, SMALL, TEXT, TITLE};
 use willis_io::output::names::SUMMARY_PICTURE;
 
-const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 3.9 * POINTS_PER_INCH];
+const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 4.1 * POINTS_PER_INCH];
 /// Left edge of each panel, their top, and their width and height, points.
 const LEFT: [f64; 2] = [14.0, 206.0];
-const TOP: f64 = 46.0;
+const TOP: f64 = 60.0;
 const SIZE: [f64; 2] = [184.0, 204.0];
 /// Upper left corner of the colour bar, and its height, points.
-const BAR: [f64; 2] = [404.0, 76.0];
+const BAR: [f64; 2] = [404.0, 90.0];
 const BAR_HEIGHT: f64 = 144.0;
 /// The left edge, the top, the width and the height of the first view with what is under it, points.
 pub const FRONT: [f64; 4] = [LEFT[0], TOP, SIZE[0], SIZE[1] + 12.0];
@@ -25,9 +25,10 @@ const FOOT: f64 = 8.0;
 const THIN: [f64; 2] = [0.45, 1.8];
 /// The width of a connection that was left out as a share of its diameter, and how far its colour is that of the page.
 const LEFT_OUT: [f64; 2] = [0.4, 0.3];
-/// The radius of a ring around an undecided connection, and its width, points; more than so many are not drawn.
-const RING: [f64; 2] = [6.0, 0.8];
-const MOST_RINGS: usize = 30;
+/// The radius of a ring, its width, and how far its number stands from its middle, points.
+const RING: [f64; 3] = [6.0, 0.8, 11.5];
+/// More rings are not drawn.
+pub const MOST_RINGS: usize = 30;
 
 /// So many steps of a course are drawn in one line, as wide as the vessel is on average.
 const TOGETHER: usize = 6;
@@ -43,8 +44,15 @@ pub struct DrawnVessel {
     pub certain: bool,
     /// Whether it is kept.
     pub kept: bool,
-    /// Whether it is undecided.
-    pub undecided: bool,
+}
+
+/// A ring around what a person should look at.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Ring {
+    /// x, y and z of its middle, mm.
+    pub place: [f64; 3],
+    /// What number it has on the list, where it is on one.
+    pub number: Option<usize>,
 }
 
 /// A view: which way is right and which way is up on the page, and what each is called.
@@ -60,15 +68,15 @@ pub struct Projection {
     pub edges: [&'static str; 2],
 }
 
-/// Draws a run in one picture, 6.4 by 3.9 inches: what was found in words, and two views on one scale. Certain vessels are grey, darker
-/// where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. A ring is
-/// around each undecided one, up to 30. Radii and courses are smoothed along each vessel, for display only.
-pub fn summary(title: &str, words: &str, mut vessels: Vec<DrawnVessel>, views: &[Projection; 2]) -> Figure {
+/// Draws a run in one picture, 6.4 by 4.1 inches: what was found in two lines of words, and two views on one scale. Certain vessels are grey,
+/// darker where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. The first 30 rings
+/// are drawn, with their numbers. Radii and courses are smoothed along each vessel, for display only.
+pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rings: &[Ring], views: &[Projection; 2]) -> Figure {
     for vessel in &mut vessels {
         vessel.course = smoothed(&vessel.course);
     }
     let mut sheet = Sheet::default();
-    draw(&mut sheet, title, words, &vessels, views);
+    draw(&mut sheet, title, words, &vessels, &rings[..rings.len().min(MOST_RINGS)], views);
     Figure::new(SUMMARY_PICTURE, PAGE, sheet)
 }
 
@@ -80,9 +88,12 @@ struct DrawnPiece {
     rgb: Rgb,
 }
 
-fn draw(sheet: &mut Sheet, title: &str, words: &str, vessels: &[DrawnVessel], views: &[Projection; 2]) {
-    sheet.title(title, LEFT[0]);
-    sheet.plain(words, [LEFT[0], LEGEND_AT - 3.0], Align::Begin);
+fn draw(sheet: &mut Sheet, title: &str, words: [&str; 2], vessels: &[DrawnVessel], rings: &[Ring], views: &[Projection; 2]) {
+    let wide = PAGE[0] - 2.0 * LEFT[0];
+    sheet.title(&style::fitting(title, wide, TITLE), LEFT[0]);
+    for (line, below) in words.iter().zip([-3.0, 10.0]) {
+        sheet.plain(&style::fitting(line, wide, TEXT), [LEFT[0], LEGEND_AT + below], Align::Begin);
+    }
     let boxes = [0, 1].map(|at| extent(vessels, &views[at]));
     // One scale for both views, points a millimetre.
     let fits = |[[west, east], [south, north]]: [[f64; 2]; 2]| {
@@ -100,13 +111,8 @@ fn draw(sheet: &mut Sheet, title: &str, words: &str, vessels: &[DrawnVessel], vi
         for piece in pieces(vessels, view, scale, place) {
             sheet.tube(piece.path, piece.width, piece.rgb);
         }
-        for vessel in vessels.iter().filter(|vessel| vessel.undecided).take(MOST_RINGS) {
-            if let Some(middle) = vessel.course.get(vessel.course.len() / 2) {
-                let [x, y] = place(middle);
-                let turn = |step: i32| std::f64::consts::TAU * f64::from(step) / 36.0;
-                sheet.line((0..=36).map(|k| [x + RING[0] * turn(k).cos(), y + RING[0] * turn(k).sin()]), RING[1], INK, 1.0);
-            }
-        }
+        let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();
+        ringed(sheet, &centres, rings);
         sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle);
         for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
             sheet.plain(text, [x, centre[1]], Align::Middle);
@@ -115,6 +121,31 @@ fn draw(sheet: &mut Sheet, title: &str, words: &str, vessels: &[DrawnVessel], vi
     scale_bar(sheet, scale);
     let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, TickLabel::plain(share.to_string())));
     colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability");
+}
+
+/// Draws rings around places of the page, each with its number where fewest other rings and numbers are.
+fn ringed(sheet: &mut Sheet, centres: &[SheetPlace], rings: &[Ring]) {
+    let away = |[x, y]: SheetPlace, by: f64, turns: f64| {
+        let (sin, cos) = (std::f64::consts::TAU * turns).sin_cos();
+        [x + by * cos, y - by * sin]
+    };
+    for centre in centres {
+        sheet.line((0..=36).map(|k| away(*centre, RING[0], f64::from(k) / 36.0)), RING[1], INK, 1.0);
+    }
+    let mut numbers: Vec<SheetPlace> = Vec::new();
+    for (centre, ring) in centres.iter().zip(rings) {
+        let Some(number) = ring.number else { continue };
+        let crowd = |at: &SheetPlace| {
+            let near = |other: &&SheetPlace, by: f64| (at[0] - other[0]).hypot(at[1] - other[1]) < by;
+            centres.iter().filter(|other| near(other, RING[0] + 4.0)).count()
+                + numbers.iter().filter(|other| near(other, SMALL)).count()
+        };
+        let around = [1, 3, 5, 7, 0, 2, 4, 6].map(|eighths| away(*centre, RING[2], f64::from(eighths) / 8.0));
+        if let Some(at) = around.into_iter().min_by_key(crowd) {
+            sheet.text(&TickLabel::plain(number.to_string()), at, SMALL, Align::Middle, TextDirection::Right);
+            numbers.push(at);
+        }
+    }
 }
 
 /// The extent of the vessels in a view, mm; that of a point where there is none.

@@ -3,10 +3,9 @@
 use super::axis::TickLabel;
 use super::colour::{INK, Rgb};
 use super::figure::Figure;
-use super::font;
 use super::legend::{self, LegendKey};
 use super::sheet::{Align, Sheet, TextDirection};
-use super::style::{HAIR, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
+use super::style::{self, HAIR, LEGEND_AT, NAME_BELOW, POINTS_PER_INCH, SMALL, TEXT, TICK};
 use willis_io::output::names::TERRITORY_PICTURE;
 
 const WIDTH: f64 = 6.8 * POINTS_PER_INCH;
@@ -52,8 +51,9 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let height = |outlet: &OutletSupply| GAP + BAR * outlet.states.len() as f64;
     let top = TOP + LEGEND * inlets.len().div_ceil(IN_A_LINE) as f64;
     let bottom = top + shown.iter().map(|outlet| height(outlet)).sum::<f64>();
-    let widest = shown.iter().map(|outlet| font::width(&outlet.name, TEXT)).fold(0.0, f64::max);
-    let (left, right) = (widest.min(WIDTH / 3.0) + 22.0, WIDTH - 14.0 - ROOM);
+    let names: Vec<String> = shown.iter().map(|outlet| style::fitting(&outlet.name, WIDTH / 3.0, TEXT)).collect();
+    let left = names.iter().map(|name| style::room(name, TEXT)).fold(0.0, f64::max) + 22.0;
+    let right = WIDTH - 14.0 - ROOM;
     let x = |share: f64| left + (right - left) * share;
     let mut sheet = Sheet::default();
     sheet.title(&title, left);
@@ -61,7 +61,8 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
     for (at, (name, rgb)) in inlets.iter().enumerate() {
         let (line, place) = ((at / IN_A_LINE) as f64, (at % IN_A_LINE) as f64);
-        legend::key(&mut sheet, [left + step * place, LEGEND_AT + LEGEND * line], name, LegendKey::Box, *rgb);
+        let name = style::fitting(name, step - 28.0, TEXT);
+        legend::key(&mut sheet, [left + step * place, LEGEND_AT + LEGEND * line], &name, LegendKey::Box, *rgb);
     }
     let ticks = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (x(share), TickLabel::plain(format!("{:.0}", 100.0 * share))));
     sheet.ticks_below([top, bottom], ticks);
@@ -70,11 +71,11 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let name = if pair { "share of the blood (%), as it is above, perturbed below" } else { "share of the blood (%)" };
     sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
     let mut above = top;
-    for outlet in shown {
+    for (outlet, name) in shown.into_iter().zip(names) {
         let small = |text: String, sheet: &mut Sheet, place| {
             sheet.text(&TickLabel::plain(text), place, SMALL, Align::Begin, TextDirection::Right);
         };
-        sheet.plain(&outlet.name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
+        sheet.plain(&name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
         for (at, state) in outlet.states.iter().enumerate() {
             let place = above + GAP / 2.0 + BAR * at as f64;
             let Some((shares, time)) = state else {

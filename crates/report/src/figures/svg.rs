@@ -1,4 +1,4 @@
-//! A sheet as SVG: curves and filled shapes, without text, which would depend on the fonts of the viewer.
+//! A sheet as SVG: curves, filled shapes, and text that other programs can edit.
 
 use std::fmt::Write;
 
@@ -8,24 +8,28 @@ use tiny_skia::{Path, PathSegment};
 
 use super::bitmap::image;
 use super::colour::{INK, MAP, Rgb};
-use super::sheet::{FilledBox, LineStyle, Mark, SheetPlace};
+use super::font;
+use super::sheet::{Align, EXPONENT, FilledBox, LIFT, LineStyle, Mark, SheetPlace, TextDirection, Words};
 use super::style::{DASH, POINTS_PER_INCH};
 use willis_io::formats::escape;
 
 /// The units of a point. Coordinates are whole numbers.
 const UNITS: f64 = 100.0;
+/// The font of the bitmaps, and those that stand in for it.
+const FONTS: &str = "Ubuntu, Arial, Helvetica, 'Liberation Sans', sans-serif";
 /// The largest number of boxes in a matrix; beyond it they are one image ...
 const BOXES: usize = 4000;
 /// ... of this side in pixels.
 const IMAGE: u32 = 1325;
 
-/// The SVG file of some marks, for the figure called `name`.
+/// The SVG file of some marks, for the figure called `name`. A browser prints it on a page of its size.
 pub fn svg(name: &str, inches: [f64; 2], marks: &[Mark]) -> Result<String, String> {
     let [wide, high] = inches.map(|length| units(length * POINTS_PER_INCH));
     let [width, height] = [wide, high].map(|length| f64::from(length) / UNITS);
     let mut file = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{width}pt\" \
-         height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
+         height=\"{height}pt\" viewBox=\"0 0 {wide} {high}\" role=\"img\" aria-label=\"{name}\">\n\
+         <style>@page{{size:{width}pt {height}pt;margin:0}}</style>\n<path fill=\"#fff\" d=\"M0 0H{wide}V{high}H0z\"/>\n"
     );
     for mark in marks {
         file += &element(name, mark)?;
@@ -38,11 +42,11 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
         Mark::Boxes(boxes) if boxes.len() > BOXES => embedded(boxes)?,
         Mark::Boxes(boxes) => {
             // Crisp edges leave no gap between neighbours.
-            let each = |(corners, rgb): &FilledBox| {
-                let fill = hex(*rgb);
-                format!("<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{}\"/>\n", rectangle(corners))
+            let each = |same: &[FilledBox]| {
+                let (fill, shapes) = (hex(same[0].1), same.iter().map(|(corners, _)| rectangle(corners)).collect::<String>());
+                format!("<path fill=\"{fill}\" shape-rendering=\"crispEdges\" d=\"{shapes}\"/>\n")
             };
-            boxes.iter().map(each).collect::<Vec<String>>().concat()
+            boxes.chunk_by(|a, b| a.1 == b.1).map(each).collect()
         }
         Mark::Map(corners) => {
             let last = (MAP.len() - 1) as f64;
@@ -68,10 +72,32 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
                 commands(path)
             )
         }
-        Mark::Text(outline, words) => {
-            format!("<path fill=\"{}\" aria-label=\"{}\" d=\"{}\"/>\n", hex(INK), escape(words), commands(outline))
-        }
+        Mark::Text(_, words) => text(words),
     })
+}
+
+/// Text in the font of the bitmaps where a viewer has it, or in one about as wide.
+fn text(Words { label, place, height, align, run }: &Words) -> String {
+    let [x, y] = place.map(units);
+    let size = |height| units(font::em(height));
+    let anchor = match align {
+        Align::Begin => "",
+        Align::Middle => " text-anchor=\"middle\"",
+        Align::End => " text-anchor=\"end\"",
+    };
+    let turned = if *run == TextDirection::Up { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+    let raised = match &*label.exponent {
+        "" => String::new(),
+        exponent => {
+            format!("<tspan dy=\"{}\" font-size=\"{}\">{exponent}</tspan>", -units(height * LIFT), size(height * EXPONENT))
+        }
+    };
+    format!(
+        "<text x=\"{x}\" y=\"{y}\" fill=\"{}\" font-family=\"{FONTS}\" font-weight=\"300\" font-size=\"{}\"{anchor}{turned}>{}{raised}</text>\n",
+        hex(INK),
+        size(*height),
+        escape(&label.text)
+    )
 }
 
 /// Boxes as one image. Programs older than SVG 2 need the prefix.

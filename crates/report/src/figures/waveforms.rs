@@ -5,7 +5,7 @@ use super::colour::{GRID, INK, PERTURBED, UNPERTURBED};
 use super::figure::Figure;
 use super::legend::{self, LegendKey};
 use super::sheet::{Align, Sheet, TextDirection};
-use super::style::{HAIR, SMALL};
+use super::style::{self, HAIR, NAME_BELOW, NAME_LEFT, SMALL, TEXT, TICK};
 use willis_io::output::names::WAVEFORM_PICTURE;
 
 /// Panels in a row, and the most that are shown.
@@ -19,7 +19,9 @@ const BELOW: f64 = 24.0;
 /// Above the panels: the title and the legend; below them: the name of the axis, points.
 const TOP: f64 = 42.0;
 const BOTTOM: f64 = 20.0;
+/// Left of the panels, and right of them, where figures above the last one may go on.
 const MARGIN: f64 = 12.0;
+const RIGHT: f64 = 34.0;
 const LINE: f64 = 1.2;
 /// Less flow is none, mL/min.
 const NONE: f64 = 1e-3;
@@ -49,9 +51,9 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
         "Flow over a cycle".to_owned()
     };
     let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
-    let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + MARGIN;
+    let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + RIGHT;
     let height = TOP + lines * (ABOVE + PANEL[1] + BELOW) + BOTTOM;
-    let mut sheet = Sheet::default();
+    let (mut sheet, count) = (Sheet::default(), shown.len());
     sheet.title(&title, MARGIN + LEFT);
     if shown.iter().any(|artery| artery.states.len() > 1) {
         let keys = [("as it is", LegendKey::Line(LINE), UNPERTURBED), ("perturbed", LegendKey::Line(LINE), PERTURBED)];
@@ -61,15 +63,20 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
         let left = MARGIN + (at % IN_A_ROW) as f64 * (LEFT + PANEL[0]) + LEFT;
         let top = TOP + (at / IN_A_ROW) as f64 * (ABOVE + PANEL[1] + BELOW) + ABOVE;
         panel(&mut sheet, artery, period, [left, top]);
+        if at % IN_A_ROW == 0 {
+            sheet.upright("flow (mL/min)", [NAME_LEFT, top + PANEL[1] / 2.0]);
+        }
+        if at + IN_A_ROW >= count {
+            sheet.plain("time (s)", [left + PANEL[0] / 2.0, top + PANEL[1] + TICK + NAME_BELOW], Align::Middle);
+        }
     }
-    sheet.plain("time (s); flow in mL/min", [width / 2.0, height - BOTTOM / 2.0 - 2.0], Align::Middle);
     Figure::new(WAVEFORM_PICTURE, [width, height], sheet)
 }
 
 fn panel(sheet: &mut Sheet, artery: &ArteryWaveform, period: f64, [left, top]: [f64; 2]) {
     let (right, bottom) = (left + PANEL[0], top + PANEL[1]);
     let values = || artery.states.iter().flat_map(|(flow, ..)| flow.iter().copied());
-    sheet.plain(&artery.name, [left, top - 23.0], Align::Begin);
+    sheet.plain(&style::fitting(&artery.name, PANEL[0] + LEFT - 8.0, TEXT), [left, top - 23.0], Align::Begin);
     let (means, indices): (Vec<String>, Vec<String>) = artery
         .states
         .iter()
@@ -79,7 +86,7 @@ fn panel(sheet: &mut Sheet, artery: &ArteryWaveform, period: f64, [left, top]: [
         })
         .unzip();
     // The font of the pictures has no arrow.
-    let text = format!("mean {}  PI {}", means.join(" to "), indices.join(" to "));
+    let text = format!("mean {}; PI {}", means.join(" to "), indices.join(" to "));
     sheet.text(&TickLabel::plain(text), [left, top - 10.0], SMALL, Align::Begin, TextDirection::Right);
     let is_none = values().all(|flow| flow.abs() < NONE);
     let Some(range) = LinearRange::of(values().chain(if is_none { [-1.0, 1.0] } else { [0.0; 2] })) else { return };

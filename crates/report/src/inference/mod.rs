@@ -87,7 +87,7 @@ pub fn write_outcome(
     }
     matrices(folder, outcome, &mut notes)?;
     summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
-    if let Some(picture) = overview(outcome, summary) {
+    if let Some(picture) = overview(outcome, &asked, summary) {
         picture.write(folder, dpi)?;
     }
     let figures = pictures(folder, outcome, dpi)?;

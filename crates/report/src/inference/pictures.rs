@@ -4,23 +4,26 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use super::outcome::Outcome;
+use super::questions::Question;
 use crate::figures::convergence::{CutLine, convergence};
 use crate::figures::figure::Figure;
 use crate::figures::heat_map::{LikelihoodMatrix, heat_map};
-use crate::figures::summary::{DrawnVessel, Projection, summary as summary_picture};
+use crate::figures::summary::{DrawnVessel, MOST_RINGS, Projection, Ring, summary as summary_picture};
 use crate::node_blocks::node_blocks;
 use crate::page::{PagePicture, scene};
 use crate::run_record::Summary;
 use willis_core::decision::{Keep, threshold};
 use willis_core::error::Result;
+use willis_core::network::units::millimetres;
 use willis_core::network::{Frame, Origin};
 use willis_core::sampling::{Likelihood, Snapshot};
+use willis_core::support::geometry::Point;
 
 /// The largest network that gets the picture of the whole run.
 const OVERVIEW_LIMIT: usize = 5_000;
 
 /// The run in one picture, where the vessels have places and are not too many to be seen.
-pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
+pub fn overview(outcome: &Outcome<'_>, asked: &[Question], summary: &Summary) -> Option<Figure> {
     let (network, answer) = (outcome.network, outcome.answer);
     let scene = scene(network, outcome.boundary).ok().filter(|_| network.vessel_count() <= OVERVIEW_LIMIT)?;
     let drawn = network.vessels().zip(scene.vessels).enumerate().map(|(row, ((_, vessel), course))| DrawnVessel {
@@ -28,19 +31,34 @@ pub fn overview(outcome: &Outcome<'_>, summary: &Summary) -> Option<Figure> {
         probability: vessel.evidence().map(|evidence| evidence.probability),
         certain: !outcome.result.uncertain[row],
         kept: answer.kept[row],
-        undecided: answer.undecided.binary_search(&row).is_ok(),
     });
+    let ring = |number, place: Point| Ring { place: place.map(millimetres), number };
+    let rings: Vec<Ring> = if asked.is_empty() {
+        answer.undecided.iter().map(|row| ring(None, network.middle_of(network.ends(*row), network.vessel(*row)))).collect()
+    } else {
+        asked.iter().zip(1..).map(|(one, number)| ring(Some(number), one.at)).collect()
+    };
     let of = |origin: Origin| network.vessels().zip(&answer.kept).filter(move |((_, v), _)| v.origin == origin);
     let kept = of(Origin::Candidate).filter(|(_, kept)| **kept).count();
     let mut words = format!("{kept} of {} possible connections kept", of(Origin::Candidate).count());
     if outcome.contacts() > 0 {
         let _ = write!(words, ", {} of {} contacts cut", outcome.cuts().count(), outcome.contacts());
     }
-    let _ = write!(words, "; {} undecided{}", answer.undecided.len(), if answer.undecided.is_empty() { "" } else { " (rings)" });
     if let Some(expected) = outcome.expected {
         let _ = write!(words, "; {:.1} expected wrong, {:.1} missed", expected.wrong, expected.missed);
     }
-    Some(summary_picture(summary.name(), &words, drawn.collect(), &views(outcome)))
+    let ringed = match rings.len() {
+        0 => String::new(),
+        n if n > MOST_RINGS => format!(" (rings around the first {MOST_RINGS})"),
+        _ => " (rings)".to_owned(),
+    };
+    let open = answer.undecided.len();
+    let persons = match asked.len() {
+        0 => format!("{open} undecided{ringed}"),
+        1 => format!("{open} undecided; 1 question for a person{ringed}"),
+        n => format!("{open} undecided; {n} questions for a person, numbered as in the list{ringed}"),
+    };
+    Some(summary_picture(summary.name(), [&words, &persons], drawn.collect(), &rings, &views(outcome)))
 }
 
 /// Whether what names call left lies where x is less than at what they call right; false without names of both.

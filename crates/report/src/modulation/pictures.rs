@@ -82,7 +82,7 @@ pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
         let fit = found.fit.filter(|_| found.distance <= FAR / (vessels as f64).sqrt());
         let fit = fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
         let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
-        let risk = format!("{} above the threshold", percent(found.above));
+        let risk = format!("{} at risk", percent(found.above));
         let heading = match fit {
             Some(gamma) => {
                 let (shape, mean, by_fit) = (gamma.shape, figures(gamma.shape * gamma.scale), percent(found.above_by_fit));

@@ -1,9 +1,12 @@
 //! What the page of a run holds: tables, pictures, colourings, a threshold, and what its record says in short.
 
+use std::io::Write as _;
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::{Value, json};
 
@@ -270,8 +273,8 @@ pub fn take(record: &mut Value, name: &str) -> Value {
     record.get_mut(name).map_or(json!([]), Value::take)
 }
 
-/// The largest SVG in a page, bytes. A larger picture becomes a PNG.
-const LARGEST_SVG: usize = 200_000;
+/// The largest packed SVG in a page, bytes. A larger picture becomes a PNG.
+const LARGEST_SVG: usize = 100_000;
 
 /// A picture of the page, with its description.
 #[derive(Debug, Clone, Serialize)]
@@ -280,8 +283,10 @@ pub struct PagePicture {
     pub title: &'static str,
     /// What it shows: its caption, and its text for readers who cannot see it.
     pub caption: &'static str,
-    /// The picture itself as a data URL.
+    /// The picture itself in base64: an SVG packed by gzip, or a PNG.
     source: String,
+    /// Whether it is an SVG.
+    is_svg: bool,
     /// Whether it takes the width of two.
     wide: bool,
 }
@@ -294,10 +299,11 @@ impl PagePicture {
     /// When `dpi` is out of range, and when a file cannot be written.
     pub fn write(title: &'static str, caption: &'static str, figure: &Figure, folder: &Path, dpi: u32) -> Result<Self> {
         let drawing = figure.write(folder, dpi)?;
-        let (kind, bytes) =
-            if drawing.len() <= LARGEST_SVG { ("svg+xml", drawing.into_bytes()) } else { ("png", figure.png(DEFAULT_DPI)?) };
-        let source = format!("data:image/{kind};base64,{}", STANDARD.encode(bytes));
-        Ok(Self { title, caption, source, wide: figure.is_wide() })
+        let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+        let packed = packer.write_all(drawing.as_bytes()).and_then(|()| packer.finish()).unwrap_or_default();
+        let is_svg = (1..=LARGEST_SVG).contains(&packed.len());
+        let source = STANDARD.encode(if is_svg { packed } else { figure.png(DEFAULT_DPI)? });
+        Ok(Self { title, caption, source, is_svg, wide: figure.is_wide() })
     }
 }
 

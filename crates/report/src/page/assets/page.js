@@ -38,7 +38,7 @@ function showPicked() {
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
   const cuts = beside && slices ? slices.of(row, threshold.rivals(row).filter(other => !(threshold.chance(other) < UNLIKELY)), other => Boolean(threshold.kept[other])) : null;
-  const pairings = beside ? review.pairings(row) : null;
+  const pairings = review && scene ? review.pairings(row) : null;
   place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, pairings, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }
@@ -120,10 +120,19 @@ function showFacts() {
   byId("origin").textContent = `${input.path} (${input.format}, ${input.units}). Made by willis ${willis}.`;
 }
 
+// Gives an image its source: an SVG is packed by gzip.
+async function showPicture(image, { source, is_svg }) {
+  if (!is_svg) return image.src = `data:image/png;base64,${source}`;
+  const drawing = await new Response(new Blob([decoded("u8", source)]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
+  image.src = `data:image/svg+xml,${encodeURIComponent(drawing)}`;
+}
+
 function showFigures() {
   byId("figures").hidden = data.figures.length === 0;
-  byId("pictures").append(...data.figures.map(({ title, caption, source, wide }) => {
-    const enlarge = make("button", { type: "button", class: "enlarge", "aria-pressed": false, "aria-label": `Enlarge ${title}` }, make("img", { src: source, alt: caption }));
+  byId("pictures").append(...data.figures.map(figure => {
+    const { title, caption, wide } = figure, image = make("img", { alt: caption });
+    showPicture(image, figure);
+    const enlarge = make("button", { type: "button", class: "enlarge", "aria-pressed": false, "aria-label": `Enlarge ${title}` }, image);
     const whole = make("figure", { class: wide ? "wide" : null }, enlarge, make("figcaption", {}, make("b", { text: title }), `. ${caption} Click to enlarge.`));
     enlarge.addEventListener("click", () => enlarge.setAttribute("aria-pressed", String(whole.classList.toggle("large"))));
     return whole;
