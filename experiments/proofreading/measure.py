@@ -31,6 +31,8 @@ FIGURES = ("path", "nrun", "join_f1", "cut_recall", "lost_connections", "cycles"
 SITE = 4.0
 #: A person follows a vessel so far from where it touches another, mm, and sees a place as on a vessel so near to its line.
 FOLLOWED, ON = 15.0, 1.5
+#: What says that vessels at a place are one, as the answer has it; it costs a decision, and no list has it.
+SAME = "same"
 #: So many decisions are made on a list, before the run is made again with them and has a new one.
 AT_ONCE = 10
 
@@ -86,7 +88,8 @@ class Person:
                 self.proofread.infer(WILLIS, self.folder, "mask.nii.gz", out)
             return out
         while True:
-            text = self.listed(decisions)
+            made = [one for one in decisions if one[0] != SAME]
+            text = self.listed(made)
             if file.exists() and file.read_text() == text and (out / "run.json").exists():
                 return out
             shutil.rmtree(out, ignore_errors=True)
@@ -98,7 +101,7 @@ class Person:
                 if not line:
                     raise
                 print(f"{self.folder.name}: {refused}", file=sys.stderr)
-                del decisions[int(line[1]) - 2]
+                decisions.remove(made[int(line[1]) - 2])
 
     def listed(self, decisions):
         """decisions.csv."""
@@ -204,14 +207,16 @@ class Person:
         between = [case.station[station] for station in way[1:-1]]
         return "join", " + ".join(" ".join(f"{x:.3f}" for x in place) for place in [first, *between, last])
 
-    def answers(self, row, at, absent):
-        """What is said to the question of a row: a contact of a fusion is parted, all else accepted or rejected; nothing where the tracing does not say.
-        Where a wrong candidate ends, the right candidate is said if there is one, else where the tracing goes on."""
-        if self.rows[row]["origin"].strip() == "contact":
+    def answers(self, kind, row, at, absent):
+        """What is said to the question of a row: where two vessels touch they are parted, all else is accepted or rejected; nothing where the tracing does not
+        say. Where a wrong candidate ends, the right candidate is said if there is one, else where the tracing goes on."""
+        if kind == "touch" or self.rows[row]["origin"].strip() == "contact":
             away = lambda fusion: np.linalg.norm(np.subtract(fusion["place"], at)) - fusion["reach_mm"]
             near = min((fusion for fusion in self.case.t["fusions"] if fusion["sides"]), key=away, default=None)
             if near and away(near) <= 0 and (parted := self.part(near)):
                 return [parted]
+        if kind == "touch":
+            return [(SAME, " ".join(map(str, at)))]
         if self.right.get(row):
             return [(row, True)]
         if self.is_candidate(row) and self.right[row] is None:
@@ -261,7 +266,7 @@ class Person:
             absent = self.missing(net)
             for kind, row, at in self.questions(order, out):
                 if len(fresh) < AT_ONCE:
-                    said = self.where(at, net, absent) if kind == "part" else self.answers(row, at, absent)
+                    said = self.where(at, net, absent) if kind == "part" else self.answers(kind, row, at, absent)
                     fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh]
             decisions += fresh
             out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
@@ -279,7 +284,7 @@ class Person:
         before, net = self.seen(self.first)
         absent, said = self.missing(net), []
         for kind, row, at in self.questions("review", self.first):
-            said += self.where(at, net, absent) if kind == "part" else self.answers(row, at, absent)
+            said += self.where(at, net, absent) if kind == "part" else self.answers(kind, row, at, absent)
         for number, decision in enumerate(list(dict.fromkeys(said))[:count]):
             made = [decision]
             after = self.seen(self.infer(f"alone-{number}", made))[0]
@@ -294,7 +299,7 @@ class Person:
             rows = common.rows(out / "edges.csv")
             absent = self.missing(net)
             wrong = [row for row, yes in self.right.items() if yes is False and self.is_candidate(row) and float(rows[row]["kept"] or 0)]
-            said = [one for row in wrong for one in self.answers(row, ends_of(rows[row]).mean(axis=0), absent)]
+            said = [one for row in wrong for one in self.answers(None, row, ends_of(rows[row]).mean(axis=0), absent)]
             left = {tuple(fusion["place"]): fusion for fusion in self.fusions_left(net)}
             said += [self.part(fusion) for place, fusion in left.items() if place not in tried]
             tried.update(left)

@@ -17,7 +17,9 @@ use willis::internals::contacts::sections::section;
 use willis::internals::contacts::split::split;
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
-use willis::internals::network::{GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments};
+use willis::internals::network::{
+    GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments, if_parted,
+};
 use willis::internals::support::geometry::{Point, distance};
 use willis::internals::support::statistics::sigmoid;
 
@@ -204,6 +206,24 @@ fn what_is_cut_at_contacts_is_reconnected_while_that_joins_parts() {
     assert!(ran.status.success(), "{}", stderr(&ran));
     let again: serde_json::Value = serde_json::from_slice(&ran.stdout).expect("JSON");
     assert_eq!(again["counts"]["topology"]["components"].as_u64(), Some(joined));
+}
+
+/// Vessels of 10 and 20 mm cross others of 30 and 40 mm. Parted, the shorter has 30 mm; with 5 mm from the one to the other, both stay connected by
+/// 20 + 5 + 40 mm, and what is far from them counts for nothing.
+#[test]
+fn what_depends_on_a_crossing_is_the_shorter_side_or_the_way_round() {
+    let nodes =
+        [[0.0; 3], [-10.0, 0.0, 0.0], [20.0, 0.0, 0.0], [0.0, -30.0, 0.0], [0.0, 40.0, 0.0], [90.0, 0.0, 0.0], [99.0, 0.0, 0.0]];
+    let mut graph = network(&nodes, &[[1, 0], [0, 2], [3, 0], [0, 4], [5, 6], [2, 4]]);
+    graph.vessel_mut(5).length = 0.005;
+    let ends = [(0, 0, 0), (1, 0, 0), (2, 0, 1), (3, 0, 1)];
+    let mm = |kept: [bool; 6], ends: &[(usize, usize, usize)]| (if_parted(&graph, &kept, ends) * 1e6).round() / 1e3;
+    let without = [true, true, true, true, true, false];
+    assert_eq!(mm(without, &ends), 30.0);
+    assert_eq!(mm([true; 6], &ends), 65.0);
+    // A vessel cut off by itself, and a block of which nothing is kept.
+    assert_eq!(mm(without, &[(0, 0, 0), (1, 0, 1), (2, 0, 1), (3, 0, 1)]), 10.0);
+    assert_eq!(mm([true, true, false, false, true, false], &ends), 0.0);
 }
 
 /// The crossing of `crossing`, opened so that 2-4 and 3-5 are vessels, is decided in each of the fifteen ways to pair four ends: within 4 mm of

@@ -100,3 +100,43 @@ pub fn weakest_of_loops(network: &Network, kept: &[bool]) -> Vec<(usize, f64)> {
     }
     found
 }
+
+/// What depends on whether vessels that meet at a place are one: were they taken apart in blocks, the shorter side that this sets apart or, where a block
+/// stays connected by another way, the way round, m; the longest of the blocks. `ends` are the vessels, each with its node there and its block.
+pub fn if_parted(network: &Network, kept: &[bool], ends: &[(usize, usize, usize)]) -> f64 {
+    let nodes = network.node_count();
+    let blocks = ends.iter().map(|(.., block)| block + 1).max().unwrap_or_default();
+    let is_here = |node: usize| ends.iter().any(|(_, at, _)| *at == node);
+    let block_of =
+        |row: usize, node: usize| ends.iter().find(|(of, at, _)| (*of, *at) == (row, node)).map(|(.., block)| nodes + block);
+    // A node for each block, in place of those where the vessels meet.
+    let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes + blocks];
+    for (row, (pair, vessel)) in network.vessels().enumerate().filter(|(row, _)| kept[*row]) {
+        let of = pair.map(|node| if is_here(node) { block_of(row, node) } else { Some(node) });
+        if let [Some(a), Some(b)] = of {
+            at[a].push((row, b, vessel.length));
+            at[b].push((row, a, vessel.length));
+        }
+    }
+    let mut paths = ShortestPaths::new(nodes + blocks);
+    let mut whole = 0.0;
+    let mut sides = Vec::with_capacity(blocks);
+    for block in nodes..nodes + blocks {
+        let mut side = 0.0;
+        paths.search(
+            &[block],
+            f64::INFINITY,
+            |node| at[node].iter().copied(),
+            |_, node| {
+                side += at[node].iter().map(|(.., length)| 0.5 * length).sum::<f64>();
+                true
+            },
+        );
+        let lengths = &paths.lengths()[nodes..];
+        let round = (0..blocks).filter(|other| nodes + other != block).map(|other| lengths[other]).fold(f64::INFINITY, f64::min);
+        // Each part counts once, for its first block.
+        whole += if lengths[..block - nodes].iter().all(|length| length.is_infinite()) { side } else { 0.0 };
+        sides.push((side, round));
+    }
+    sides.into_iter().map(|(side, round)| if round.is_finite() { round } else { side.min(whole - side) }).fold(0.0, f64::max)
+}

@@ -20,7 +20,7 @@ pub mod waveform;
 
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
-pub use dependents::{dependents, weakest_of_loops};
+pub use dependents::{dependents, if_parted, weakest_of_loops};
 pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;

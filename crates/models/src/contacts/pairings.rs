@@ -12,7 +12,7 @@ use willis_core::support::geometry::{Point, distance};
 const OUTSIDE: f64 = 0.003;
 const STEPS: usize = 64;
 
-/// The vessels that end at a place where vessels touch, and the ways to pair them.
+/// The vessels that end at a place where vessels touch or, without contacts, may only touch, and the ways to pair them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Pairings {
     /// The middle of the place, m.
@@ -86,6 +86,19 @@ impl Pairings {
         }
         let step = ((OUTSIDE / graph.vessel(vessel).length * STEPS as f64) as usize).clamp(1, STEPS / 2);
         Some(at_even_steps(&path, STEPS)[step].on(&path).position)
+    }
+
+    /// Where one line may show two vessels: the probability that it does, and the vessels with their nodes here and their blocks in the most probable way.
+    pub fn doubt(&self, graph: &Network) -> Option<(f64, Vec<(usize, usize, usize)>)> {
+        let apart = |way: &Vec<usize>| way.iter().any(|block| *block > 0);
+        let (way, _) = self.ways.iter().find(|(way, _)| self.contacts.is_empty() && apart(way))?;
+        let chance = self.ways.iter().filter(|(way, _)| apart(way)).map(|(_, p)| p).sum();
+        let near = |row: usize| {
+            let away = |node: &usize| graph.node(*node).position.map_or(f64::INFINITY, |at| distance(at, self.position));
+            let [a, b] = graph.ends(row);
+            if away(&b) < away(&a) { b } else { a }
+        };
+        Some((chance, self.vessels.iter().zip(way).map(|(row, block)| (*row, near(*row), *block)).collect()))
     }
 
     /// A way in words: vessels of one block with a plus between them, blocks with a bar, as in `12+45 | 31+46`.

@@ -95,6 +95,11 @@ impl Blocks {
     pub fn count(&self) -> usize {
         self.of_end.iter().max().map_or(0, |most| most + 1)
     }
+
+    /// The probability that the ends are not all of one vessel; zero where the partitions are not summed.
+    pub fn apart(&self) -> f64 {
+        self.ways.iter().filter(|(way, _)| way.iter().any(|block| *block > 0)).map(|(_, p)| p).sum()
+    }
 }
 
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs, of those that are allowed.

@@ -15,6 +15,9 @@ use willis_core::support::geometry::{Point, distance};
 /// a resistance must not be.
 const SHORTEST: f64 = 0.05;
 
+/// A cluster that is left as it is may be two vessels from this probability on.
+const DOUBTFUL: f64 = 0.1;
+
 /// What becomes of the nodes and vessels of the clusters that fall apart.
 #[derive(Default)]
 struct SplitPlan {
@@ -36,7 +39,7 @@ pub struct Opened {
     pub graph: Network,
     /// Per contact a junction where it is, a row of the network as it was.
     pub junctions: Vec<usize>,
-    /// Per cluster that falls apart how its vessels may be paired.
+    /// Per cluster that falls apart, or may well do, how its vessels may be paired.
     pub pairings: Vec<Pairings>,
 }
 
@@ -76,18 +79,19 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
         row_of[row] = graph.add_vessel(ends, vessel.clone());
     }
     let mut next = graph.vessel_count();
-    let pairings = blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1).map(|(row, blocks)| {
-        let cluster = &branches.clusters[row];
-        let first = next;
-        next += blocks.joined.len();
-        Pairings {
-            position: cluster.centre(),
-            vessels: cluster.ends.iter().map(|end| row_of[branches.vessel_at(*end).0]).collect(),
-            opened: blocks.of_end.clone(),
-            ways: blocks.ways.clone(),
-            contacts: blocks.joined.iter().zip(first..).map(|((pair, _), row)| (*pair, row)).collect(),
-        }
-    });
+    let pairings =
+        blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1 || blocks.apart() >= DOUBTFUL).map(|(row, blocks)| {
+            let cluster = &branches.clusters[row];
+            let first = next;
+            next += blocks.joined.len();
+            Pairings {
+                position: cluster.centre(),
+                vessels: cluster.ends.iter().map(|end| row_of[branches.vessel_at(*end).0]).collect(),
+                opened: blocks.of_end.clone(),
+                ways: blocks.ways.clone(),
+                contacts: blocks.joined.iter().zip(first..).map(|((pair, _), row)| (*pair, row)).collect(),
+            }
+        });
     let pairings = pairings.collect();
     let mut junctions = Vec::with_capacity(plan.contacts.len());
     for (ends, contact, junction) in plan.contacts {

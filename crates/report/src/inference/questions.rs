@@ -7,7 +7,7 @@ use super::tables::positions;
 use willis_core::decision::Keep;
 use willis_core::flow::floating_components::parts_that_carry;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Origin, dependents, fragments, weakest_of_loops};
+use willis_core::network::{Origin, dependents, fragments, if_parted, weakest_of_loops};
 use willis_core::support::geometry::Point;
 use willis_io::formats::Column;
 
@@ -18,25 +18,29 @@ pub const WORTH: f64 = 0.01;
 pub const PART: &str = "part";
 /// That of one about a loop.
 pub const LOOP: &str = "loop";
+/// That of one about a place where one line may show two vessels.
+pub const TOUCH: &str = "touch";
 
 /// One question.
 pub struct Question {
     /// The row that it is about.
     pub row: usize,
-    /// The origin of that, `part` or `loop`.
+    /// The origin of that, `part`, `loop` or `touch`.
     pub kind: &'static str,
     /// Where it is.
     pub at: Point,
     words: String,
+    /// The probability of the row, or that it is one vessel there.
+    probability: f64,
     /// The length that hangs on it, m.
     pub hangs: f64,
     /// What a right answer is expected to put right, m.
-    gain: f64,
+    pub gain: f64,
 }
 
 /// The columns of review.csv; `None` where nothing is asked.
 pub fn review_columns(outcome: &Outcome<'_>, asked: &[Question]) -> Option<Vec<Column>> {
-    let (network, kept) = (outcome.network, &outcome.answer.kept);
+    let kept = &outcome.answer.kept;
     let mut columns = vec![
         Column::whole("rank", 1..=asked.len()),
         Column::whole("edge", asked.iter().map(|one| one.row)),
@@ -45,10 +49,7 @@ pub fn review_columns(outcome: &Outcome<'_>, asked: &[Question]) -> Option<Vec<C
     columns.extend(positions(&asked.iter().map(|one| one.at)));
     columns.extend([
         Column::text("question", asked.iter().map(|one| one.words.clone())),
-        Column::real(
-            "probability",
-            asked.iter().map(|one| network.vessel(one.row).evidence().map_or(f64::NAN, |e| e.probability)),
-        ),
+        Column::real("probability", asked.iter().map(|one| one.probability)),
         Column::whole("kept", asked.iter().map(|one| usize::from(kept[one.row]))),
         Column::real("hangs_mm", asked.iter().map(|one| millimetres(one.hangs))),
         Column::real("gain_mm", asked.iter().map(|one| millimetres(one.gain))),
@@ -76,6 +77,8 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
     let mut asked = loose_parts(outcome);
     if one_by_one {
         asked.extend(loops(outcome).filter(|one| one.gain > WORTH));
+        let taken = asked.iter().map(|one| one.row).collect();
+        asked.extend(touches(outcome, taken));
     }
     let mut rows: BTreeSet<usize> = answer.undecided.iter().copied().chain((0..network.vessel_count()).filter(costs)).collect();
     for one in &asked {
@@ -94,6 +97,7 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
             kind: vessel.origin.name(),
             at,
             words,
+            probability: probability(outcome, row),
             hangs: hangs[row],
             gain: wrong(row) * (hangs[row] + vessel.length),
         }
@@ -115,10 +119,43 @@ fn loops(outcome: &Outcome<'_>) -> impl Iterator<Item = Question> {
             kind: LOOP,
             at: network.middle_of(ends, vessel),
             words,
+            probability: 1.0 - wrong,
             hangs: round,
             gain: wrong * (round + vessel.length),
         }
     })
+}
+
+fn probability(outcome: &Outcome<'_>, row: usize) -> f64 {
+    outcome.network.vessel(row).evidence().map_or(f64::NAN, |evidence| evidence.probability)
+}
+
+/// About each place that was left as it is where one line may show two vessels, by a vessel there that is at no other and stands for nothing else.
+fn touches(outcome: &Outcome<'_>, mut taken: BTreeSet<usize>) -> Vec<Question> {
+    let (network, kept) = (outcome.network, &outcome.answer.kept);
+    let mut found = Vec::new();
+    let mut places = vec![0; network.vessel_count()];
+    let left = || outcome.pairings.iter().filter(|pairings| pairings.contacts.is_empty());
+    left().flat_map(|pairings| &pairings.vessels).for_each(|row| places[*row] += 1);
+    for pairings in left() {
+        let Some((chance, ends)) = pairings.doubt(network) else { continue };
+        let hangs = if_parted(network, kept, &ends);
+        let row = ends.iter().map(|(row, ..)| *row).find(|row| kept[*row] && places[*row] == 1 && !taken.contains(row));
+        if let Some(row) = row.filter(|_| chance * hangs > WORTH) {
+            taken.insert(row);
+            let words = format!("{} vessels meet: do some only touch here?", ends.len());
+            found.push(Question {
+                row,
+                kind: TOUCH,
+                at: pairings.position,
+                words,
+                probability: 1.0 - chance,
+                hangs,
+                gain: chance * hangs,
+            });
+        }
+    }
+    found
 }
 
 /// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it,
@@ -156,7 +193,8 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
             millimetres(length[part])
         );
         let at = network.node(node).position.unwrap_or_default();
-        Some(Question { row, kind: PART, at, words, hangs: length[part], gain: length[part] })
+        let probability = probability(outcome, row);
+        Some(Question { row, kind: PART, at, words, probability, hangs: length[part], gain: length[part] })
     };
     (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).filter_map(question).collect()
 }

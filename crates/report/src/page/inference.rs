@@ -9,7 +9,7 @@ use super::content::{
 };
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
-use crate::inference::questions::{LOOP, PART, Question, WORTH};
+use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::Summary;
 use willis_core::decision::{BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, has_evidence};
@@ -19,8 +19,11 @@ use willis_io::formats::{Column, END_POSITION_COLUMNS};
 /// The column of the page that is 1 where a vessel is uncertain.
 const UNCERTAIN: &str = "uncertain";
 const UNDECIDED: &str = "undecided";
-/// The columns with the length of a part that nothing connects, and of a loop, in the row that stands for it, mm.
-const STANDS_FOR: [(&str, &str); 2] = [("loose_mm", PART), ("loop_mm", LOOP)];
+/// The columns with the length of a part that nothing connects, of a loop, and of what hangs on a place where vessels may only touch, in the row that stands
+/// for it, mm.
+const STANDS_FOR: [(&str, &str); 3] = [("loose_mm", PART), ("loop_mm", LOOP), ("touch_mm", TOUCH)];
+/// What a right answer to a question of the last kind is expected to put right, mm.
+const TOUCH_GAIN: &str = "touch_gain_mm";
 /// The column with the number of a vessel in review.csv, by which the list and the rings of pictures have it.
 const RANK: &str = "rank";
 /// The columns of the page with the probability that a vessel attaches its one end to its other, and the reverse.
@@ -72,6 +75,9 @@ pub fn page(
     let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
     asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
     columns.push(Column::real(RANK, ranks.into_iter()));
+    let mut gain = vec![f64::NAN; outcome.network.vessel_count()];
+    asked.iter().filter(|one| one.kind == TOUCH).for_each(|one| gain[one.row] = millimetres(one.gain));
+    columns.push(Column::real(TOUCH_GAIN, gain.into_iter()));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached =

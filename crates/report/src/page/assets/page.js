@@ -38,7 +38,7 @@ function showPicked() {
   const beside = threshold?.uncertain[row] && scene ? review.alternatives(row, scene.shape) : null;
   const figures = pairs(entries);
   const cuts = beside && slices ? slices.of(row, threshold.rivals(row).filter(other => !(threshold.chance(other) < UNLIKELY)), other => Boolean(threshold.kept[other])) : null;
-  const pairings = beside ? review.pairings(row) : null;
+  const pairings = review && scene ? review.pairings(row) : null;
   place.replaceChildren(...[make("h3", { text: label ? `Vessel ${row}: ${label}` : beside ? review.name(row).replace(/^./, c => c.toUpperCase()) : `Vessel ${row}` }), cuts, pairings, beside,
     beside ? make("details", { open: place.querySelector("details")?.open ?? false }, make("summary", { text: "All figures" }), figures) : figures].filter(Boolean));
 }

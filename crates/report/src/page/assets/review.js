@@ -20,7 +20,9 @@ class Review {
     const { threshold } = this, question = threshold.questions(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
     const has = row => !this.words || this.name(row).toLowerCase().includes(this.words);
     const by = { consequence: a => -a.gain, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
-    const asked = [...Array(threshold.rows).keys()].filter(row => !this.decisions.made.has(row)).map(question).filter(item => item.asked);
+    const edits = new Set(this.decisions.edits.map(of => of.places));
+    const answered = row => this.ways(row).some(way => edits.has(this.partOf(way)));
+    const asked = [...Array(threshold.rows).keys()].filter(row => !this.decisions.made.has(row)).map(question).filter(item => item.asked && !(item.touch && answered(item.row)));
     this.total = asked.length;
     this.open = asked.filter(item => has(item.row)).sort((a, b) => by(a) - by(b) || a.row - b.row);
     this.items = [...this.open, ...made.filter(has).map(question)];
@@ -74,12 +76,12 @@ class Review {
     return `${threshold.name.split(" ").at(-1)} = ${withUnit(shown(threshold.values[row], 3), threshold.unit)}`;
   }
 
-  line({ row, hangs, loose, loop }) {
+  line({ row, hangs, loose, loop, touch }) {
     const { threshold } = this, { decision, comment } = this.decisions.of(row);
     const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
     const observed = threshold.isObserved(row), depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop";
     const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : loop ? `in a loop of ${shown(loop, 2)} mm` : depend,
-      observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
+      touch ? "do vessels only touch there?" : observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
     const rank = this.vessels.find("rank")?.at(row);
     const go = make("button", { type: "button", class: "go" },
       make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
@@ -123,18 +125,30 @@ class Review {
     for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 
-  // The ways to pair the vessels where a contact is; each is taken as one decision.
+  // The rows of the table of pairings for a contact, or for a vessel that stands for a place where vessels may only touch.
+  ways(row) {
+    const table = this.paired ??= tables.find(t => t.find("taken")) ?? null, touches = this.threshold.touch[row] > 0;
+    if (!table || !(touches || this.threshold.isContact(row))) return [];
+    const [contacts, vessels] = ["contacts", "vessels"].map(name => table.find(name)), is = text => String(text).split(/[^0-9]+/).includes(String(row));
+    return [...Array(table.rows).keys()].filter(way => touches ? !contacts?.at(way) && is(vessels.at(way)) : contacts && is(contacts.at(way)));
+  }
+
+  // The places of the edit for a way; empty where there is none.
+  partOf(way) {
+    return String(this.paired.find("part")?.at(way) ?? "").trim();
+  }
+
+  // The ways to pair the vessels at a place; each is taken as one decision.
   pairings(row) {
-    const table = tables.find(t => t.find("taken")), of = name => table.find(name)?.at ?? (() => "");
-    const contacts = of("contacts"), [accept, reject, part] = ["accept", "reject", "part"].map(of);
+    const ways = this.ways(row), of = name => this.paired.find(name)?.at ?? (() => "");
+    const [accept, reject, contacts] = ["accept", "reject", "contacts"].map(name => this.paired ? of(name) : null);
     const rowsIn = text => String(text).split(" ").filter(Boolean).map(Number);
-    const ways = table ? [...Array(table.rows).keys()].filter(way => rowsIn(contacts(way)).includes(row)) : [];
     if (!ways.length) return null;
     const line = way => {
-      const edit = String(part(way)).trim(), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
+      const edit = this.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
       const made = all.every(([rows, decision]) => rowsIn(rows).every(at => this.decisions.of(at).decision === decision)) && (!edit || this.decisions.edits.some(of => of.places === edit));
       const take = make("button", { type: "button", text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
-      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => String(part(way)).trim())));
+      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.partOf(way))));
       return make("li", {}, take, " ", make("small", { text: [Number.isNaN(of("probability")(way)) ? "" : isChance(of("probability")(way)), of("taken")(way) ? "taken by the run" : "", edit ? "an edit" : ""].filter(Boolean).join(" · ") }));
     };
     return make("div", { class: "pairings" }, make("p", { text: "Which vessels are one here (+), and which only touch (|):" }), make("ul", {}, ...ways.map(line)));

@@ -10,6 +10,8 @@ class Threshold {
     this.undecided = values(source.undecided);
     this.loose = values("loose_mm");
     this.loop = values("loop_mm");
+    this.touch = values("touch_mm");
+    this.touchGain = values("touch_gain_mm");
     this.ends = [values("node_a"), values("node_b")];
     this.lengths = values("length_mm");
     const errors = source.error && vessels.find(source.error);
@@ -222,6 +224,7 @@ class Threshold {
     const whole = new Float64Array(this.nodes);
     for (let row = 0; row < this.rows; row++) if (this.kept[row]) whole[this.componentOf[this.ends[0][row]]] += this.lengths[row];
     return row => {
+      if (this.touch[row]) return { row, loose: 0, loop: 0, touch: this.touch[row], hangs: this.touch[row], asked: true, gain: this.touchGain[row] };
       const [a, b] = this.ends.map(of => this.componentOf[of[row]]), p = this.chance(row);
       const loop = this.kept[row] && !this.decided.has(row) && side[row] === 0 && this.loop[row] || 0;
       const hangs = this.kept[row] ? side[row] || loop : a === b ? 0 : Math.min(whole[a], whole[b]);
