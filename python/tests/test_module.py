@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 import willis
+from willis._review import Review
 
 BROKEN = "data/broken-circle-of-willis.swc"
 
@@ -148,6 +149,38 @@ def test_edits(tmp_path):
         run.decide(delete=[(900, 900, 900)])
     with pytest.raises(willis.WillisError, match="two or more groups"):
         run.decide(part=[[ends]])
+
+
+@pytest.mark.parametrize("more", [{}, {"landmarks": "auto"}, {"preset": "paper"}, {"uncertain": "all"}])
+def test_decisions_in_a_program_are_those_of_a_list(tmp_path, more):
+    """All at once, one after the other, and after pickling: the graph, its arteries, its inlets and the answer."""
+    options = {"samples": 64, **more}
+    run = willis.infer(BROKEN, **options)
+    lines, edges = run.graph.lines()[1], run.edges
+    inlet = int(np.flatnonzero(run.nodes["role"] == "inlet")[0])
+    at_inlet = next(row for row, a, b, of in zip(range(len(lines)), edges["node_a"], edges["node_b"], edges["origin"]) if of == "observed" and inlet in (a, b))
+    long = [row for row in np.flatnonzero(edges["origin"] == "observed") if len(lines[row]) > 8 and row != at_inlet][0]
+    accepted, rejected = (int(row) for row in np.flatnonzero(edges["origin"] == "candidate")[[0, -1]])
+    middle = len(lines[at_inlet]) // 2
+    review = Review(run, who="A. Reader")
+    review.decide(accepted, "accept")
+    review.edit("delete", [[lines[at_inlet][middle]]])
+    review.edit("part", [[lines[long][2]], [lines[long][-3]]])
+    review.decide(rejected, "reject")
+    review.save(tmp_path, "list")
+    first = run.decide(accept=[accepted], delete=[lines[at_inlet][middle]], who="A. Reader")
+    then = pickle.loads(pickle.dumps(first)).decide(reject=[rejected], part=[[[lines[long][2]], [lines[long][-3]]]], who="A. Reader")
+    given = [text for name, value in options.items() for text in (f"--{name}", str(value))]
+    command("infer", BROKEN, "-o", str(tmp_path / "command"), "--quiet", "--decisions", str(tmp_path / "list-decisions.csv"), *given)
+    for name, made in (("at-once", review.run), ("in-turn", then)):
+        if "landmarks" not in more:
+            assert made.nodes["role"][inlet] != "inlet", "it is found anew: nothing enters by a vessel that was deleted"
+        made.save(tmp_path / name)
+        names = sorted(path.name for path in (tmp_path / "command").iterdir())
+        assert names == sorted(path.name for path in (tmp_path / name).iterdir())
+        # The pages and the record say by which list and when.
+        plain = [file for file in names if file not in ("run.json", "report.html")]
+        assert filecmp.cmpfiles(tmp_path / "command", tmp_path / name, plain, shallow=False) == (plain, [], [])
 
 
 def test_errors_say_what_where_and_what_else(tmp_path):

@@ -22,7 +22,7 @@ use willis_models::circle_of_willis::{
     Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
     identify_landmarks, in_axes_of, segment_diameters,
 };
-use willis_models::naming::{NamedCircle, Names, NamingModels};
+use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
 use willis_report::CircleFigures;
 
 impl ArterySource {
@@ -77,9 +77,14 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
-pub(crate) fn by_geometry(input: &Path, network: &Network, like: Option<&Names>, models: &NamingModels) -> Result<FoundArteries> {
+pub(crate) fn by_geometry(
+    input: &Path,
+    network: &Network,
+    like: Option<&Bearings>,
+    models: &NamingModels,
+) -> Result<FoundArteries> {
     let names = match like {
-        Some(names) => models.name_again(network, names),
+        Some(bearings) => models.name_again(network, bearings),
         None => models.name(network),
     };
     let here = |fault: Fault| fault.in_file(input);
@@ -195,8 +200,8 @@ impl FoundArteries {
         CircleFigures::of(variant, &diameters, thin)
     }
 
-    /// The plausible topologies, and how they were drawn: by the evidence, or without any those that the samples vote for, by the
-    /// vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
+    /// The plausible topologies, and how they were drawn: by the evidence, where `ends_go_on` as if no vessel ended where nobody knows of an
+    /// end; without evidence those that the samples vote for, by the vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
     pub(crate) fn topologies(
         &self,
         network: &Network,
@@ -204,6 +209,7 @@ impl FoundArteries {
         options: &SamplingOptions,
         given: &[usize],
         above_median: Option<&[bool]>,
+        ends_go_on: bool,
     ) -> Result<(Topologies, String)> {
         let weighed = self.named.as_ref().map(|named| named.weighed(network));
         let network = weighed.as_ref().unwrap_or(network);
@@ -216,11 +222,10 @@ impl FoundArteries {
         if !inlets.is_empty() {
             inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));
         }
+        let ends = KnownEnds { ends: &known, inlets: &inlets };
         let (draw, how) = match above_median {
-            None => (
-                TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &inlets }),
-                "whose free ends continue by the evidence",
-            ),
+            None if ends_go_on => (TopologySource::FreeEnds(ends), "whose free ends continue by the evidence"),
+            None => (TopologySource::Connections(ends), "by the probabilities of their connections"),
             Some(above) => (TopologySource::Samples(above), "that samples vote for by their resilience"),
         };
         let topologies = Topologies::draw(network, boundary, options, draw)?;

@@ -101,7 +101,7 @@ pub fn classify(
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let above = above_median(network, &boundary, &options, progress)?;
-        let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref())?;
+        let (topologies, how) = found.topologies(network, &boundary, &options, &run.given, above.as_deref(), true)?;
         let posterior = found.posterior_from(network, &topologies, phenotypes)?;
         notes.push(how);
         (topologies.weighted, posterior.best(), Some(posterior), Some(boundary))
@@ -148,7 +148,7 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
     };
     let given: Vec<usize> =
         prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();
-    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &given, None)?;
+    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &given, None, true)?;
     let posterior = found.posterior_from(network, &topologies, phenotypes)?;
     let mut notes = found.notes.clone();
     notes.push(how);

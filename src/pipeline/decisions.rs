@@ -207,34 +207,45 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
     Ok(())
 }
 
-/// Applies decisions to a graph, and returns whether A = 1 still stands for the priors of all vessels: a rejected connection has A = 0,
-/// so from then on the vessels' own priors count, which are set to 1. Pairings follow vessels that an edit divides.
-///
-/// # Errors
-///
-/// A row that is no candidate and no contact; an edit whose places mean nothing here.
-pub(super) fn decide_on(graph: &mut Network, contacts: &mut Contacts, decided: &Decided, uniform_prior: bool) -> Result<bool> {
-    let Decided { made, edits, source } = decided;
-    let any = made.iter().any(|d| d.accepted.is_some()) || !edits.is_empty();
-    if uniform_prior && any {
-        (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
-    }
-    apply(graph, made)?;
-    if !edits.is_empty() {
-        let mut editor = GraphEditor::new(std::mem::take(graph));
-        for GraphEdit { edit, line, .. } in edits {
-            editor.edit(edit).map_err(|why| match source {
-                Some(source) if *line > 0 => Fault::line(*line, edit.to_string(), why).in_file(&source.path),
-                _ => Error::parameter("decisions", edit.to_string(), why),
-            })?;
+/// What a person decides on: the over-connected graph, its contacts, and whether A = 1 stands for the priors of all its vessels.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct Decidable {
+    pub(super) graph: Network,
+    pub(super) contacts: Contacts,
+    pub(super) uniform_prior: bool,
+}
+
+impl Decidable {
+    /// The same with decisions. A rejected connection has A = 0, so from then on the vessels' own priors count, which are set to 1. Pairings
+    /// follow vessels that an edit divides.
+    ///
+    /// # Errors
+    ///
+    /// A row that is no candidate and no contact; an edit whose places mean nothing here.
+    pub(super) fn decided(self, decided: &Decided) -> Result<Self> {
+        let Self { mut graph, mut contacts, uniform_prior } = self;
+        let Decided { made, edits, source } = decided;
+        let any = made.iter().any(|d| d.accepted.is_some()) || !edits.is_empty();
+        if uniform_prior && any {
+            (0..graph.vessel_count()).for_each(|row| graph.vessel_mut(row).prior = 1.0);
         }
-        let (joined, divided) = (editor.joined.clone(), editor.divided.clone());
-        *graph = editor.finish();
-        let joins = joined.into_iter().map(|edge| ConnectionDecision { edge, accepted: Some(true), ..Default::default() });
-        apply(graph, &joins.collect::<Vec<ConnectionDecision>>())?;
-        contacts.pairings.iter_mut().for_each(|pairings| pairings.follow(graph, &divided));
+        apply(&mut graph, made)?;
+        if !edits.is_empty() {
+            let mut editor = GraphEditor::new(graph);
+            for GraphEdit { edit, line, .. } in edits {
+                editor.edit(edit).map_err(|why| match source {
+                    Some(source) if *line > 0 => Fault::line(*line, edit.to_string(), why).in_file(&source.path),
+                    _ => Error::parameter("decisions", edit.to_string(), why),
+                })?;
+            }
+            let (joined, divided) = (editor.joined.clone(), editor.divided.clone());
+            graph = editor.finish();
+            let joins = joined.into_iter().map(|edge| ConnectionDecision { edge, accepted: Some(true), ..Default::default() });
+            apply(&mut graph, &joins.collect::<Vec<ConnectionDecision>>())?;
+            contacts.pairings.iter_mut().for_each(|pairings| pairings.follow(&graph, &divided));
+        }
+        Ok(Self { graph, contacts, uniform_prior: uniform_prior && !any })
     }
-    Ok(uniform_prior && !any)
 }
 
 /// The evidence with another probability; what it says of each end follows in proportion.

@@ -7,10 +7,10 @@ use std::time::Instant;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::decisions::{ConnectionDecision, Decided, DecisionList, GraphEdit, decide_on};
+use super::decisions::{ConnectionDecision, Decidable, Decided, DecisionList, GraphEdit};
 use super::options::SaveOptions;
 use super::prepared::Prepared;
-use super::progress::{Follow, Step};
+use super::progress::{Follow, Notes, Step};
 use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
@@ -94,6 +94,8 @@ impl Prepared {
             && boundary.conditions.is_sorted_by(|a, b| a.0 < b.0)
             && conditions.chain(&boundary.found_inlets).chain(&boundary.found_outlets).all(|node| *node < nodes)
             && self.own_nodes <= nodes
+            && self.early.fits(self.undecided_graph())
+            && self.undecided_graph().node_count() <= nodes
             && self.arteries.as_ref().is_none_or(|found| found.circle.fits(&self.graph))
     }
 
@@ -161,7 +163,7 @@ impl Prepared {
             let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
             let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above)?;
+            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above, true)?;
             let phenotypes = &self.options.infer.phenotypes;
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
             circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));
@@ -254,8 +256,9 @@ impl Inference {
         Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
     }
 
-    /// The run again with decisions of a person: accepted connections are certain, rejected ones are gone, those beside them follow, and then
-    /// the graph is edited. Decisions that the run was made with stay.
+    /// The run again with decisions of a person, as if a list had all of them: accepted connections are certain, rejected ones are gone, those
+    /// beside them follow, and then the graph is edited; in that, arteries, inlets and outlets are found. Decisions that the run was made with
+    /// stay. What the page shows of an image stays where it was doubtful before.
     ///
     /// # Errors
     ///
@@ -268,11 +271,22 @@ impl Inference {
         if let Some(again) = made.iter().find(|new| decided.made.iter().any(|old| old.edge == new.edge)) {
             return Err(Error::parameter("decisions", again.edge, "was decided on before; expected another connection"));
         }
-        let new = Decided { made: made.to_vec(), edits: edits.to_vec(), ..Decided::default() };
-        prepared.uniform_prior = decide_on(&mut prepared.graph, &mut prepared.contacts, &new, prepared.uniform_prior)?;
         decided.made.extend_from_slice(made);
         decided.edits.extend_from_slice(edits);
+        let Prepared { graph, contacts, uniform_prior, undecided, .. } = prepared;
+        let before = undecided.unwrap_or_else(|| Arc::new(Decidable { graph, contacts, uniform_prior }));
+        let Decidable { graph, contacts, uniform_prior } = Decidable::clone(&before).decided(&decided)?;
+        let arteries = prepared.early.arteries(&graph, Path::new(&prepared.provenance.input), &prepared.options)?;
+        let mut notes = Notes { kept: std::mem::take(&mut prepared.provenance.notes), follow: progress };
+        for note in arteries.iter().flat_map(|found| &found.notes) {
+            if !notes.kept.contains(note) {
+                notes.say(note.clone());
+            }
+        }
+        prepared.provenance.notes = notes.kept;
+        let boundary = prepared.early.boundary(&graph, arteries.as_ref(), prepared.outlets, &prepared.options.infer, progress)?;
         prepared.records.decisions = Some(decided);
+        let prepared = Prepared { graph, contacts, uniform_prior, undecided: Some(before), arteries, boundary, ..prepared };
         Arc::new(prepared).sample(&self.sampling, progress)
     }
 
@@ -282,7 +296,7 @@ impl Inference {
     ///
     /// A file that cannot be read, or that was made for another input or another graph.
     pub fn listed_decisions(&self, path: &Path, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Vec<GraphEdit>)> {
-        let Decided { made, edits, .. } = DecisionList::read(path)?.on(&self.prepared.graph, input_sha256)?;
+        let Decided { made, edits, .. } = DecisionList::read(path)?.on(self.prepared.undecided_graph(), input_sha256)?;
         Ok((made, edits))
     }
 

@@ -180,20 +180,20 @@ impl Measuring<'_> {
         Some(found.circle_figures(self.network, &variant, kept, &self.phenotypes))
     }
 
-    /// The vessels of the topologies that a run finds plausible, with their weights, as a classification draws them.
+    /// The vessels of topologies that a run finds plausible, with their weights, by the probabilities of their connections.
     fn plausible(&self, input: &Input, progress: &mut dyn Follow) -> Result<Vec<(Vec<bool>, f64)>> {
         let (network, Some(run), Some(boundary)) = (self.network, &input.run, &self.boundary) else { return Ok(Vec::new()) };
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
         let above = above_median(network, boundary, &options, progress)?;
         if let Some(found) = &self.found {
-            return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref())?.0.weighted);
+            return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
         }
         let mut known = vec![false; network.node_count()];
         for node in run.given.iter().filter(|node| **node < network.node_count()) {
             known[*node] = true;
         }
         let source = match &above {
-            None => TopologySource::FreeEnds(KnownEnds { ends: &known, inlets: &[] }),
+            None => TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] }),
             Some(above) => TopologySource::Samples(above),
         };
         Ok(Topologies::draw(network, boundary, &options, source)?.weighted)

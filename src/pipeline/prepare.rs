@@ -1,12 +1,14 @@
 //! From an input to the graph that is sampled: files, vessels, candidates, contacts, decisions, arteries and boundary conditions, in this order.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
 
 use super::arteries::{self, FoundArteries};
 use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
-use super::decisions::{DecisionList, decide_on};
+use super::decisions::{Decidable, DecisionList};
 use super::picture::{ImageSource, image_places};
 use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
@@ -20,7 +22,7 @@ use willis_io::formats::Format;
 use willis_io::masks::{Scene, Unseen, View};
 use willis_models::candidates::CandidateOptions;
 use willis_models::candidates::kind::CenterlineKind;
-use willis_models::naming::Names;
+use willis_models::naming::Bearings;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -45,20 +47,25 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let given = options.boundary.given(&vessels, notes.follow)?;
     let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
     let opened = CutGraph::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
-    let (mut graph, mut contacts, mut uniform_prior) = (opened.graph, opened.contacts, loaded.prior.is_uniform());
-    let decided = loaded.decisions.take().map(|list| list.on(&graph, &input.provenance.sha256)).transpose()?;
-    if let Some(decided) = &decided {
-        uniform_prior = decide_on(&mut graph, &mut contacts, decided, uniform_prior)?;
-    }
-    let arteries = early.arteries(&graph, &loaded)?;
-    let boundary = loaded.boundary(&graph, &given, arteries.as_ref(), notes.follow)?;
+    let undecided = Decidable { graph: opened.graph, contacts: opened.contacts, uniform_prior: loaded.prior.is_uniform() };
+    let keep = options.keep.unwrap_or(loaded.prior.usual_rule(&undecided.graph));
+    let decided = loaded.decisions.take().map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
+    let before = decided.is_some().then(|| Arc::new(undecided.clone()));
+    let Decidable { graph, contacts, uniform_prior } = match &decided {
+        Some(decided) => undecided.decided(decided)?,
+        None => undecided,
+    };
+    let early = EarlyKnowledge { given, inlets_by_labels: loaded.inlets_by_labels, arteries: early };
+    let run = RunOptions { read: input.options, infer: InferOptions { arteries: loaded.arteries, ..options.clone() } };
+    let arteries = early.arteries(&graph, &loaded.path, &run)?;
+    let boundary = early.boundary(&graph, arteries.as_ref(), loaded.outlets, options, notes.follow)?;
 
     let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
     let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
     let said = loaded.notes.clone().into_iter().chain(unused).chain(built.unlike).chain(opened.crowded).chain(of_arteries);
     said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
-        .chain(stated_resistances(options.preset, &given))
+        .chain(stated_resistances(options.preset, &early.given))
         .for_each(|note| notes.say(note));
     let image_places = built.scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
     if options.image_places.is_some() {
@@ -69,7 +76,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         )));
     }
     Ok(Arc::new(Prepared {
-        keep: options.keep.unwrap_or(loaded.prior.usual_rule(&graph)),
+        keep,
         segmentation: input.lumen.as_ref().map(Segmentation::of),
         image_places,
         graph,
@@ -85,8 +92,10 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         },
         contacts,
         uniform_prior,
+        undecided: before,
+        early,
         candidates: loaded.is_fragments.then_some(loaded.building),
-        options: RunOptions { read: input.options, infer: InferOptions { arteries: loaded.arteries, ..options.clone() } },
+        options: run,
         arteries,
         started: input.started,
     }))
@@ -160,19 +169,50 @@ impl<'a> Loaded<'a> {
     fn find(&self, source: &ArterySource, network: &Network) -> Result<FoundArteries> {
         source.find(&self.path, network, &self.scale, &self.options.phenotypes)
     }
+}
+
+/// What is known of an input before there are candidates. Its arteries and boundary conditions follow from it and from the graph, and do so
+/// again when a person has decided on that.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct EarlyKnowledge {
+    given: Vec<Given>,
+    inlets_by_labels: Vec<usize>,
+    arteries: EarlyArteries,
+}
+
+impl EarlyKnowledge {
+    /// Whether it may be that of this graph, by the number of its nodes.
+    pub(crate) fn fits(&self, graph: &Network) -> bool {
+        self.given.iter().all(|given| given.node < graph.node_count())
+            && !matches!(&self.arteries, EarlyArteries::Landmarks(found) if !found.circle.fits(graph))
+    }
+
+    /// The arteries of a graph of the input at this path.
+    pub(crate) fn arteries(&self, graph: &Network, path: &Path, run: &RunOptions) -> Result<Option<FoundArteries>> {
+        let phenotypes = &run.infer.phenotypes;
+        match (&self.arteries, &run.infer.arteries) {
+            (EarlyArteries::Landmarks(found), _) => found.clone().with_names(graph, phenotypes).map(Some),
+            (EarlyArteries::Geometry(_, bearings), _) => {
+                arteries::by_geometry(path, graph, Some(bearings), &phenotypes.models()?).map(Some)
+            }
+            (EarlyArteries::Nothing, None | Some(ArterySource::Geometry)) => Ok(None),
+            (EarlyArteries::Nothing, Some(labels)) => labels.find(path, graph, &run.read.scale, phenotypes).map(Some),
+        }
+    }
 
     /// The stated conditions of a graph, and those that are found: not where a candidate probably leaves.
-    fn boundary(
+    pub(crate) fn boundary(
         &self,
         graph: &Network,
-        given: &[Given],
         arteries: Option<&FoundArteries>,
+        outlets: FoundOutlets,
+        options: &InferOptions,
         follow: &mut dyn Follow,
     ) -> Result<Boundary> {
         let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.known_inlets(graph));
-        let boundary = Boundary::resolve_knowing(graph, given, self.outlets, &known)?;
+        let boundary = Boundary::resolve_knowing(graph, &self.given, outlets, &known)?;
         let all_stated = boundary.found_outlets.is_empty() && arteries.is_none_or(|found| found.circle.outlets().is_empty());
-        if self.options.preset == Preset::Willis && self.options.boundary.found_outlets.is_some() && all_stated {
+        if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
             follow.step(Step::OutletsAllStated);
         }
         follow.step(Step::Boundary { graph, boundary: &boundary });
@@ -181,13 +221,14 @@ impl<'a> Loaded<'a> {
 }
 
 /// What is known of the arteries before there are candidates: where they enter and leave is a boundary condition.
+#[derive(Debug, Clone, Serialize, Deserialize)]
 enum EarlyArteries {
     /// Nothing: labels are looked at when every vessel has its row.
     Nothing,
     /// By landmarks, found before candidates make new nodes.
     Landmarks(FoundArteries),
-    /// By geometry, with the names of a first over-connected graph, whose candidates pass them over gaps.
-    Geometry(FoundArteries, Box<Names>),
+    /// By geometry: where they lie was found with the candidates of a first over-connected graph, which pass names over gaps.
+    Geometry(FoundArteries, Bearings),
 }
 
 impl EarlyArteries {
@@ -212,8 +253,8 @@ impl EarlyArteries {
         let given = loaded.options.boundary.given(vessels, &mut Silent)?;
         let (graph, ..) = loaded.prior.graph(vessels.clone(), loaded.is_fragments, &given, &loaded.building, None)?;
         let names = models.name(&graph).ok_or_else(|| arteries::no_vessel().in_file(&loaded.path))?;
-        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names), &models)?;
-        Ok(Self::Geometry(found, Box::new(names)))
+        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names.bearings()), &models)?;
+        Ok(Self::Geometry(found, names.bearings()))
     }
 
     /// States inlets, unless the options do, and outlets where the arteries enter and leave.
@@ -223,19 +264,6 @@ impl EarlyArteries {
             found.state_inlets(vessels);
         }
         found.name_outlets(vessels);
-    }
-
-    /// The arteries of the graph that is sampled.
-    fn arteries(self, graph: &Network, loaded: &Loaded<'_>) -> Result<Option<FoundArteries>> {
-        let phenotypes = &loaded.options.phenotypes;
-        match (self, &loaded.arteries) {
-            (Self::Landmarks(found), _) => found.with_names(graph, phenotypes).map(Some),
-            (Self::Geometry(_, names), _) => {
-                arteries::by_geometry(&loaded.path, graph, Some(&names), &phenotypes.models()?).map(Some)
-            }
-            (Self::Nothing, None | Some(ArterySource::Geometry)) => Ok(None),
-            (Self::Nothing, Some(labels)) => loaded.find(labels, graph).map(Some),
-        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! What is ready to be sampled.
 
 use std::io::Write;
+use std::sync::Arc;
 use std::time::Instant;
 
 use serde::{Deserialize, Serialize};
@@ -8,9 +9,10 @@ use serde_json::json;
 
 use super::arteries::FoundArteries;
 use super::cuts::{Contacts, CutRecord};
-use super::decisions::Decided;
+use super::decisions::{Decidable, Decided};
 use super::options::{Preset, RunOptions};
 use super::picture::ImageRecord;
+use super::prepare::EarlyKnowledge;
 use super::source_file::ModelSource;
 use willis_core::decision::Keep;
 use willis_core::flow::{Boundary, FoundOutlets};
@@ -44,6 +46,10 @@ pub struct Prepared {
     /// What is known of the contacts beside their vessels.
     pub(crate) contacts: Contacts,
     pub(crate) uniform_prior: bool,
+    /// The graph before a person decided on it; none where nobody did.
+    #[serde(default)]
+    pub(crate) undecided: Option<Arc<Decidable>>,
+    pub(crate) early: EarlyKnowledge,
     /// How candidates were built; `None` for a ready graph.
     pub(crate) candidates: Option<CandidateOptions>,
     pub(crate) keep: Keep,
@@ -67,6 +73,11 @@ impl Prepared {
     /// Where the priors come from.
     pub fn prior(&self) -> &ModelSource {
         &self.records.prior
+    }
+
+    /// The graph before a person decided on it.
+    pub(crate) fn undecided_graph(&self) -> &Network {
+        self.undecided.as_ref().map_or(&self.graph, |before| &before.graph)
     }
 
     /// The options with the prior of this input. The paper fixes where blood enters and leaves, so its preset and its loop do too.

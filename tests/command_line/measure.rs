@@ -73,6 +73,83 @@ fn a_run_is_measured_as_networkx_measures_its_topology() {
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }
 
+/// One gap between two vessels of 20 mm, over which one connection leads: the figures of a run are those with and without it, by its probability.
+#[test]
+fn the_interval_of_a_gap_is_that_of_its_probability() {
+    let here = folder();
+    let points = |from: f64, y: f64| (0..=20).map(move |i| (from + f64::from(i), y)).collect::<Vec<_>>();
+    let both = points(0.0, 0.0).into_iter().chain(points(29.0, 6.0)).enumerate();
+    let line = |(at, (x, y)): (usize, (f64, f64))| {
+        let parent = if at % 21 == 0 { -1 } else { at as i64 };
+        format!("{} 0 {x} {y} 0 1 {parent}\n", at + 1)
+    };
+    fs::write(here.path().join("gap.swc"), both.map(line).collect::<Vec<String>>().concat()).expect("written");
+    done(here.path(), &["infer", "gap.swc", "-o", "out", "-n", "10", "-k", "1", "--dpi", "36"]);
+    done(here.path(), &["measure", "out", "-o", "measured"]);
+    let edges = here.path().join("out/edges.csv");
+    assert_eq!(table(&edges).len(), 4, "two vessels and a candidate");
+    let of_gap = |column: &str| cell(&edges, 2, column).parse::<f64>().expect(column);
+    let (p, gap) = (of_gap("probability"), of_gap("length_mm"));
+    assert!(0.05 < p && p < 0.95 && (gap - 9.0_f64.hypot(6.0)).abs() < 1e-9, "{p} {gap}");
+    let intervals = here.path().join("measured/intervals.csv");
+    let row = table(&intervals)[1..].iter().position(|row| row[1] == "length_mm").expect("a row");
+    let number = |column: &str| cell(&intervals, row, column).parse::<f64>().expect(column);
+    // 200 topologies.
+    assert!((number("mean") - (40.0 + p * gap)).abs() < 4.5 * gap * (p * (1.0 - p) / 200.0).sqrt(), "{p}: {}", number("mean"));
+    assert!((number("low") - 40.0).abs() < 1e-9 && (number("high") - (40.0 + gap)).abs() < 1e-9);
+}
+
+/// What R makes of every column of a folder of tables, read without an option but for the names: whether it holds numbers, how many, and their sum.
+const BY_R: &str = "
+for (name in sort(list.files('measured', '[.]csv$'))) {
+  table <- read.csv(file.path('measured', name), check.names = FALSE)
+  for (column in names(table)) {
+    x <- table[[column]]
+    n <- if (is.numeric(x)) sum(!is.na(x)) else if (is.logical(x)) 0 else -1
+    cat(name, column, nrow(table), n, format(if (n > 0) sum(x, na.rm = TRUE) else 0, digits = 15), sep = '\t', fill = FALSE)
+    cat('\n')
+  }
+}";
+
+/// The same by pandas, held against it.
+const BY_PANDAS: &str = "
+import math, sys, pandas as pd
+rows = [line.rstrip('\\n').split('\\t') for line in sys.stdin]
+assert len({row[0] for row in rows}) >= 6 and len(rows) > 100, len(rows)
+tables = {row[0]: pd.read_csv('measured/' + row[0]) for row in rows}
+assert [row[1] for row in rows] == [column for table in tables.values() for column in table]
+for name, column, count, n, total in rows:
+    x = tables[name][column]
+    own = x.count() if pd.api.types.is_numeric_dtype(x) else -1
+    assert (len(x), own) == (int(count), int(n)), (name, column, n, own)
+    assert own <= 0 or math.isclose(x.sum(), float(total), rel_tol=1e-9, abs_tol=1e-9), (name, column, total, x.sum())
+";
+
+#[test]
+fn pandas_and_r_read_the_same_tables() {
+    let here = folder();
+    let (Ok(python), true) = (std::env::var("WILLIS_PYTHON"), Command::new("Rscript").arg("--version").output().is_ok()) else {
+        println!("skipped: no Rscript on the path, or WILLIS_PYTHON names no Python with pandas");
+        return;
+    };
+    done(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "runs/sub-05", "-n", "10", "--dpi", "36"]);
+    for at in 0..4 {
+        let copy = here.path().join(format!("runs/sub-0{at}.graphml"));
+        fs::copy(data(&format!("circle-of-willis/{}.graphml", ["complete", "without-L-P1"][at % 2])), copy).expect("copied");
+    }
+    let rows = "participant_id\tage\tgroup\nsub-00\t61\ta, the first\nsub-01\t64\tb\nsub-02\t58\ta, the first\nsub-03\t70\tb\nsub-05\t66\tb\n";
+    fs::write(here.path().join("participants.tsv"), rows).expect("written");
+    let words = ["measure", "runs/*", "-o", "measured", "--participants", "participants.tsv", "--compare", "group"];
+    done(here.path(), &words);
+    fs::write(here.path().join("by.R"), BY_R).expect("written");
+    let by_r = Command::new("Rscript").current_dir(here.path()).arg("by.R").output().expect("runs");
+    assert!(by_r.status.success(), "{}", stderr(&by_r));
+    fs::write(here.path().join("r.txt"), &by_r.stdout).expect("written");
+    let told = fs::File::open(here.path().join("r.txt")).expect("there");
+    let checked = Command::new(python).current_dir(here.path()).args(["-c", BY_PANDAS]).stdin(told).output().expect("runs");
+    assert!(checked.status.success(), "{}", stderr(&checked));
+}
+
 /// Of a helix and a fork as lines, and as masks. The truth is the closed form; skan, VMTK and maskel are asked too, where a Python has them.
 #[test]
 fn drawn_courses_are_measured_as_other_programs_measure_them() {

@@ -31,6 +31,15 @@ def fork(spacing):
     return [np.linspace(*ends, int(np.linalg.norm(np.subtract(*ends)) / spacing) + 1) for ends in lines]
 
 
+def circle(spacing):
+    turn = np.linspace(0, 1.5 * np.pi, int(1.5 * np.pi * 8 / spacing) + 1)
+    return [np.column_stack([8 * np.cos(turn), 8 * np.sin(turn), 0 * turn])]
+
+
+def straight(spacing):
+    return [np.outer(np.linspace(0, 1, int(30 / spacing) + 1), (20, 10, 20))]
+
+
 def measure(file, *options):
     subprocess.run([WILLIS, "measure", file, "-o", "out", "--force", "-q", *options], check=True)
     return pd.read_csv("out/vessels.csv"), pd.read_csv("out/subjects.csv").iloc[0]
@@ -95,10 +104,14 @@ def near(found, expected, share):
 
 def drawn():
     for spacing in (0.1, 0.25, 0.5):
-        for lines in (helix(spacing), fork(spacing)):
-            vessels, subject = measure(swc(lines), "--smoothing", "2mm")
+        for lines in (helix(spacing), fork(spacing), circle(spacing), straight(spacing)):
+            vessels, subject = measure(swc(lines), "--smoothing", "2mm", "--inlet", "1")
             assert len(vessels) == len(lines) and subject.bifurcations == len(lines) // 3
             vessels = vessels.sort_values("length_mm")
+            if len(lines) == 3:
+                bifurcation = pd.read_csv("out/bifurcations.csv").iloc[0]
+                near(bifurcation[["angle_deg", "bend_child_1_deg", "bend_child_2_deg"]].astype(float), [70, 35, 35], 0.01)
+                assert abs(bifurcation.elevation_deg) < 1e-3
             if HAS["skan"]:
                 theirs = by_skan(lines).sort_values("branch_distance")
                 assert len(theirs) == len(lines)
@@ -108,6 +121,14 @@ def drawn():
                 length, tortuosity = np.transpose([by_vmtk(line)[:2] for line in sorted(lines, key=len)])
                 near(vessels.length_mm, length, 1e-6)
                 near(vessels.distance_metric, tortuosity, 1e-6)
+        # A circle has no torsion, and a line no curvature either.
+        vessel = measure(swc(circle(spacing)), "--smoothing", "2mm")[0].iloc[0]
+        for curvature in [1 / 8, *([np.median(by_vmtk(circle(spacing)[0])[2])] if HAS["vmtk"] else [])]:
+            near(vessel.curvature_per_mm, curvature, 0.01)
+        assert vessel.torsion_per_mm < 1e-3
+        vessel = measure(swc(straight(spacing)), "--smoothing", "2mm")[0].iloc[0]
+        near([vessel.length_mm, vessel.chord_mm, vessel.distance_metric], [30, 30, 1], 1e-6)
+        assert vessel.curvature_per_mm < 1e-3 and vessel.torsion_per_mm == 0
         # At the two ends VMTK has no derivatives to make curvature and torsion of, so the middle one of its values counts.
         vessel = measure(swc(helix(spacing)), "--smoothing", "2mm")[0].iloc[0]
         references = [(CURVATURE, TORSION)]

@@ -110,13 +110,14 @@ fn a_sine_bends_the_other_way_at_each_zero_between_its_ends() {
 }
 
 /// A trunk along x, and two children at these angles (degrees) in the plane of x and y, or lifted out of it.
-fn fork(radii: [f64; 3], angles: [f64; 2], lifted: f64) -> Morphometry {
+fn fork(radii: [f64; 3], angles: [f64; 2], lifted: f64, spacing: f64) -> Morphometry {
     let mut swc = Swc::default();
-    let end = swc.line(curve(60, |t| ([30.0 * t, 0.0, 0.0], radii[0])), None);
+    let end = swc.line(curve((30.0 / spacing) as usize, |t| ([30.0 * t, 0.0, 0.0], radii[0])), None);
     for (angle, radius) in angles.into_iter().zip(&radii[1..]) {
         let (angle, up) = (f64::to_radians(angle), f64::to_radians(lifted));
         let to = [angle.cos() * up.cos(), angle.sin() * up.cos(), up.sin()];
-        let child = curve(50, |t| ([30.0 + 25.0 * t * to[0], 25.0 * t * to[1], 25.0 * t * to[2]], *radius));
+        let child =
+            curve((25.0 / spacing) as usize, |t| ([30.0 + 25.0 * t * to[0], 25.0 * t * to[1], 25.0 * t * to[2]], *radius));
         swc.line(child.into_iter().skip(1), Some(end));
     }
     measured(&swc.network(), "1")
@@ -124,9 +125,9 @@ fn fork(radii: [f64; 3], angles: [f64; 2], lifted: f64) -> Morphometry {
 
 #[test]
 fn a_fork_has_its_angles_and_the_exponent_of_murray() {
-    for k in [2.0, 2.7, 3.0] {
+    for (k, spacing) in [(2.0, 0.1), (2.7, 0.5), (3.0, 0.5), (3.0, 1.0), (2.7, 2.5)] {
         let narrow = (2.0_f64.powf(k) - 1.7_f64.powf(k)).powf(1.0 / k);
-        let found = fork([2.0, 1.7, narrow], [40.0, -30.0], 0.0);
+        let found = fork([2.0, 1.7, narrow], [40.0, -30.0], 0.0, spacing);
         let [fork] = &*found.bifurcations else { panic!("one bifurcation") };
         close(fork.angle.to_degrees(), 70.0, 1e-6, "angle");
         close(fork.bends[0].to_degrees(), 40.0, 1e-6, "bend of the wider child");
@@ -136,10 +137,10 @@ fn a_fork_has_its_angles_and_the_exponent_of_murray() {
         close(fork.asymmetry, narrow / 1.7, 1e-6, "asymmetry");
         close(fork.area_ratio, (1.7 * 1.7 + narrow * narrow) / 4.0, 1e-6, "area ratio");
     }
-    let wide = fork([1.0, 1.0, 0.5], [40.0, -30.0], 0.0);
+    let wide = fork([1.0, 1.0, 0.5], [40.0, -30.0], 0.0, 0.5);
     assert_eq!(wide.bifurcations[0].murray, None, "no exponent fits a child as wide as the parent");
     // Both children 20 degrees above the x-y plane, 45 to either side: the plane through them holds x only lifted by atan(tan 20 / cos 45).
-    let lifted = fork([2.0, 1.5, 1.4], [45.0, -45.0], 20.0);
+    let lifted = fork([2.0, 1.5, 1.4], [45.0, -45.0], 20.0, 0.5);
     let wanted = (20.0_f64.to_radians().tan() / 45.0_f64.to_radians().cos()).atan().to_degrees();
     close(lifted.bifurcations[0].elevation.to_degrees(), wanted, 1e-6, "elevation");
 }
@@ -255,6 +256,26 @@ fn a_ring_has_a_loop_and_no_end() {
     assert!(whole.whole.most_from_inlet.is_nan(), "nothing says where blood enters");
 }
 
+/// Where two ways meet within a vessel its farthest place lies, not at an end.
+#[test]
+fn the_longest_way_ends_where_two_ways_meet() {
+    let mut swc = Swc::default();
+    swc.line(curve(10, |t| ([40.0 * t, 0.0, 0.0], 1.0)), None);
+    let both = |_| Role::Inlet;
+    let whole = Morphometry::of(&swc.network(), both, Smoothing::default(), MeasureContext::default()).network.whole;
+    close(whole.mean_from_inlet, 10.0 * MM, 1e-9, "half of a half");
+    close(whole.most_from_inlet, 20.0 * MM, 1e-9, "the middle");
+    // A trunk of 30 mm, then a loop of 50 and 70 mm: the farthest place is 60 mm along it either way.
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("edges.csv"), "node_a,node_b,length_mm,radius_mm\n0,1,30,1\n1,2,50,1\n2,1,70,1\n")
+        .expect("written");
+    let network = willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network;
+    let whole = measured(&network, "0").network;
+    assert_eq!(whole.loops, 1);
+    close(whole.whole.most_from_inlet, 90.0 * MM, 1e-9, "the far side of the loop");
+    close(whole.whole.mean_from_inlet, (30.0 * 15.0 + 120.0 * 60.0) / 150.0 * MM, 1e-9, "the mean");
+}
+
 /// A line fills one dimension, a dense grid of lines in a plane two.
 #[test]
 fn boxes_count_the_dimension() {
@@ -282,7 +303,11 @@ fn dividing_turning_and_resampling_change_little() {
             shape.distance_metric,
             shape.inflection_count_metric,
             shape.curvature,
+            shape.torsion,
             shape.sum_of_angles_metric,
+            // It has the sign of where blood comes from.
+            shape.taper.abs(),
+            shape.least_radius,
         ]
     };
     let wanted = figures(&whole);

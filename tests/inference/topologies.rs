@@ -98,6 +98,35 @@ fn what_is_known_stays_as_it_is() {
     assert!((closed - 0.9).abs() < 0.05, "{closed}");
 }
 
+/// By hand, with odds of 1, 1/2 and 1/4: end 1 is asked first, and takes candidate 2 with 1/2.5, 3 with 0.5/2.5, none with 1/2.5. Where it takes 2, end 2 is
+/// joined; else that takes 4 with 0.25/1.25, and 2 no more.
+#[test]
+fn a_connection_is_asked_once_and_a_free_end_joined_once() {
+    let mut network = broken();
+    for (row, p) in [(2, 1.0 / 2.0), (3, 1.0 / 3.0), (4, 1.0 / 5.0)] {
+        network.vessel_mut(row).evidence = Some(Box::new(Evidence::undirected(p)));
+    }
+    let draw = |network: &Network, known: [bool; 4]| {
+        let params = SamplingOptions { samples: 70_000, seed: 3, ..SamplingOptions::default() };
+        let source = TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] });
+        shares(&Topologies::draw(network, &boundary(network, &[]), &params, source).unwrap())
+    };
+    let drawn = draw(&network, [true, false, false, true]);
+    let expected = [(&[2][..], 0.4), (&[3, 4], 0.04), (&[3], 0.16), (&[4], 0.08), (&[], 0.32)];
+    assert_eq!(drawn.len(), expected.len());
+    for (rows, p) in expected {
+        let found = drawn[&(0..5).map(|row| row < 2 || rows.contains(&row)).collect::<Vec<bool>>()];
+        assert!((found - p).abs() < 4.5 * (p * (1.0 - p) / 70_000.0_f64).sqrt(), "{rows:?}: {found} for {p}");
+    }
+    // Alone between two free ends it has its own probability.
+    for row in [3, 4] {
+        network.vessel_mut(row).evidence = Some(Box::new(Evidence::undirected(0.0)));
+    }
+    network.vessel_mut(2).evidence = Some(Box::new(Evidence::undirected(0.3)));
+    let alone = draw(&network, [false; 4])[&vec![true, true, true, false, false]];
+    assert!((alone - 0.3).abs() < 4.5 * (0.3 * 0.7 / 70_000.0_f64).sqrt(), "{alone}");
+}
+
 #[test]
 fn a_sample_does_not_depend_on_how_many_are_drawn() {
     let network = broken();

@@ -1,23 +1,27 @@
 //! Plausible topologies, whole and with their weights, for questions that depend on many vessels at once, such as whether a circle is closed.
 //!
-//! The topologies are drawn one after another and counted, equal ones together. There are two ways to draw one:
+//! The topologies are drawn one after another and counted, equal ones together. There are three ways to draw one:
 //!
 //! - [`TopologySource::FreeEnds`], where candidates come with evidence: a vessel does not end in the middle of nowhere. Every free end that
 //!   is neither a known inlet nor a known outlet continues along one of its candidates, with the odds that the evidence gives each
 //!   ([`continuation_odds`](crate::network::Evidence::continuation_odds)) against 1 for ending there, whatever the others do. Loops are allowed. A
 //!   topology weighs 1, and e⁻² of it for every known outlet that no known inlet feeds: blood must reach what a person saw.
+//! - [`TopologySource::Connections`], for what is measured of a network: a vessel may end anywhere, and a free end goes on along one candidate at most,
+//!   with the odds P/(1 - P) of its probability against 1 for ending there. Each connection is asked once: one between two free ends by that which has the
+//!   more probable candidates, so that alone it has its P. Topologies weigh as above.
 //! - [`TopologySource::Samples`], the paper's: a sample of the ε-occlusion votes for its spanning forest of highest resilience and the open
 //!   vessels above the median of L, which close its loops. It weighs its ρ_G; 1 under [`Weight::Count`].
 
 use std::collections::BTreeMap;
 
 use rand::RngExt;
+use rand_chacha::ChaCha8Rng;
 
 use crate::error::Result;
 use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::{END_ODDS, Network, Origin, fragments};
+use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, fragments};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
 use crate::sampling::{Coins, Kruskal};
@@ -29,6 +33,8 @@ use crate::support::random::{BLOCK, stream};
 pub enum TopologySource<'a> {
     /// The free ends, which continue by the evidence.
     FreeEnds(KnownEnds<'a>),
+    /// The connections, by their probabilities.
+    Connections(KnownEnds<'a>),
     /// The votes of samples; per vessel whether its L is above the median.
     Samples(&'a [bool]),
 }
@@ -52,6 +58,10 @@ impl Topologies {
         params.validate()?;
         match source {
             TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
+            TopologySource::Connections(known) => {
+                let ends = known.asked_in_turn(network);
+                Ok(Self::of_ends(network, known, params, |rng, kept| connect(&ends, rng, kept)))
+            }
             TopologySource::Samples(above_median) => {
                 let mut count = Count::default();
                 let_samples_vote(network, boundary, params, above_median, &mut count)?;
@@ -62,8 +72,38 @@ impl Topologies {
 
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
+        let ends: Vec<Vec<(usize, f64)>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
+        Self::of_ends(network, known, params, |rng, kept| {
+            for choices in &ends {
+                if let Some(row) = chosen(choices.iter().copied(), rng) {
+                    kept[row] = true;
+                }
+            }
+        })
+    }
+
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
+    fn of_ends(
+        network: &Network,
+        known: KnownEnds<'_>,
+        params: &SamplingOptions,
+        go_on: impl Fn(&mut ChaCha8Rng, &mut [bool]),
+    ) -> Self {
         let mut count = Count::default();
-        continue_free_ends(network, known, params, |kept| count.add(kept, 1.0));
+        let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
+        let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
+        let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
+        for first in (0..params.samples).step_by(BLOCK as usize) {
+            let mut rng = stream(params.seed, random::ends(first / BLOCK));
+            for _ in first..params.samples.min(first + BLOCK) {
+                let mut kept = given.clone();
+                for (row, p) in &contacts {
+                    kept[*row] = rng.random::<f64>() < *p;
+                }
+                go_on(&mut rng, &mut kept);
+                count.add(&kept, 1.0);
+            }
+        }
         count.finish(|kept| known.supply(network, kept))
     }
 }
@@ -175,51 +215,72 @@ impl KnownEnds<'_> {
         unfed.fold(1.0, |weight, _| weight * UNFED)
     }
 
-    /// Per free end that may continue, its candidates with their odds.
-    fn choices(&self, network: &Network) -> Vec<Vec<(usize, f64)>> {
+    /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
+    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<(usize, f64)>> {
         let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
         let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
             };
-            for (node, odds) in ends.into_iter().zip(evidence.continuation_odds) {
+            for (end, node) in ends.into_iter().enumerate() {
+                let odds = of(&evidence, end);
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
                     at.entry(node).or_default().push((row, odds));
                 }
             }
         }
-        at.into_values().collect()
+        at
+    }
+
+    /// The free ends in the order in which they are asked, by their most probable candidate: the candidates of each with their odds and the
+    /// number of the free end to which they lead.
+    fn asked_in_turn(&self, network: &Network) -> Vec<Vec<(usize, f64, Option<usize>)>> {
+        let odds = |e: &Evidence, _| (e.probability / (1.0 - e.probability)).min(MOST_ODDS);
+        let mut ends: Vec<(usize, Vec<(usize, f64)>)> = self.choices(network, odds).into_iter().collect();
+        let best = |choices: &[(usize, f64)]| choices.iter().map(|(_, odds)| *odds).fold(0.0, f64::max);
+        ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
+        let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
+        let leads_to = |node: usize, row: usize| {
+            let [a, b] = network.ends(row);
+            number.get(if a == node { &b } else { &a }).copied()
+        };
+        let of_end = |(node, choices): &(usize, Vec<(usize, f64)>)| {
+            choices.iter().map(|(row, odds)| (*row, *odds, leads_to(*node, *row))).collect()
+        };
+        ends.iter().map(of_end).collect()
     }
 }
 
-/// Draws as many topologies as there are samples, each as whether it holds each vessel.
-fn continue_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions, mut each: impl FnMut(&[bool])) {
-    let ends = known.choices(network);
-    let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
-    let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
-    let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
-    for first in (0..params.samples).step_by(BLOCK as usize) {
-        let mut rng = stream(params.seed, random::ends(first / BLOCK));
-        for _ in first..params.samples.min(first + BLOCK) {
-            let mut kept = given.clone();
-            for (row, p) in &contacts {
-                kept[*row] = rng.random::<f64>() < *p;
+/// The candidate along which an end goes on, by the odds of each against 1 for ending there.
+fn chosen(choices: impl Iterator<Item = (usize, f64)> + Clone, rng: &mut ChaCha8Rng) -> Option<usize> {
+    let total: f64 = 1.0 + choices.clone().map(|(_, odds)| odds).sum::<f64>();
+    let mut left = total * rng.random::<f64>() - 1.0;
+    for (row, odds) in choices {
+        if left < 0.0 {
+            return None;
+        }
+        left -= odds;
+        if left < 0.0 {
+            return Some(row);
+        }
+    }
+    None
+}
+
+/// Asks each free end in turn, unless another went on to it, and no more of what leads to one that was asked.
+fn connect(ends: &[Vec<(usize, f64, Option<usize>)>], rng: &mut ChaCha8Rng, kept: &mut [bool]) {
+    let mut asked = vec![false; ends.len()];
+    for (at, choices) in ends.iter().enumerate() {
+        if std::mem::replace(&mut asked[at], true) {
+            continue;
+        }
+        let open = choices.iter().filter(|(_, _, other)| other.is_none_or(|other| !asked[other]));
+        if let Some(row) = chosen(open.map(|(row, odds, _)| (*row, *odds)), rng) {
+            kept[row] = true;
+            if let Some((_, _, Some(other))) = choices.iter().find(|(of, ..)| *of == row) {
+                asked[*other] = true;
             }
-            for choices in &ends {
-                let total: f64 = 1.0 + choices.iter().map(|(_, odds)| odds).sum::<f64>();
-                let mut left = total * rng.random::<f64>() - 1.0;
-                for (row, odds) in choices {
-                    if left < 0.0 {
-                        break;
-                    }
-                    left -= odds;
-                    if left < 0.0 {
-                        kept[*row] = true;
-                    }
-                }
-            }
-            each(&kept);
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::network::units::cubic_metres_per_second;
 use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
 
 /// A condition that a person or a file states.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Given {
     /// The node's row.
     pub node: usize,

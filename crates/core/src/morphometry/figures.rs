@@ -46,7 +46,7 @@ pub struct VesselTotals {
     pub radius: f64,
     /// The mean way from the nearest inlet over the length of those that one leads to, m.
     pub mean_from_inlet: f64,
-    /// The longest such way to an end of a vessel, m.
+    /// The longest such way, to any place of a vessel, m.
     pub most_from_inlet: f64,
 }
 
@@ -139,7 +139,7 @@ impl VesselTotals {
                 let met = 0.5 * (b - a + line.length);
                 way[0] += met * (a + 0.5 * met) + (line.length - met) * (b + 0.5 * (line.length - met));
                 way[1] += line.length;
-                most = most.max(a).max(b);
+                most = most.max(a + met);
             }
         }
         let [length, volume, surface, weighted] = sums;

@@ -26,7 +26,7 @@ pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_
 pub use frame::Frame;
 pub use merged_vessels::{Merged, merge};
 pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
-pub use vessel::{END_ODDS, Evidence, Origin, PathPoint, Vessel, Wall};
+pub use vessel::{END_ODDS, Evidence, MOST_ODDS, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
 
 use std::borrow::Cow;

@@ -52,7 +52,7 @@ impl Evidence {
 }
 
 /// The largest odds.
-const MOST_ODDS: f64 = 1e12;
+pub const MOST_ODDS: f64 = 1e12;
 
 /// Whether the image showed the vessel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -1,5 +1,7 @@
 //! How well each node fits each state of the atlas at a pose: position, direction and radius.
 
+use serde::{Deserialize, Serialize};
+
 use super::algebra::{Matrix3, Symmetric, times, trace_of_product, turned};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
@@ -7,7 +9,7 @@ use super::states::{NOWHERE, STATES};
 use willis_core::support::geometry::{Point, sub};
 
 /// How a case lies in the atlas: y = e^scale R x + t, in mm.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// R.
     pub turn: Matrix3,

@@ -35,6 +35,8 @@ pub use models::NamingModels;
 pub use nodes::Nodes;
 pub use states::{ArteryLabel, LABELS, OTHER, name_of};
 
+use serde::{Deserialize, Serialize};
+
 use belief::{Beliefs, NamingForest};
 use emission::{Parts, Pose, TEMPER, emission, radius_fit};
 use exclusion::exclusion;
@@ -89,6 +91,21 @@ pub struct Names {
     pub piece_features: [Vec<[f64; pieces::PIECE_FEATURES]>; 2],
 }
 
+/// How a case was found to lie, and by which model.
+#[derive(Debug, Clone, Copy, Serialize, Deserialize)]
+pub struct Bearings {
+    frame: Frame,
+    pose: Pose,
+    by: usize,
+}
+
+impl Names {
+    /// How the case lies.
+    pub fn bearings(&self) -> Bearings {
+        Bearings { frame: self.frame, pose: self.pose, by: self.by }
+    }
+}
+
 /// What one pass finds.
 struct NamingPass {
     forest: NamingForest,
@@ -139,7 +156,7 @@ pub fn name_with(
 }
 
 /// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
-pub fn name_again(network: &Network, model: &NamingModel, like: &Names) -> Option<Names> {
+pub fn name_again(network: &Network, model: &NamingModel, like: &Bearings) -> Option<Names> {
     let all = Nodes::of(network);
     let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
     let core = core::at(all, &model.atlas, &like.pose)?;

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
-use super::{Names, NamingModel, name_again, name_arteries};
+use super::{Bearings, Names, NamingModel, name_again, name_arteries};
 use willis_core::error::Result;
 use willis_core::network::Network;
 
@@ -58,8 +58,8 @@ impl NamingModels {
     }
 
     /// The names by the same model of a network that lies where `like` was found to lie: see [`name_again`].
-    pub fn name_again(&self, network: &Network, like: &Names) -> Option<Names> {
-        name_again(network, self.of(like), like).map(|names| Names { by: like.by, ..names })
+    pub fn name_again(&self, network: &Network, like: &Bearings) -> Option<Names> {
+        name_again(network, self.0.get(like.by)?, like).map(|names| Names { by: like.by, ..names })
     }
 
     /// The model that gave some names.

@@ -72,12 +72,12 @@ pub fn page(
         asked.iter().filter(|one| one.kind == kind).for_each(|one| length[one.row] = millimetres(one.hangs));
         columns.push(Column::real(name, length.into_iter()));
     }
-    let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
-    asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
-    columns.push(Column::real(RANK, ranks.into_iter()));
     let mut gain = vec![f64::NAN; outcome.network.vessel_count()];
     asked.iter().filter(|one| one.kind == TOUCH).for_each(|one| gain[one.row] = millimetres(one.gain));
     columns.push(Column::real(TOUCH_GAIN, gain.into_iter()));
+    let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
+    asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
+    columns.push(Column::real(RANK, ranks.into_iter()));
     if evidence && threshold.rule.is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached =
