@@ -8,7 +8,7 @@ use crate::flow::Circuit;
 /// Nodes at which two vessels may tie, in depth-first order. A vessel here is a row of the circuit, which may be a chain.
 #[derive(Debug, Default)]
 pub struct Ties {
-    nodes: Vec<Branching>,
+    nodes: Vec<TieNode>,
     vessels: Vec<u32>,
     /// Where those of one factor lie among the vessels of a node, if there are several.
     alike: Vec<Range<u32>>,
@@ -16,7 +16,7 @@ pub struct Ties {
 
 /// What is at a node: its vessels, by factor, and those of them that are alike.
 #[derive(Debug)]
-struct Branching {
+struct TieNode {
     vessels: Range<u32>,
     alike: Range<u32>,
 }
@@ -85,7 +85,7 @@ impl Ties {
         if alike.is_empty() {
             self.vessels.truncate(first as usize);
         } else {
-            self.nodes.push(Branching { vessels: first..self.vessels.len() as u32, alike });
+            self.nodes.push(TieNode { vessels: first..self.vessels.len() as u32, alike });
         }
     }
 

@@ -27,6 +27,9 @@ pub struct Pairings {
     pub contacts: Vec<([usize; 2], usize)>,
 }
 
+/// A vessel by its row, its node at a place, and its block there.
+pub type PlacedVessel = (usize, usize, usize);
+
 /// What says one way to pair vessels to a run: contacts that are accepted and rejected or, where no contacts say it, an edit.
 #[derive(Debug, Default)]
 pub struct PairingDecision {
@@ -89,7 +92,7 @@ impl Pairings {
     }
 
     /// Where one line may show two vessels: the probability that it does, and the vessels with their nodes here and their blocks in the most probable way.
-    pub fn doubt(&self, graph: &Network) -> Option<(f64, Vec<(usize, usize, usize)>)> {
+    pub fn doubt(&self, graph: &Network) -> Option<(f64, Vec<PlacedVessel>)> {
         let apart = |way: &Vec<usize>| way.iter().any(|block| *block > 0);
         let (way, _) = self.ways.iter().find(|(way, _)| self.contacts.is_empty() && apart(way))?;
         let chance = self.ways.iter().filter(|(way, _)| apart(way)).map(|(_, p)| p).sum();
