@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::cuts::Contacts;
 use super::source_file::SourceFile;
+use willis_core::decision::{beside_accepted, knows_fragments};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Edit, Evidence, GraphEditor, Network, Origin};
@@ -144,8 +145,9 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 /// Applies decisions to a graph. An accepted connection is certain, with P = 1. A rejected one has A = 0 and P = 0, so that no sample and
 /// no rule has it; its row stays, so that every other row does.
 ///
-/// Of the candidates that leave one free end at most one is true. So those beside an accepted one have P = 0, and those beside rejected
-/// ones P / (1 - Σ P of the rejected), at most 1.
+/// Of the candidates that leave one free end at most one is true by the law of [forests](knows_fragments). So those beside an accepted one
+/// have P = 0, and those beside rejected ones P / (1 - Σ P of the rejected), at most 1. Candidates that were judged one by one keep their P
+/// beside a rejected one, and half of it beside an accepted one ([`beside_accepted`]). Contacts keep theirs.
 ///
 /// # Errors
 ///
@@ -157,15 +159,11 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
             return Err(Error::parameter("decisions", edge, "expected the row of a candidate or of a contact"));
         }
     }
-    let mut degree = vec![0_usize; graph.node_count()];
-    for (ends, _) in graph.vessels().filter(|(_, v)| v.origin == Origin::Observed) {
-        for node in ends {
-            degree[node] += 1;
-        }
-    }
-    // Per free end whether a connection was accepted there, and the sum of P of the rejected.
+    let degree = graph.degrees(|vessel| vessel.origin == Origin::Observed);
+    let (at_most_one, beside_accepted) = (knows_fragments(graph), beside_accepted(graph));
+    // Per free end whether a candidate was accepted there, and the sum of P of the rejected.
     let mut at: BTreeMap<usize, (bool, f64)> = BTreeMap::new();
-    for (&edge, &accepted) in &decided {
+    for (&edge, &accepted) in decided.iter().filter(|(edge, _)| graph.vessel(**edge).origin == Origin::Candidate) {
         let probability = graph.vessel(edge).evidence().map_or(0.0, |e| e.probability);
         for node in graph.ends(edge).into_iter().filter(|node| degree[*node] <= 1) {
             let (taken, gone) = at.entry(node).or_default();
@@ -187,12 +185,12 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
                 vessel.prior = 0.0;
                 vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, 0.0)));
             }
-            None if vessel.origin != Origin::Observed && !vessel.certain => {
+            None if vessel.origin == Origin::Candidate && !vessel.certain => {
                 let Some(evidence) = vessel.evidence() else { continue };
                 let factor = |node: &usize| match at.get(node) {
-                    Some((true, _)) => 0.0,
-                    Some((false, gone)) => 1.0 / (1.0 - gone).max(f64::EPSILON),
-                    None => 1.0,
+                    Some((true, _)) => beside_accepted,
+                    Some((false, gone)) if at_most_one => 1.0 / (1.0 - gone).max(f64::EPSILON),
+                    _ => 1.0,
                 };
                 let by: f64 = ends.iter().map(factor).product();
                 if by.to_bits() != 1.0_f64.to_bits() {

@@ -109,23 +109,33 @@ fn a_list_is_read_and_what_is_wrong_is_named() {
     }
 }
 
-/// By hand: an end with candidates of P = 0.5, 0.3 and 0.1, and another candidate elsewhere with P = 0.4.
-fn graph() -> Network {
+/// By hand: an end with candidates of P = 0.5, 0.3 and 0.1, and another candidate elsewhere with P = 0.4. The law of forests says how
+/// probably a fragment hangs on none.
+fn graph(root_score: Option<f64>) -> Network {
     let mut graph = Network::new();
-    let nodes: Vec<usize> = (0..7).map(|id| graph.add_node(Node { id: format!("n{id}"), ..Node::default() })).collect();
+    let nodes: Vec<usize> =
+        (0..7).map(|id| graph.add_node(Node { id: format!("n{id}"), root_score, ..Node::default() })).collect();
     for [a, b] in [[0, 1], [2, 3], [3, 4], [5, 6]] {
         graph.add_vessel([nodes[a], nodes[b]], Vessel::new(0.01, 0.001, Origin::Observed));
     }
     for (a, b, p) in [(1, 3, 0.5), (1, 2, 0.3), (1, 4, 0.1), (5, 3, 0.4)] {
-        let candidate =
-            Vessel { prior: p, evidence: Some(Box::new(Evidence::undirected(p))), ..Vessel::new(0.01, 0.001, Origin::Candidate) };
-        graph.add_vessel([nodes[a], nodes[b]], candidate);
+        graph.add_vessel([nodes[a], nodes[b]], open(Origin::Candidate, p));
     }
     graph
 }
 
-fn probabilities(graph: &Network) -> Vec<f64> {
-    (4..8).map(|row| graph.vessel(row).evidence().expect("evidence").probability).collect()
+fn open(origin: Origin, p: f64) -> Vessel {
+    Vessel { prior: p, evidence: Some(Box::new(Evidence::undirected(p))), ..Vessel::new(0.01, 0.001, origin) }
+}
+
+/// P of the connections of [`graph`], and their priors, after a decision on the first.
+fn decided(root_score: Option<f64>, accepted: bool) -> [Vec<f64>; 2] {
+    let mut graph = graph(root_score);
+    apply(&mut graph, &[decision(4, accepted)]).expect("applied");
+    assert_eq!(graph.vessel(4).certain, accepted);
+    apply(&mut graph.clone(), &[decision(0, true)]).expect_err("an observed vessel");
+    let of = |figure: &dyn Fn(&Vessel) -> f64| (4..8).map(|row| figure(graph.vessel(row))).collect();
+    [of(&|vessel| vessel.evidence().expect("evidence").probability), of(&|vessel| vessel.prior)]
 }
 
 fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
@@ -133,20 +143,39 @@ fn decision(edge: usize, accepted: bool) -> ConnectionDecision {
 }
 
 #[test]
-fn an_accepted_connection_is_certain_and_its_rivals_are_not_there() {
-    let mut graph = graph();
-    apply(&mut graph, &[decision(4, true)]).expect("applied");
-    assert_eq!(probabilities(&graph), [1.0, 0.0, 0.0, 0.4]);
-    assert!(graph.vessel(4).certain && graph.vessel(4).prior == 1.0 && graph.vessel(5).prior == 0.0);
+fn by_the_law_of_forests_one_candidate_of_a_free_end_is_true() {
+    assert_eq!(decided(Some(0.5), true), [[1.0, 0.0, 0.0, 0.4]; 2]);
+    assert_eq!(decided(Some(0.5), false), [[0.0, 0.6, 0.2, 0.4]; 2]);
 }
 
 #[test]
-fn rivals_share_what_a_rejected_connection_had() {
-    let mut graph = graph();
-    apply(&mut graph, &[decision(4, false)]).expect("applied");
-    assert_eq!(probabilities(&graph), [0.0, 0.6, 0.2, 0.4]);
-    assert_eq!(graph.vessel(4).prior, 0.0);
-    apply(&mut graph, &[decision(0, true)]).expect_err("an observed vessel");
+fn what_is_judged_one_by_one_keeps_half_beside_what_is_accepted_and_all_beside_what_is_rejected() {
+    assert_eq!(decided(None, true), [[1.0, 0.15, 0.05, 0.4]; 2]);
+    assert_eq!(decided(None, false), [[0.0, 0.3, 0.1, 0.4]; 2]);
+}
+
+/// Three vessels: two go on from the free end of the first, as well as from an end that a person did not decide on. A contact is no free end's.
+#[test]
+fn an_accepted_connection_uses_its_free_end_which_may_still_join_what_is_apart() {
+    let kept = |joined: bool, second: Origin| {
+        let mut graph = Network::new();
+        for id in 0..6 {
+            graph.add_node(Node { id: format!("n{id}"), ..Node::default() });
+        }
+        for ends in [[0, 1], [2, 3], [4, 5]] {
+            graph.add_vessel(ends, Vessel::new(0.01, 0.001, Origin::Observed));
+        }
+        graph.add_vessel([1, 2], open(Origin::Candidate, 0.2));
+        graph.add_vessel([1, 4], open(second, 0.9));
+        if joined {
+            graph.add_vessel([3, 5], Vessel::new(0.01, 0.001, Origin::Observed));
+        }
+        apply(&mut graph, &[decision(3, true)]).expect("applied");
+        (reconnected(&graph, RECONNECT)[4], graph.vessel(4).evidence().expect("evidence").probability)
+    };
+    assert_eq!(kept(false, Origin::Candidate), (true, 0.45));
+    assert_eq!(kept(true, Origin::Candidate), (false, 0.45));
+    assert_eq!(kept(false, Origin::Contact), (true, 0.9));
 }
 
 /// A contact that joins two parts is put back by the rule for masks, unless a person rejected it.

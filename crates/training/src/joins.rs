@@ -240,7 +240,7 @@ fn judge<'a>(e: &'a JoinExample, model: &JoinModel, of: Option<&'a ImageExample>
     };
     let ends: Vec<[Option<usize>; 2]> =
         pairs.points.iter().map(|points| points.map(|point| e.table.extraction.end_at[point])).collect();
-    let kept = best_first(&probability, &ends, BEST_FIRST);
+    let kept = best_first(&probability, &ends, BTreeSet::new(), BEST_FIRST);
     JudgedPairs { image: of.map_or("", |of| &of.name), truth: of.map_or(&e.truth, |of| &of.truth), probability, kept }
 }
 

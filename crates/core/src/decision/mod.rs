@@ -6,7 +6,7 @@ pub mod most_probable_forest;
 pub mod rules;
 pub mod whole_topologies;
 
-pub use best_first::{BEST_FIRST, DOUBTFUL, RECONNECT, best_first, best_first_of, reconnected};
+pub use best_first::{BEST_FIRST, DOUBTFUL, RECONNECT, beside_accepted, best_first, best_first_of, reconnected};
 pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, decide};
 pub use most_probable_forest::{
     ExpectedErrors, PRICE, WITHOUT_PIECE, expected_errors, has_evidence, knows_fragments, probabilities, probable,

@@ -235,6 +235,10 @@ pub struct Threshold {
     pub band: Option<f64>,
     /// The rule of the run where it has no threshold, for the page to follow it after a decision.
     pub rule: Option<FollowedRule>,
+    /// Of the candidates at a free end: how much of its P one keeps beside an accepted one.
+    pub beside_accepted: f64,
+    /// Whether those beside a rejected one share its P.
+    pub at_most_one: bool,
     /// The column that is 1 where a vessel is uncertain.
     pub uncertain: &'static str,
     /// The column that is 1 where a decision of the run is undecided.

@@ -12,7 +12,9 @@ use crate::inference::Outcome;
 use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::Summary;
-use willis_core::decision::{BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, has_evidence};
+use willis_core::decision::{
+    BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, beside_accepted, has_evidence, knows_fragments,
+};
 use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, END_POSITION_COLUMNS};
 
@@ -183,6 +185,8 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
             _ => None,
         },
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
+        beside_accepted: beside_accepted(outcome.network),
+        at_most_one: knows_fragments(outcome.network),
         uncertain: UNCERTAIN,
         undecided: UNDECIDED,
         worth: millimetres(WORTH),

@@ -10,7 +10,8 @@ function bestFirst(of, { first, joins, doubtful }) {
   for (let row = 0; row < rows; row++) {
     if (of.isGiven(row)) {
       kept[row] = 1;
-      for (const end of ends) degree[end[row]] += 1;
+      const joins = !of.isObserved(row) && !of.isContact(row);
+      for (const end of ends) if (joins) used.add(end[row]); else degree[end[row]] += 1;
     } else if (of.chance(row) > 0) open.push(row);
   }
   const p = new Map(open.map(row => [row, of.chance(row)])), chance = row => p.get(row);

@@ -147,22 +147,18 @@ class Threshold {
     return this.attachedAs.map(of => Math.min(by * of[row], 1) || 0);
   }
 
-  // The probability of a vessel given what a person decided: of candidates at one free end at most one is true, so those beside an
-  // accepted one are not, and those beside a rejected one share its part.
+  // The probability of a vessel given what a person decided, as decisions.rs has it.
   chance(row) {
     const said = this.decided.get(row);
     if (said !== undefined) return said ? 1 : 0;
     const p = this.probability ? this.probability[row] : NaN;
-    if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(p)) return p;
+    if (this.decided.size === 0 || !this.uncertain[row] || Number.isNaN(p) || this.isContact(row)) return p;
     let factor = 1;
     for (const end of this.freeEnds(row)) {
-      let gone = 0;
-      for (const other of end) {
-        const accepted = this.decided.get(other);
-        if (accepted) return 0;
-        if (accepted === false) gone += this.probability[other] || 0;
-      }
-      factor /= Math.max(1 - gone, 2 ** -52);
+      const decided = end.filter(other => !this.isContact(other) && this.decided.has(other));
+      const rejected = decided.filter(other => !this.decided.get(other)).reduce((sum, other) => sum + (this.probability[other] || 0), 0);
+      if (decided.some(other => this.decided.get(other))) factor *= this.beside_accepted;
+      else if (this.at_most_one) factor /= Math.max(1 - rejected, 2 ** -52);
     }
     return Math.min(p * factor, 1);
   }
