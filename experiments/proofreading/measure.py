@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 from scipy.sparse.csgraph import dijkstra
+from scipy.spatial import cKDTree
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 import common
@@ -48,6 +49,7 @@ class Person:
     def __init__(self, score, proofread, folder, work):
         self.score, self.proofread, self.folder, self.work = score, proofread, folder, work
         self.case = score.Case(folder)
+        self.stations = cKDTree(self.case.station)
         self.radius = np.array([station[3] for station in self.case.t["stations"]])
         self.neighbours = collections.defaultdict(set)
         for a, b, *_ in self.case.near:
@@ -154,10 +156,12 @@ class Person:
             while todo:
                 station = todo.pop()
                 outside = np.linalg.norm(case.station[station] - fusion["place"]) >= reach
-                if case.sides[station] and outside and away(station) > 2 * case.h:
+                ends = case.sides[station] and outside and away(station) > 2 * case.h
+                if ends:
                     legs.add(station)
-                    continue
-                for near in sorted(self.neighbours[station] - found):
+                # A vessel may be seen outside of the ball first; then it is followed into it.
+                inward = lambda near: np.linalg.norm(case.station[near] - fusion["place"]) < np.linalg.norm(case.station[station] - fusion["place"])
+                for near in sorted(near for near in self.neighbours[station] - found if not ends or inward(near)):
                     if owner[near] == side:
                         found.add(near)
                         todo.append(near)
@@ -176,7 +180,7 @@ class Person:
         """Each stretch of the tracing that the answer lacks, as stations from where its lines show it to where they do again."""
         case = self.case
         held = lambda a, b, centre, reach: set.intersection(*net.local(centre, reach, [case.sides[a], case.sides[b]]))
-        shown = {station for station, side in enumerate(case.sides) if side and net.kd.query(self.place(station))[0] <= ON}
+        shown = {station for station, side in enumerate(case.sides) if side and self.is_shown(station, net)}
         absent = collections.defaultdict(set)
         for a, b, _, _, centre, reach in case.near:
             if not case.vein[a] and not (case.sides[a] and case.sides[b] and held(a, b, centre, reach)):
@@ -189,7 +193,26 @@ class Person:
                     way.append(*further)
                 if way[-1] in shown and start < way[-1] and not self.goes_on(net, way):
                     found.append(way)
-        return found
+        return found + self.apart(net)
+
+    def apart(self, net):
+        """Each stretch of the tracing of whose two ends the answer shows two stations in a row as one part each, but not the same."""
+        near = [net.kd.query(self.place(station)) if side else (np.inf, 0) for station, side in enumerate(self.case.sides)]
+        part = [int(net.comp[node]) if away <= ON else -1 for away, node in near]
+        found = {}
+        for a in range(len(part)):
+            for b in self.neighbours[a]:
+                if 0 <= part[a] != part[b] >= 0 and (part[b], part[a]) not in found:
+                    beyond = [[far for far in sorted(self.neighbours[end] - {other}) if part[far] == part[end]] for end, other in ((a, b), (b, a))]
+                    if all(beyond):
+                        found.setdefault((part[a], part[b]), [beyond[0][0], a, b, beyond[1][0]])
+        return list(found.values())
+
+    def is_shown(self, station, net):
+        """Whether a line of the answer passes a station, and not rather another vessel's."""
+        away, node = net.kd.query(self.place(station))
+        nearest = int(self.stations.query(net.xyz[node])[1])
+        return away <= ON and (nearest == station or nearest in self.neighbours[station] or bool(self.neighbours[nearest] & self.neighbours[station]))
 
     def goes_on(self, net, way):
         """Whether the answer has a line from the one end of a stretch to the other that is about as long."""

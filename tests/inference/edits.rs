@@ -125,6 +125,19 @@ fn a_group_that_nothing_joins_is_joined_by_a_straight_vessel() {
     assert_eq!(straight.map(|length| (length * 1e6).round()).collect::<Vec<f64>>(), [f64::sqrt(61.0) * 1e3].map(f64::round));
 }
 
+/// The ends of a bend, 2 mm apart, and a vessel that leaves it half way: the ends go together along the bend, unless that is a detour.
+#[test]
+fn two_places_go_together_by_no_detour() {
+    let length_of_join = |bend: f64| {
+        let places = [[0.0; 3], [bend, 0.0, 0.0], [bend, 2.0, 0.0], [0.0, 2.0, 0.0], [bend + 5.0, 1.0, 0.0]];
+        let graph = drawn(&places, &[[0, 1], [1, 2], [2, 3], [1, 4]]);
+        let graph = edited(graph, &format!("part 0 0 0 + 0 2 0 | {} 1 0", bend + 5.0)).expect("edited");
+        assert_eq!(parts(&graph, &[0, 3, 4]), [0, 0, 4], "{bend}");
+        graph.vessels().find(|(_, vessel)| vessel.certain).map(|(_, vessel)| (1e3 * vessel.length).round())
+    };
+    assert_eq!([2.0, 3.5, 4.5, 10.0].map(length_of_join), [None, None, Some(2.0), Some(2.0)]);
+}
+
 #[test]
 fn an_edit_sees_the_vessels_of_those_before_it() {
     let places = [[0.0, 1.0, 0.0], [4.0, 1.0, 0.0], [8.0, 1.0, 0.0], [12.0, 1.0, 0.0], [0.0, -1.0, 0.0], [12.0, -1.0, 0.0]];

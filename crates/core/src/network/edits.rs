@@ -19,6 +19,8 @@ use crate::support::geometry::{Point, distance, lerp};
 const REACH: f64 = 0.002;
 /// A place so near the end of a vessel is the end, m.
 const AT_END: f64 = 1e-5;
+/// A way so many times as long as the straight one is not what joins two places that go together.
+const DETOUR: f64 = 5.0;
 /// A join is no shorter than this share of its radius: a resistance must not be nothing.
 const SHORTEST: f64 = 0.05;
 
@@ -390,7 +392,8 @@ impl GraphEditor {
     }
 
     /// The shortest ways that join the nodes of a group, each to the nearest node of those before it, no further off than twice the ball
-    /// around all places, and through places of other groups only where there is no other. Where there is none, a straight vessel.
+    /// around all places, and through places of other groups only where there is no other. Where there is none but by a [`DETOUR`], a
+    /// straight vessel.
     fn tree(&mut self, own: &[usize], places: &BTreeSet<usize>) -> GroupPart {
         let edges = self.edges(|row| self.is_there(row));
         let (centre, ball) = self.ball(places);
@@ -398,12 +401,15 @@ impl GraphEditor {
         let mut paths = ShortestPaths::new(self.nodes.len());
         for (before, goal) in own.iter().enumerate().skip(1) {
             let sources: Vec<usize> = tree.nodes.iter().copied().collect();
+            let away = |node: &usize| distance(self.at(*node), self.at(*goal));
+            let near = own[..before].iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(own[0]);
+            let most = DETOUR * away(&near);
             for through in [false, true] {
                 let open = |node: usize| {
                     own.contains(&node) || (through || !places.contains(&node)) && distance(centre, self.at(node)) <= 2.0 * ball
                 };
                 let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| open(*to)).collect::<Vec<_>>();
-                paths.search(&sources, f64::INFINITY, next, |_, node| node != *goal);
+                paths.search(&sources, most, next, |_, node| node != *goal);
                 if paths.lengths()[*goal].is_finite() {
                     break;
                 }
@@ -413,9 +419,7 @@ impl GraphEditor {
                 tree.nodes.extend(nodes);
                 tree.vessels.extend(vessels);
             } else {
-                let away = |node: &usize| distance(self.at(*node), self.at(*goal));
-                let near = own[..before].iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)));
-                tree.vessels.insert(self.connect([near.unwrap_or(own[0]), *goal], &[]));
+                tree.vessels.insert(self.connect([near, *goal], &[]));
                 tree.nodes.insert(*goal);
             }
         }
