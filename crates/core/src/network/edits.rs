@@ -403,7 +403,7 @@ impl GraphEditor {
             let sources: Vec<usize> = tree.nodes.iter().copied().collect();
             let away = |node: &usize| distance(self.at(*node), self.at(*goal));
             let near = own[..before].iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(own[0]);
-            let most = DETOUR * away(&near);
+            let most = (DETOUR * away(&near)).max(REACH);
             for through in [false, true] {
                 let open = |node: usize| {
                     own.contains(&node) || (through || !places.contains(&node)) && distance(centre, self.at(node)) <= 2.0 * ball
