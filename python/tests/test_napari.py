@@ -129,8 +129,9 @@ def test_questions_are_points_in_the_order_of_the_review(desk):
     assert len(points.data) == len(asked["edge"]) > 3
     assert points.features["edge"].tolist() == asked["edge"].tolist()
     at = np.column_stack([asked[axis] for axis in ("x_mm", "y_mm", "z_mm")])
-    # Those of the table are the places of the middle on the line, here the middle point.
-    assert np.linalg.norm(points.data - at, axis=1).max() < 1.0
+    # One of them is a place where one line may show two vessels, at an end of its line.
+    assert "touch" in asked["kind"].tolist()
+    np.testing.assert_allclose(points.data, at, atol=1e-9)
     # The slices go through the first one.
     assert desk.row == asked["edge"][0] and asked["question"][0] in desk.said.value
     np.testing.assert_allclose(desk.viewer.dims.point, points.data[0], atol=0.6)

@@ -187,7 +187,7 @@ class Desk:
         self.grid, self.review, self.name, self.row = grid, review, name, None
         self._follow()
         self._put("places", self.viewer.add_points, np.empty((0, 3)), ndim=3, size=grid.per_mm, face_color="white", symbol="cross")
-        self._put("questions", self.viewer.add_points, self._middles(), size=2 * grid.per_mm, border_color="black", **self._marks(), out_of_slice_display=True)  # fmt: skip
+        self._put("questions", self.viewer.add_points, self._places_of(review.questions), size=2 * grid.per_mm, border_color="black", **self._marks(), out_of_slice_display=True)  # fmt: skip
         for layer in ("places", "questions"):
             self._bind(self.layers[layer])
         self.layers["places"].events.data.connect(self._group_places)
@@ -216,12 +216,12 @@ class Desk:
         self.go_to(next((row for row in order[begin:] + order[:begin] if row in openly), None))
 
     def go_to(self, row: int | None) -> None:
-        """Turns the slices to the middle of a connection."""
+        """Turns the slices to where a connection is in question."""
         self.row = row
         if row is not None:
-            middle = self._middles([row])[0]
-            self.viewer.dims.set_point(range(3), middle)
-            self.viewer.camera.center = tuple(middle)
+            place = self._places_of([row])[0]
+            self.viewer.dims.set_point(range(3), place)
+            self.viewer.camera.center = tuple(place)
         self._follow()
 
     def undo(self) -> None:
@@ -311,7 +311,7 @@ class Desk:
         if "questions" in self.layers:
             layer, marks = self.layers["questions"], self._marks()
             if len(layer.data) != len(review.questions):
-                layer.data = self._middles()
+                layer.data = self._places_of(review.questions)
             layer.features, layer.face_color = marks["features"], marks["face_color"]
             layer.text = marks["text"]
             layer.selected_data = set() if self.row not in review.questions else {review.questions.index(self.row)}
@@ -356,11 +356,9 @@ class Desk:
         if active in self.viewer.layers:
             self.viewer.layers.selection.active = active
 
-    def _middles(self, rows: list[int] | None = None) -> Places:
-        review = self._reviewed()
-        lines = [review.lines[row] for row in (review.questions if rows is None else rows)]
-        middles = [(line[(len(line) - 1) // 2] + line[len(line) // 2]) / 2 for line in lines]
-        return self._reviewed_grid().to_world(middles) if middles else np.empty((0, 3))
+    def _places_of(self, rows: list[int]) -> Places:
+        places = [self._reviewed().place(row) for row in rows]
+        return self._reviewed_grid().to_world(places) if places else np.empty((0, 3))
 
     def _marks(self) -> dict[str, Any]:
         review = self._reviewed()

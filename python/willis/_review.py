@@ -75,13 +75,26 @@ class Review:
 
     def asks(self, row: int) -> str:
         """The question of a row in words."""
+        if asked := self._question(row):
+            chance = "" if np.isnan(asked["probability"]) else f"P {asked['probability']:.2f}, "
+            return f"{asked['question']} {chance}{asked['hangs_mm']:.0f} mm hang on it"
+        a, b = self.ids(row)
+        return f"Does a vessel go on from {a} to {b}?"
+
+    def place(self, row: int) -> npt.NDArray[np.float64]:
+        """Where a row is in question, mm: the place of its question, else the middle of its line."""
+        if asked := self._question(row):
+            return np.array([asked[axis] for axis in ("x_mm", "y_mm", "z_mm")])
+        line = self.lines[row]
+        return np.asarray((line[(len(line) - 1) // 2] + line[len(line) // 2]) / 2)
+
+    def _question(self, row: int) -> dict[str, Any] | None:
+        """The line of review.csv about a row."""
         for table in (self.first.review, self.run.review):
             if table is not None and row in table["edge"]:
                 at = int(np.flatnonzero(table["edge"] == row)[0])
-                chance = "" if np.isnan(table["probability"][at]) else f"P {table['probability'][at]:.2f}, "
-                return f"{table['question'][at]} {chance}{table['hangs_mm'][at]:.0f} mm hang on it"
-        a, b = self.ids(row)
-        return f"Does a vessel go on from {a} to {b}?"
+                return {name: column[at] for name, column in table.items()}
+        return None
 
     def beside(self, row: int) -> list[int]:
         """The other connections that leave the free ends of one."""
