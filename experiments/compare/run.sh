@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Compares groups of phantoms 260 times, writes results.csv, and tries the intervals of 96 runs; writes both tables of README.md. Takes about ten minutes.
+# Compares groups of phantoms 640 times, writes results.csv, and tries the intervals of 96 runs; writes both tables of README.md. Takes about twenty minutes.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 [ -n "${WILLIS:-}" ] || cargo build --release --locked --quiet
