@@ -54,9 +54,9 @@ def quantile(values, q):
     return values[low] + (at - low) * (values[high] - values[low])
 
 
-def write_results(folder, results):
-    """results.csv: a list of dictionaries with the same keys."""
-    with open(Path(folder) / "results.csv", "w", newline="") as file:
+def write_results(folder, results, name="results.csv"):
+    """A file of results: a list of dictionaries with the same keys."""
+    with open(Path(folder) / name, "w", newline="") as file:
         out = csv.DictWriter(file, list(results[0]), lineterminator="\n")
         out.writeheader()
         out.writerows(results)

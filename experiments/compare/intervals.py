@@ -1,6 +1,5 @@
 """Does the interval of 95 % of a repaired network hold its true length? Writes intervals.csv and the table of README.md. WILLIS names the program; needs
 nothing but Python."""
-import csv
 import json
 import sys
 import tempfile
@@ -34,10 +33,7 @@ def main():
         for at, kind in enumerate(KINDS):
             seeds = range(40_000 + 1000 * at, 40_000 + 1000 * at + EACH)
             results += common.everywhere(lambda seed, kind=kind: measured(Path(temporary), kind, seed), seeds)
-    with open(HERE / "intervals.csv", "w", newline="") as file:
-        out = csv.DictWriter(file, list(results[0]), lineterminator="\n")
-        out.writeheader()
-        out.writerows(results)
+    common.write_results(HERE, results, "intervals.csv")
     lines = []
     for kind in KINDS:
         rows = [{name: value if name == "phantom" else float(value) for name, value in row.items()} for row in results if row["phantom"] == kind]

@@ -3,7 +3,7 @@
 #
 #   willis infer mask.nii.gz -o OUT --decisions decisions.csv
 #
-# Writes results.csv and the table of README.md. Argument: a folder for cases and answers, which is kept and gone on from (an hour on two busy cores).
+# Writes results.csv, alone.csv, beside.csv and the tables of README.md. Argument: a folder for cases and answers, which is kept and gone on from (an hour on two busy cores).
 # ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
@@ -18,4 +18,5 @@ done
 { cat "$work/good.csv"; tail -n +2 "$work/fair.csv"; } >$here/results.csv
 { cat "$work/alone-good.csv"; tail -n +2 "$work/alone-fair.csv"; } >$here/alone.csv
 "$python" $here/measure.py table
+"$python" $here/beside.py "$bench" "$work/cases" "$work/answers"
 cargo run --release --locked --quiet --example fingerprints -- record proofreading

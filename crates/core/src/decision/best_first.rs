@@ -16,8 +16,8 @@ pub const RECONNECT: f64 = 0.0;
 pub const DOUBTFUL: f64 = 0.1;
 
 /// How much of its P a candidate keeps beside one at its free end that a person accepted: nothing where at most one is true
-/// ([`knows_fragments`]). Judged one by one, those with P above .2 led on from there to yet another vessel half as often as P says, in 16
-/// brains of simulated scans.
+/// ([`knows_fragments`]). Judged one by one, those with P above .2 led on from there to yet another vessel half as often as P says
+/// (`experiments/proofreading`).
 pub fn beside_accepted(network: &Network) -> f64 {
     if knows_fragments(network) { 0.0 } else { 0.5 }
 }
