@@ -8,7 +8,7 @@ use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
 use willis::internals::formats::{Column, Values, checksum, write_nifti, write_nifti_image};
 use willis::internals::modulation::Reading;
 use willis::internals::naming::{NamingModel, name_arteries};
-use willis::internals::network::Origin;
+use willis::internals::network::{Frame, Origin};
 use willis::internals::phantom::{Anatomy, Breaks, Recipe, break_up, draw_scan};
 use willis::{
     ArterySource, BoundaryOptions, Change, Cut, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
@@ -336,7 +336,10 @@ fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
         phenotypes: PhenotypeOptions { arteries: made.names.clone(), ..PhenotypeOptions::default() },
         ..InferOptions::default()
     };
-    let run = decided(&broken_circle()?, options)?;
+    // No frame, so that both are tried.
+    let mut circle = broken_circle()?;
+    circle.network.frame = Frame::Unknown;
+    let run = decided(&circle, options)?;
     let (posterior, _) = run.posterior().ok_or("no posterior of the circle")?;
     digest.numbers(posterior.segments);
     posterior.variants.iter().for_each(|(variant, p)| digest.word(&format!("{variant:?} {p:.4}")));

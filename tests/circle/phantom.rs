@@ -5,11 +5,11 @@ use std::collections::HashSet;
 
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::pascals;
-use willis::internals::network::{Condition, Network, Role, cycles, fragments};
+use willis::internals::network::{Condition, Frame, Network, Role, cycles, fragments};
 use willis::internals::phantom::alastruey::TABLE;
 use willis::internals::phantom::curve::{Bow, course};
 use willis::internals::phantom::{
-    Anatomy, BranchingTree, BreakKind, Breaks, Recipe, Truth, branching_tree, break_up, cerebral, circle_of_willis,
+    Anatomy, BranchingTree, BreakKind, Breaks, Recipe, Truth, branching_tree, break_up, cerebral, circle_of_willis, without,
 };
 use willis::internals::support::geometry::distance;
 
@@ -126,6 +126,7 @@ fn vessels_without_a_common_node_do_not_touch() {
 #[test]
 fn right_is_plus_x_and_the_circle_lies_above_the_heart() {
     let network = circle_of_willis(SPACING);
+    assert_eq!(network.frame, Frame::Ras);
     for (_, vessel) in network.vessels().filter(|(_, v)| v.label != "L-CCA" && v.label != "R-CCA") {
         let x = vessel.path.iter().map(|p| p.position[0]).sum::<f64>();
         match vessel.label.split_once('-') {
@@ -234,6 +235,16 @@ fn no_link_crosses_a_gap() {
         }
         assert!(truth.breaks.iter().all(|gap| gap.length() > 1.3 * params.spacing));
     });
+}
+
+/// Where the whole anatomy has sides, so has what is broken.
+#[test]
+fn the_frame_is_that_of_the_anatomy() {
+    let [circle, cerebral, tree] = bases();
+    let lost = without(&cerebral, &["AComm"]).unwrap();
+    let of = |network: &Network| break_up(network, &Breaks::default()).unwrap().0.frame;
+    assert_eq!([circle.frame, cerebral.frame, lost.frame, of(&lost)], [Frame::Ras; 4]);
+    assert_eq!([tree.frame, of(&tree)], [Frame::Unknown; 2]);
 }
 
 /// Without jitter every point lies on its vessel, none of them inside a missing stretch.

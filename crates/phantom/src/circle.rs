@@ -5,14 +5,14 @@ use super::alastruey::{NODES, ROOT, TABLE};
 use super::curve::course;
 use super::{add_curved_vessel, add_node, make_inlet, widen_nodes};
 use willis_core::error::{Error, Result};
-use willis_core::network::{Condition, Network, Role, Vessel};
+use willis_core::network::{Condition, Frame, Network, Role, Vessel};
 use willis_core::support::suggestions::did_you_mean;
 
 /// The complete network of [`TABLE`], with centerline points at about `spacing` (m; 0.5 mm is usual).
 ///
 /// Node ids are the table's numbers. The aortic root is an inlet at 100 mmHg; the 11 ends carry the table's terminal
 /// resistance to a venous pressure of 0. Every vessel is observed, and the arc length of its polyline is the table's
-/// to rounding. Vessels without a common node do not touch, except the ascending aorta and arch II: the table puts
+/// to rounding. Positions are RAS. Vessels without a common node do not touch, except the ascending aorta and arch II: the table puts
 /// 20 mm of arch between them, and their radii add up to 22.7 mm.
 ///
 /// # Panics
@@ -21,6 +21,7 @@ use willis_core::support::suggestions::did_you_mean;
 pub fn circle_of_willis(spacing: f64) -> Network {
     assert!(spacing.is_finite() && spacing > 0.0, "spacing {spacing} m is not positive");
     let mut network = Network::new();
+    network.frame = Frame::Ras;
     for number in 1..=NODES {
         add_node(&mut network, alastruey::position(number), None);
     }
@@ -65,6 +66,7 @@ pub fn cerebral(network: &Network) -> Network {
 fn restricted(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network {
     let degree = network.degrees(&keep);
     let mut rest = Network::new();
+    rest.frame = network.frame;
     let mut row_of = vec![usize::MAX; network.node_count()];
     for (row, node) in network.nodes().enumerate().filter(|(row, _)| degree[*row] > 0) {
         row_of[row] = rest.add_node(node.clone());

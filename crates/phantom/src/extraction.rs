@@ -12,7 +12,7 @@ use super::damage::{Breaks, SampledVessel, damage, spurious};
 use super::truth::{Break, BreakKind, Truth};
 use willis_core::error::Result;
 use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Network, Role};
+use willis_core::network::{Frame, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_core::support::random;
 use willis_core::support::random::stream;
@@ -116,7 +116,7 @@ impl OrderedExtraction {
     }
 
     /// The shuffled, noisy centerlines, and for each point its row in them.
-    fn centerlines(&self, params: &Breaks, rng: &mut impl Rng) -> (Centerlines, Vec<usize>) {
+    fn centerlines(&self, frame: Frame, params: &Breaks, rng: &mut impl Rng) -> (Centerlines, Vec<usize>) {
         let mut neighbours = vec![Vec::new(); self.points.len()];
         for [a, b] in &self.links {
             neighbours[*a].push(*b);
@@ -124,7 +124,7 @@ impl OrderedExtraction {
         }
         let mut fragments = self.fragments();
         fragments.shuffle(rng);
-        let mut lines = Centerlines::default();
+        let mut lines = Centerlines { frame, ..Centerlines::default() };
         let mut number = vec![usize::MAX; self.points.len()];
         let mut parent = vec![usize::MAX; self.points.len()];
         for (strand, fragment) in fragments.iter().enumerate() {
@@ -196,7 +196,7 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
     }
     let inlets = (0..network.node_count()).filter(|row| network.node(*row).role == Some(Role::Inlet));
     let inlets: Vec<usize> = inlets.filter_map(|row| node_point[row]).collect();
-    let (lines, number) = ordered.centerlines(params, rng);
+    let (lines, number) = ordered.centerlines(network.frame, params, rng);
 
     let mut truth = Truth {
         vessels: network.vessels().map(|(_, vessel)| vessel.label.clone()).collect(),
