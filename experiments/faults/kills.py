@@ -188,8 +188,8 @@ def state(found, old, new, how, failed):
     if how == "rows" and failed and set(found) == set(new):
         return "told"
     if how == "goes on":
-        # What is there is whole; the rest is made when the command goes on.
-        return "between" if all(new.get(name) == text or old.get(name) == text or VOLATILE.search(name) or name.endswith((".tsv", ".json")) for name, text in found.items()) else "wrong"
+        # What is there is whole, or says that it is not; the rest is made when the command goes on.
+        return "between" if all(new.get(name) == text or old.get(name) == text or VOLATILE.search(name) or name.endswith((".tsv", ".json", ".unfinished")) for name, text in found.items()) else "wrong"
     stood, earlier, later = parts(found, how), parts(old, how), parts(new, how)
     # The tables of a cohort tell which subjects failed.
     told = lambda name: failed and how == "parts" and "." in name

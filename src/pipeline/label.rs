@@ -16,6 +16,7 @@ use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
 };
 use willis_io::output::StagedFiles;
+use willis_io::output::names::BESIDE_LABELLED;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
@@ -74,8 +75,7 @@ impl Labelled {
     ///
     /// One that stands already, where `force` is off; a name that no file can have.
     pub fn check(target: &Target, force: bool) -> Result<()> {
-        let beside = ["names.csv", "segments.csv"].into_iter().chain(MARKS.map(|(ending, _)| ending));
-        let beside: Vec<PathBuf> = beside.map(|ending| target.path.with_extension(ending)).collect();
+        let beside = BESIDE_LABELLED.map(|ending| target.path.with_extension(ending));
         StagedFiles::check(&target.path, target.nodes.iter().chain(&beside), force)
     }
 

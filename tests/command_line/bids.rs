@@ -253,6 +253,25 @@ fn a_mask_without_an_answer_is_a_row() {
 }
 
 #[test]
+fn a_run_whose_files_find_no_place_has_failed_and_is_completed() {
+    let here = dataset(&[TWO]);
+    let out = here.path().join(OUT);
+    let [page, about] = ["sub-02.html", "sub-02/anat/sub-02_label-Artery_desc-willis_topology.json"].map(|name| out.join(name));
+    participant(&here, &[]);
+    fs::remove_file(&page).and(fs::create_dir(&page)).expect("made");
+    let (status, said) = bids(&here, &["participant", "-n", "64", "--force"]);
+    assert!(status == Some(1) && said.contains("sub-02.html") && said.contains("1 of 1"), "{status:?} {said}");
+    fs::remove_dir(&page).expect("removed");
+    let said = participant(&here, &[]);
+    assert!(said.contains("1 of 1 run done already") && page.is_file() && about.is_file(), "{said}");
+    // What says that all is there is put last.
+    fs::remove_file(&page).and(fs::remove_file(&about)).expect("removed");
+    fs::create_dir(&about).expect("made");
+    assert_ne!(bids(&here, &["participant", "-n", "64"]).0, Some(0));
+    assert!(!page.exists());
+}
+
+#[test]
 fn masks_are_found_by_what_their_names_say() {
     // The entities of an angiogram alone are enough, those of two images are not.
     let plain = "derivatives/net/sub-01/anat/sub-01_acq-tof_mask.nii";

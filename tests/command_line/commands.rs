@@ -108,6 +108,35 @@ fn an_output_that_exists_is_left_alone() {
 }
 
 #[test]
+fn every_command_replaces_the_folder_that_it_wrote() {
+    let here = folder();
+    let [circle, again] = ["a.swc", "b.swc"].map(|name| here.path().join(name));
+    fs::copy(data("broken-circle-of-willis.swc"), &circle).expect("copied");
+    fs::copy(&circle, &again).expect("copied");
+    for line in [
+        "infer a.swc -n 16 -o run",
+        "infer a.swc -n 16 --epsilon 0.3,0.5 -o several",
+        "infer a.swc b.swc -n 16 -o runs",
+        "merge runs/a runs/b -o merged",
+        "classify run -o circle",
+        "classify runs/a runs/b -o circles",
+        "measure run -o measures",
+        "measure runs/a runs/b -o all-measures",
+        "label a.swc b.swc -o names",
+        "simulate a.swc --pulse -o flow",
+        "simulate a.swc --occlude-each -o losses",
+        "modulate a.swc -n 4 -o modulated",
+    ] {
+        let mut words: Vec<&str> = line.split(' ').chain(["-q"]).collect();
+        for _ in 0..2 {
+            let output = willis(here.path(), &words);
+            assert_eq!(output.status.code(), Some(0), "{words:?}: {}", stderr(&output));
+            words.push("--force");
+        }
+    }
+}
+
+#[test]
 fn the_shipped_example_gives_every_file_and_the_same_bytes_at_any_thread_count() {
     let here = folder();
     let input = data("broken-circle-of-willis.swc");

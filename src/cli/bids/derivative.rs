@@ -161,16 +161,16 @@ impl Derivative {
         let sidecar = PathBuf::from(format!("{}.json", self.topology(mask).display()));
         let folder = sidecar.parent().unwrap_or(&self.folder);
         fs::create_dir_all(folder).map_err(write_error(folder))?;
-        for (name, path) in self.files(mask).into_iter().filter(|(name, _)| run.join(name).exists()) {
-            let from = run.join(name);
-            let mut file = open_regular(&from)?;
-            replace_file(&path, |out| std::io::copy(&mut file, out).map(drop))?;
-        }
         let record = json!({
             "Description": "The plausible topology of the vessels: those of the mask, and the candidate connections that are kept; in mm, in the frame of the scanner (RAS).",
             "Sources": [format!("bids:source:{}", dataset.place_of(&mask.path))],
         });
-        replace_file(&sidecar, |out| out.write_all(&text_of(&record)))
+        // First, for it is the others that say whether all are there.
+        replace_file(&sidecar, |out| out.write_all(&text_of(&record)))?;
+        self.files(mask).into_iter().filter(|(name, _)| run.join(name).exists()).try_for_each(|(name, path)| {
+            let mut file = open_regular(&run.join(name))?;
+            replace_file(&path, |out| std::io::copy(&mut file, out).map(drop))
+        })
     }
 
     /// Takes away the files of an earlier run under names of BIDS, of whatever mask of the session it was.

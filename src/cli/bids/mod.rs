@@ -111,7 +111,7 @@ impl BidsArgs {
         let each = Each { subjects: &subjects, done: &done, heading: "dataset", noun: "run", place: &derivative.runs() };
         let unnamed = masks.iter().zip(&done).filter(|(mask, done)| **done && !derivative.has(mask));
         unnamed.into_iter().try_for_each(|(mask, _)| derivative.export(mask, dataset))?;
-        each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
+        let failures = each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
 
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
         let made: Vec<Value> = records.iter().flatten().cloned().collect();
@@ -120,7 +120,9 @@ impl BidsArgs {
             runs.iter().zip(&records).try_for_each(|(run, record)| print_json(&run.row(record.as_ref(), derivative).record()))?;
         }
         terminal.say("written", format!("{}: {}", self.output.display(), plural(made.len(), "run")));
-        failed(runs.len() - made.len(), runs.len())
+        // A run may stand, and its files under names of BIDS not.
+        let is_lost = |(record, failure): &(&Option<Value>, &Option<String>)| record.is_none() || failure.is_some();
+        failed(records.iter().zip(&failures).filter(is_lost).count(), runs.len())
     }
 
     /// The table and the page of all runs.

@@ -82,16 +82,14 @@ pub const PHENOTYPE: &str = "phenotype.json";
 pub const PHENOTYPE_TABLE: &str = "phenotype.csv";
 /// The labelled vessels of a subject; the names of the files beside it begin with its own.
 pub const LABELLED: &str = "labelled.graphml";
+/// The endings of the files beside labelled vessels.
+pub const BESIDE_LABELLED: [&str; 4] = ["names.csv", "segments.csv", LANDMARKS[0], LANDMARKS[1]];
 /// How often a classification of a cohort is right.
 pub const ACCURACY: &str = "accuracy.csv";
 /// What takes over when a feeding artery is lost.
 pub const COLLATERAL: &str = "collateral.csv";
 /// How far runs with different occlusion probabilities agree.
 pub const AGREEMENT: &str = "agreement.csv";
-/// The record by which the folder of a shard is known.
-pub const SHARD: &str = "shard.json";
-/// The sums over the samples of a shard.
-pub const SHARD_SUMS: &str = "shard.npz";
 /// The record by which the folder of an input that gave no run is known.
 pub const FAILURE: &str = "failed.json";
 /// Who feeds each territory and outlet of a circle, and how late.

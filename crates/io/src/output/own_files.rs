@@ -8,11 +8,12 @@ use serde::de::IgnoredAny;
 
 use super::in_progress::{entries, is_in_progress};
 use super::names::{
-    ACCURACY, AGREEMENT, BIFURCATIONS, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, COMPARISON, CONVERGENCE_PICTURE,
-    DENSE_LIKELIHOOD, EDGES, ENDS, FAILURE, FLOW_PICTURE, GRAPH, HARMONICS, HYPERTENSION, HYPERTENSION_PICTURE, INSTANCES,
-    INTERVALS, LANDMARKS, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY, MODULATION_PICTURE, NODES, OCCLUSIONS, PAGE,
-    PAIRINGS, PHENOTYPE, PHENOTYPE_TABLE, RECORD, REVIEW, SHARD, SHARD_SUMS, SUBJECTS, SUGGESTED_CUTS, SUMMARY_PICTURE, SUPPLY,
-    TERRITORIES, TERRITORY_PICTURE, TOPOLOGY, TRANSIT, VESSELS, WAVEFORM_PICTURE, WAVEFORM_TABLE, WAVEFORMS,
+    ACCURACY, AGREEMENT, BESIDE_LABELLED, BIFURCATIONS, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, COMPARISON,
+    CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, ENDS, FAILURE, FLOW_PICTURE, GRAPH, HARMONICS, HYPERTENSION,
+    HYPERTENSION_PICTURE, INSTANCES, INTERVALS, LABELLED, LANDMARKS, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
+    MODULATION_PICTURE, NODES, OCCLUSIONS, PAGE, PAIRINGS, PHENOTYPE, PHENOTYPE_TABLE, RECORD, REVIEW, SUBJECTS, SUGGESTED_CUTS,
+    SUMMARY_PICTURE, SUPPLY, TERRITORIES, TERRITORY_PICTURE, TOPOLOGY, TRANSIT, VESSELS, WAVEFORM_PICTURE, WAVEFORM_TABLE,
+    WAVEFORMS,
 };
 use crate::output::files::read_json;
 
@@ -59,8 +60,6 @@ const PICTURES: [&str; 8] = [
     MODULATION_PICTURE,
     HYPERTENSION_PICTURE,
 ];
-/// The files in the folder of a shard.
-const SHARD_FILES: &[&str] = &[SHARD, SHARD_SUMS];
 /// The files in the folder of a cohort besides the folders of its subjects.
 const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE, ACCURACY];
 
@@ -78,7 +77,16 @@ fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     let is_known = is_named(path, &FILES) || is_named(path, &LANDMARKS);
-    is_known || is(&PICTURES, &["png", "svg"]) || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
+    is_known
+        || is_labelled(path)
+        || is(&PICTURES, &["png", "svg"])
+        || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
+}
+
+/// Whether a path has the name of the labelled vessels of a subject, or of a file beside them.
+fn is_labelled(path: &Path) -> bool {
+    let labelled = Path::new(LABELLED);
+    is_named(path, &[LABELLED]) || BESIDE_LABELLED.iter().any(|ending| path.ends_with(labelled.with_extension(ending)))
 }
 
 /// What tells a record of willis, without the conditions of a million vessels that it may hold.
@@ -99,11 +107,9 @@ pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
             Some(folder.join(RECORD))
         };
     }
-    for (mark, files) in [(SHARD, SHARD_FILES), (FAILURE, &[FAILURE])] {
-        if folder.join(mark).exists() {
-            let rest = paths.into_iter().find(|p| !is_named(p, files));
-            return if is_written_by_willis(mark) { rest } else { Some(folder.join(mark)) };
-        }
+    if folder.join(FAILURE).exists() {
+        let rest = paths.into_iter().find(|p| !is_named(p, &[FAILURE]));
+        return if is_written_by_willis(FAILURE) { rest } else { Some(folder.join(FAILURE)) };
     }
     if folder.join(COHORT).exists() {
         let of_cohort =

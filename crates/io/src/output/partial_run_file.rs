@@ -1,4 +1,4 @@
-//! A part of a run as arrays that `numpy.load` reads: `shard.npz`, and the checkpoint of an interrupted run.
+//! The checkpoint of an interrupted run, as arrays that `numpy.load` reads.
 
 use std::io::{self, Seek, Write};
 
