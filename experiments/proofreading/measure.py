@@ -1,4 +1,4 @@
-"""A person who knows the truth works on the answers to simulated scans; what the topology gains by number of decisions; the table of README.md too.
+"""A person who knows the truth works on the answers to simulated scans and expert masks; what the topology gains by number of decisions; the table of README.md too.
 
     measure.py SKELBENCH CASES WORK LEVEL [--subjects a,b] [--orders review,doubt,chance] [--decisions 20,60] [--rounds 4]
     measure.py SKELBENCH CASES WORK LEVEL --alone 20 [--subjects a,b]
@@ -372,7 +372,8 @@ def table():
         changes[row["level"], row["decision"]].append((float(row["path"]), float(row["nrun"])))
         changes[row["level"], "all"].append((float(row["path"]), float(row["nrun"])))
     lines = []
-    for (level, word), made in sorted(changes.items(), key=lambda item: (item[0][0] == "fair", item[0][1] == "all")):
+    levels = list(dict.fromkeys(level for level, _ in changes))
+    for (level, word), made in sorted(changes.items(), key=lambda item: (levels.index(item[0][0]), item[0][1] == "all")):
         path, run = np.array(made).T
         lines.append([level, word, len(path), f"{path.mean():+.4f}", f"{np.median(path):+.4f}", f"{path.min():+.3f}", int((path < -0.01).sum()), int((path > 0.01).sum()), f"{run.mean():+.4f}"])
     names = ["level", "decision", "made", "path, mean", "median", "worst", "of them below -.01", "above .01", "run length, mean"]

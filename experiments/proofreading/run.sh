@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# A person who knows the truth decides on the answers to simulated scans:
+# A person who knows the truth decides on the answers to simulated scans, and to two masks that people drew:
 #
 #   willis infer mask.nii.gz -o OUT --decisions decisions.csv
 #
@@ -9,14 +9,17 @@ set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
 . "$(dirname "$0")/../skelbench.sh"
 here=experiments/proofreading
-for level in good fair; do
+for subject in 002 003; do
+    "$python" experiments/skeletons/manual.py "$bench" "$data" "$work/cases/real" $subject
+done
+for level in good fair real; do
     [ -d "$work/cases/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/cases" --level $level --seed 2 --save-mask --subjects BG0003,BG08,BG11,BG18,BH0012,BH0014,BH0018,BH0024
     "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level >"$work/$level.csv"
     "$python" $here/measure.py "$bench" "$work/cases" "$work/answers" $level --alone 20 >"$work/alone-$level.csv"
 done
 [ -z "$tried" ] || exit 0
-{ cat "$work/good.csv"; tail -n +2 "$work/fair.csv"; } >$here/results.csv
-{ cat "$work/alone-good.csv"; tail -n +2 "$work/alone-fair.csv"; } >$here/alone.csv
+{ cat "$work/good.csv"; tail -qn +2 "$work/fair.csv" "$work/real.csv"; } >$here/results.csv
+{ cat "$work/alone-good.csv"; tail -qn +2 "$work/alone-fair.csv" "$work/alone-real.csv"; } >$here/alone.csv
 "$python" $here/measure.py table
 "$python" $here/beside.py "$bench" "$work/cases" "$work/answers"
 cargo run --release --locked --quiet --example fingerprints -- record proofreading
