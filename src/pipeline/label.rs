@@ -13,7 +13,8 @@ use willis_core::network::Network;
 use willis_core::network::units::metres;
 use willis_io::formats::convert::Target;
 use willis_io::formats::{
-    Column, Format, LandmarkFormat, MarkedPoint, SURE, graph_columns, write_csv, write_graphml, write_landmarks,
+    Column, Format, LandmarkFormat, MarkedPoint, POSITION_COLUMNS, SURE, coordinate_columns, graph_columns, write_csv,
+    write_graphml, write_landmarks,
 };
 use willis_io::output::StagedFiles;
 use willis_io::output::names::BESIDE_LABELLED;
@@ -102,17 +103,16 @@ impl Labelled {
         let nodes = &names.nodes;
         let best = names.best();
         let real = |name: &'static str, of: &dyn Fn(usize) -> f64| Column::real(name, (0..nodes.len()).map(of));
-        let mut columns = vec![
-            real("x_mm", &|n| sign * nodes.at[n][0]),
-            real("y_mm", &|n| sign * nodes.at[n][1]),
-            real("z_mm", &|n| nodes.at[n][2]),
+        let places = || nodes.at.iter().map(|at| [sign * at[0], sign * at[1], at[2]]);
+        let mut columns = coordinate_columns(POSITION_COLUMNS, places).to_vec();
+        columns.extend([
             real("radius_mm", &|n| nodes.log_radius[n].exp()),
             Column::whole("edge", (0..nodes.len()).map(|n| nodes.place[n].vessel)),
             real("along_mm", &|n| nodes.place[n].along),
             real("length_mm", &|n| nodes.weight[n]),
             Column::text("label", best.iter().map(|label| if *label == OTHER { String::new() } else { name_of(*label) })),
             real("probability", &|n| names.labels[n][best[n]]),
-        ];
+        ]);
         for label in 0..LABELS {
             columns.push(Column::real(format!("p_{}", name_of(label)), (0..nodes.len()).map(|n| names.labels[n][label])));
         }

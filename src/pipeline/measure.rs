@@ -16,7 +16,7 @@ use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, S
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Network, Role};
 use willis_core::sampling::SamplingOptions;
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
 use willis_io::formats::{Column, ReadOptions, read_image};
 use willis_io::masks::Picture;
 use willis_models::circle_of_willis::present_vessels;
@@ -232,10 +232,7 @@ fn brain(path: &Path, options: &ReadOptions, network: &Network) -> Result<Region
     }
     let points = network.vessels().flat_map(|(_, vessel)| vessel.path.iter().map(|point| point.position));
     let places = points.chain(network.nodes().filter_map(|node| node.position));
-    let bounds = places.fold([[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]], |[low, high]: [Point; 2], p| {
-        [std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))]
-    });
-    let picture = Picture::of(image, bounds, 0.0).ok_or_else(|| refused("does not reach the vessels"))?;
+    let picture = Picture::of(image, bounds(places), 0.0).ok_or_else(|| refused("does not reach the vessels"))?;
     let volume = count as f64 * voxel * metres(1.0).powi(3);
     Ok(Region { volume, step: metres(step), holds: Box::new(move |place| picture.value(place).is_some_and(|x| x >= 0.5)) })
 }

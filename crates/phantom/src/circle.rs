@@ -64,17 +64,9 @@ pub fn cerebral(network: &Network) -> Network {
 /// The network of the vessels that `keep` selects. Nodes that lose all their vessels go; the others keep id, order, role and
 /// condition.
 fn restricted(network: &Network, keep: impl Fn(&Vessel) -> bool) -> Network {
-    let degree = network.degrees(&keep);
-    let mut rest = Network::new();
-    rest.frame = network.frame;
-    let mut row_of = vec![usize::MAX; network.node_count()];
-    for (row, node) in network.nodes().enumerate().filter(|(row, _)| degree[*row] > 0) {
-        row_of[row] = rest.add_node(node.clone());
-    }
-    for (ends, vessel) in network.vessels().filter(|(_, vessel)| keep(vessel)) {
-        rest.add_vessel(ends.map(|end| row_of[end]), vessel.clone());
-    }
-    rest
+    let (rest, _) = network.subgraph(|row| keep(network.vessel(row)));
+    let degree = rest.degrees(|_| true);
+    rest.part(|node| degree[node] > 0).0
 }
 
 /// The anatomical variant without the vessels of these labels.

@@ -3,7 +3,7 @@
 use super::mask_truth::Contact;
 use super::tube::{DrawnTube, VoxelGrid};
 use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::{Point, distance};
+use willis_core::support::geometry::{Point, centroid, distance};
 use willis_io::masks::Mask;
 
 /// Vessels are apart where the way along them is longer than so many sums of their radii, and so many voxels more.
@@ -141,8 +141,7 @@ pub(super) fn contacts(tubes: &[DrawnTube], grid: &VoxelGrid, mask: &Mask) -> Ve
     };
     let contact = |touches: &[Touch]| {
         let vessels = touches[0].tubes;
-        let sum = |axis: usize| touches.iter().map(|touch| touch.place[axis]).sum::<f64>();
-        let position_mm = [0, 1, 2].map(|axis| sum(axis) / touches.len() as f64);
+        let position_mm = centroid(touches.iter().map(|touch| touch.place));
         Contact { vessels, labels: vessels.map(|row| tubes[row].label.clone()), position_mm }
     };
     touches.chunk_by(is_one).map(contact).collect()

@@ -7,6 +7,7 @@ use super::{check_length, check_pair, check_range};
 use willis_core::error::Result;
 use willis_core::network::units::metres;
 use willis_core::network::{Network, Role};
+use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::geometry::{Point, distance, lerp, unit};
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
@@ -123,21 +124,14 @@ impl SampledVessel {
             let node = |end: usize| network.node(end).position.expect("check_positions has refused a node without one");
             path = network.ends(row).map(|end| (node(end), vessel.radius)).to_vec();
         }
-        let mut arc = vec![0.0];
-        for pair in path.windows(2) {
-            arc.push(arc[arc.len() - 1] + distance(pair[0].0, pair[1].0));
-        }
+        let arc = arc_lengths(path.iter().map(|(position, _)| *position));
         let length = arc[arc.len() - 1];
         let steps = steps(length);
-        let mut at = 0;
+        let mut walk = ArcWalk::new(&arc);
         let points: Vec<_> = (0..=steps)
             .map(|i| {
-                let wanted = length * i as f64 / steps as f64;
-                while at + 2 < arc.len() && arc[at + 1] < wanted {
-                    at += 1;
-                }
-                let span = arc[at + 1] - arc[at];
-                let share = if i == steps { 1.0 } else { ((wanted - arc[at]) / span.max(f64::MIN_POSITIVE)).min(1.0) };
+                let (at, share) = walk.to(length * i as f64 / steps as f64);
+                let share = if i == steps { 1.0 } else { share };
                 let ((p, r), (q, s)) = (path[at], path[at + 1]);
                 (if i == steps { q } else { lerp(p, q, share) }, r + share * (s - r))
             })

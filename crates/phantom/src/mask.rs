@@ -13,7 +13,7 @@ use willis_core::error::{Error, Result};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::gamma::Gamma;
-use willis_core::support::geometry::{Point, dot};
+use willis_core::support::geometry::{Point, bounds, dot};
 use willis_core::support::random;
 use willis_core::support::random::stream;
 use willis_core::support::statistics::median;
@@ -179,16 +179,11 @@ fn too_small(voxel: f64, what: &str) -> Error {
 
 /// The voxels around all tubes, with a margin.
 fn grid_around(tubes: &[DrawnTube], voxel: f64) -> Result<VoxelGrid> {
-    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
-    for tube in tubes {
+    let corners = tubes.iter().flat_map(|tube| {
         let around = tube.widest() + MARGIN * voxel;
-        for at in &tube.stations {
-            for axis in 0..3 {
-                low[axis] = low[axis].min(at[axis] - around);
-                high[axis] = high[axis].max(at[axis] + around);
-            }
-        }
-    }
+        tube.stations.iter().flat_map(move |at| [at.map(|x| x - around), at.map(|x| x + around)])
+    });
+    let [low, high] = bounds(corners);
     if low[0] > high[0] {
         return Err(Error::parameter("network", "empty", "expected vessels to draw"));
     }

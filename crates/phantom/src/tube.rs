@@ -3,6 +3,7 @@
 use super::damage::SampledVessel;
 use willis_core::network::Network;
 use willis_core::network::units::{metres, millimetres};
+use willis_core::support::arc_lengths::arc_lengths;
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
 
 /// A vessel as stations along its centerline, mm.
@@ -40,12 +41,7 @@ impl DrawnTube {
 
     /// The arc length from the first station to each, mm.
     pub fn arc(&self) -> Vec<f64> {
-        let mut arc = vec![0.0];
-        arc.extend(self.stations.windows(2).scan(0.0, |sum, pair| {
-            *sum += distance(pair[0], pair[1]);
-            Some(*sum)
-        }));
-        arc
+        arc_lengths(self.stations.iter().copied())
     }
 
     /// The largest radius, mm.

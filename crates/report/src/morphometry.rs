@@ -7,9 +7,8 @@ use super::circle_figures::{CircleFigures, NamedFigures, SIDES, asymmetry};
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
-use willis_core::support::geometry::Point;
 use willis_core::support::statistics::weighted_quantile;
-use willis_io::formats::Column;
+use willis_io::formats::{Column, POSITION_COLUMNS, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 
 const MM2: f64 = 1e6;
@@ -36,9 +35,7 @@ impl MeasuredSubject<'_> {
     }
 
     fn places(&self, nodes: &[usize]) -> [Column; 3] {
-        let axis = |k: usize| move |position: Option<Point>| position.map_or(f64::NAN, |p| millimetres(p[k]));
-        [("x_mm", 0), ("y_mm", 1), ("z_mm", 2)]
-            .map(|(name, k)| Column::real(name, nodes.iter().map(|node| axis(k)(self.network.node(*node).position))))
+        coordinate_columns(POSITION_COLUMNS, || nodes.iter().map(|node| coordinates(self.network.node(*node).position)))
     }
 
     /// The columns of vessels.csv.

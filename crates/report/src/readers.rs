@@ -1,7 +1,7 @@
 //! readers.csv and differences.csv: how far two readers agree on the connections of runs, and where they differ.
 
 use willis_core::support::kappa::{CohenKappa, cohen_kappa};
-use willis_io::formats::Column;
+use willis_io::formats::{Column, POSITION_COLUMNS, coordinate_columns};
 
 /// What a reader says of a connection.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -100,12 +100,7 @@ pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
         text("id_a".to_owned(), &|row| row.ids[0].clone()),
         text("id_b".to_owned(), &|row| row.ids[1].clone()),
     ];
-    columns.extend(
-        ["x_mm", "y_mm", "z_mm"]
-            .into_iter()
-            .enumerate()
-            .map(|(k, name)| Column::real(name, rows.iter().map(move |row| row.middle[k]))),
-    );
+    columns.extend(coordinate_columns(POSITION_COLUMNS, || rows.iter().map(|row| row.middle)));
     columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
     let of_reader: [ReaderColumn; 3] = [
         ("decision", |read| ANSWERS[read.answer()].1.to_owned()),

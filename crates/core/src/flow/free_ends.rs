@@ -1,7 +1,7 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
 use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
-use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
+use crate::support::geometry::{Point, bounds, centroid, distance, dot, lerp, norm_squared, sub};
 use crate::support::ties::{compare, near_zero, steady};
 
 /// How far out, as a share of the way from the middle of all ends to the two widest, the third and the fourth inlet lie at least. Blood
@@ -69,9 +69,8 @@ impl FreeEnds {
         let nodes: Vec<usize> = (0..network.node_count()).filter(is_free).collect();
         let belongs: Vec<bool> = (0..network.node_count()).map(|n| parts.is_long(n)).collect();
         let placed: Vec<Point> = nodes.iter().filter(|node| belongs[**node]).filter_map(|node| position[*node]).collect();
-        let mean = |axis: usize| placed.iter().map(|p| p[axis]).sum::<f64>() / placed.len().max(1) as f64;
         Self {
-            middle: [mean(0), mean(1), mean(2)],
+            middle: centroid(placed.iter().copied()),
             extent: extent(&placed),
             nodes,
             belongs,
@@ -191,10 +190,9 @@ impl FreeEnds {
 
 /// The lowest corner of the box around points, and the longest of its sides, or 1 where that is none.
 fn extent(points: &[Point]) -> (Point, f64) {
-    let along = |axis: usize| points.iter().map(move |p| p[axis]);
-    let low = [0, 1, 2].map(|axis| along(axis).fold(f64::INFINITY, f64::min));
-    let side = |axis: usize| along(axis).fold(f64::NEG_INFINITY, f64::max) - low[axis];
-    let size = side(0).max(side(1)).max(side(2));
+    let [low, high] = bounds(points.iter().copied());
+    let sides = sub(high, low);
+    let size = sides[0].max(sides[1]).max(sides[2]);
     (low, if size > 0.0 { size } else { 1.0 })
 }
 

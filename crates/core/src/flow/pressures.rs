@@ -40,7 +40,7 @@ impl<'a> PressureSolver<'a> {
         let mut work = solver.workspace::<1>(0);
         solver.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
         let pressure = |node: usize| work.pressure()[solver.slot(node)][0];
-        if matches!(solver, BatchSolver::Gradients(_)) {
+        if solver.core().is_some() {
             let residual = Check::default().residual(circuit, circuit.if_open(&masks), &stranded, pressure);
             if residual.backward > MOST_BACKWARD {
                 return Err(Error::Breakdown);

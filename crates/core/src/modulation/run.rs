@@ -173,7 +173,7 @@ impl<'a> Job<'a> {
         conductance.extend((0..self.tubes.len()).map(lanes));
         self.instructions.run(SideBySide { solver: &self.solver, conductance, stranded: &self.stranded, work });
         let pressure = |node: usize, lane: usize| work.pressure()[self.solver.slot(node)][lane];
-        if matches!(self.solver, BatchSolver::Gradients(_)) {
+        if self.solver.core().is_some() {
             for (lane, own) in each.iter().enumerate() {
                 let at = |node| pressure(node, lane);
                 if Check::default().residual(self.circuit, |vessel| own[vessel], &self.stranded, at).backward > MOST_BACKWARD {

@@ -77,7 +77,7 @@ impl VesselLine {
 
 /// The vessels of a network as lines; none goes on beyond a node that `stops` it.
 pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
-    let at = vessels_at(network);
+    let at = vessels_at(network, |_| true);
     let passes = |node: usize| match *at[node] {
         [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
         _ => false,

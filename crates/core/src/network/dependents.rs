@@ -6,6 +6,7 @@ use petgraph::unionfind::UnionFind;
 
 use super::Network;
 use super::paths::ShortestPaths;
+use super::runs::{other_end, vessels_at};
 
 /// Per vessel the length of vessels that hangs on it, m: of the vessels `kept` the shorter side if it were cut, 0 where that cuts
 /// nothing off; of others the shorter of the two parts that it would join, 0 where they are one.
@@ -13,16 +14,7 @@ use super::paths::ShortestPaths;
 /// In O(m α): a spanning forest, whose edges are bridges unless another vessel passes them by (Tarjan 1974, by union-find).
 pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
     let nodes = network.node_count();
-    let opposite = |row: usize, node: usize| {
-        let [a, b] = network.ends(row);
-        if a == node { b } else { a }
-    };
-    let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
-    for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| kept[*row]) {
-        for end in ends {
-            at[end].push(row);
-        }
-    }
+    let at = vessels_at(network, |row| kept[row]);
     // By node the vessel up to its parent, how deep it lies, and the root of its part; nodes in breadth-first order.
     let (mut up, mut depth, mut root) = (vec![usize::MAX; nodes], vec![0_usize; nodes], vec![usize::MAX; nodes]);
     let mut order = Vec::with_capacity(nodes);
@@ -35,7 +27,7 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
         while let Some(node) = next.pop_front() {
             order.push(node);
             for row in &at[node] {
-                let other = opposite(*row, node);
+                let other = other_end(network, *row, node);
                 if root[other] == usize::MAX {
                     (root[other], up[other], depth[other]) = (start, *row, depth[node] + 1);
                     next.push_back(other);
@@ -43,7 +35,7 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
             }
         }
     }
-    let parent = |node: usize| opposite(up[node], node);
+    let parent = |node: usize| other_end(network, up[node], node);
     // The length below each node, and of each part. What closes a loop takes the way round it off the bridges.
     let (mut below, mut is_bridge) = (vec![0.0; nodes], vec![true; nodes]);
     let mut climbed = UnionFind::<usize>::new(nodes);

@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use petgraph::unionfind::UnionFind;
+
 use super::runs::{other_end, runs, vessels_at};
 use super::units::as_stored;
 use super::{Network, Origin, PathPoint, Role, Vessel};
@@ -25,7 +27,7 @@ pub struct Merged<'a> {
 /// do in a row; resistances that they state add up.
 pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merged<'_> {
     // No copy and no list of what may be a million nodes, where none of them can go.
-    let at = if (0..network.node_count()).any(&may_go) { vessels_at(&network) } else { Vec::new() };
+    let at = if (0..network.node_count()).any(&may_go) { vessels_at(&network, |_| true) } else { Vec::new() };
     // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
     let mut grown = Runs::of(&network);
     let mut is_gone = vec![false; network.node_count()];
@@ -94,33 +96,24 @@ fn in_a_row(network: &Network, run: &[(usize, usize)]) -> Vessel {
 
 /// Runs of vessels, of which each knows its two ends.
 struct Runs {
-    run_of: Vec<usize>,
+    runs: UnionFind<usize>,
     ends: Vec<[usize; 2]>,
 }
 
 impl Runs {
     fn of(network: &Network) -> Self {
-        Self { run_of: (0..network.vessel_count()).collect(), ends: network.vessels().map(|(ends, _)| ends).collect() }
-    }
-
-    fn find(&mut self, row: usize) -> usize {
-        let mut run = row;
-        while self.run_of[run] != run {
-            self.run_of[run] = self.run_of[self.run_of[run]];
-            run = self.run_of[run];
-        }
-        run
+        Self { runs: UnionFind::new(network.vessel_count()), ends: network.vessels().map(|(ends, _)| ends).collect() }
     }
 
     /// Joins the runs of two vessels at the node that they share, unless the whole would begin and end at one node.
     fn join(&mut self, node: usize, a: usize, b: usize) -> bool {
-        let [a, b] = [a, b].map(|row| self.find(row));
+        let [a, b] = [a, b].map(|row| self.runs.find_mut(row));
         let far = [a, b].map(|run| if self.ends[run][0] == node { self.ends[run][1] } else { self.ends[run][0] });
         if a == b || far[0] == far[1] {
             return false;
         }
-        self.run_of[b] = a;
-        self.ends[a] = far;
+        self.runs.union(a, b);
+        self.ends[self.runs.find_mut(a)] = far;
         true
     }
 }

@@ -236,6 +236,26 @@ pub struct Fragments {
     pub count: usize,
 }
 
+impl Fragments {
+    /// The parts of so many nodes over some links.
+    pub fn over(nodes: usize, links: impl Iterator<Item = [usize; 2]>) -> Self {
+        let mut parts = UnionFind::<usize>::new(nodes);
+        for [a, b] in links {
+            parts.union(a, b);
+        }
+        let (mut number, mut count) = (vec![usize::MAX; nodes], 0);
+        let part = |node: usize| {
+            let slot = &mut number[parts.find(node)];
+            if *slot == usize::MAX {
+                *slot = count;
+                count += 1;
+            }
+            *slot
+        };
+        Self { of_node: (0..nodes).map(part).collect(), count }
+    }
+}
+
 /// A part shorter than so many of its widths may be a speck of a mask, and no vessel.
 const SHORT_WIDTHS: f64 = 3.0;
 
@@ -246,25 +266,8 @@ pub fn may_be_speck(length: f64, width: f64) -> bool {
 
 /// The connected parts over the vessels that `counts` admits; a node without vessel is a part of its own.
 pub fn fragments(network: &Network, counts: impl Fn(usize, &Vessel) -> bool) -> Fragments {
-    let mut parts = UnionFind::<usize>::new(network.node_count());
-    for (row, (ends, vessel)) in network.vessels().enumerate() {
-        if counts(row, vessel) {
-            parts.union(ends[0], ends[1]);
-        }
-    }
-    let mut number = vec![usize::MAX; network.node_count()];
-    let mut count = 0;
-    let of_node = (0..network.node_count())
-        .map(|node| {
-            let slot = &mut number[parts.find(node)];
-            if *slot == usize::MAX {
-                *slot = count;
-                count += 1;
-            }
-            *slot
-        })
-        .collect();
-    Fragments { of_node, count }
+    let counted = network.vessels().enumerate().filter(|(row, (_, vessel))| counts(*row, vessel));
+    Fragments::over(network.node_count(), counted.map(|(_, (ends, _))| ends))
 }
 
 /// The number of independent cycles, E - N + parts, self-loops and parallel vessels included.

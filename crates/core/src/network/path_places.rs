@@ -1,6 +1,7 @@
 //! Places along a path, between its points too, and paths at even steps.
 
 use super::PathPoint;
+use crate::support::arc_lengths::arc_lengths;
 use crate::support::geometry::{distance, lerp};
 
 /// A place on a path: a share of the way from one of its points to the next.
@@ -34,10 +35,7 @@ pub fn length_of(path: &[PathPoint]) -> f64 {
 
 /// The ends of so many equally long stretches of a path of at least two points, the first and the last point among them.
 pub fn at_even_steps(path: &[PathPoint], steps: usize) -> Vec<PathPlace> {
-    let mut arc = vec![0.0];
-    for w in path.windows(2) {
-        arc.push(arc[arc.len() - 1] + distance(w[0].position, w[1].position));
-    }
+    let arc = arc_lengths(path.iter().map(|point| point.position));
     let length = arc[arc.len() - 1];
     let mut at = 0;
     let place = |number: usize| {

@@ -2,10 +2,10 @@
 
 use super::Network;
 
-/// The vessels at every node, a vessel from a node to itself twice.
-pub fn vessels_at(network: &Network) -> Vec<Vec<usize>> {
+/// The vessels at every node that `counts` admits, a vessel from a node to itself twice.
+pub fn vessels_at(network: &Network, counts: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
     let mut at = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
+    for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| counts(*row)) {
         for node in ends {
             at[node].push(row);
         }

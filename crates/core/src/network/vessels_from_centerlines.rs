@@ -3,9 +3,11 @@
 use super::Network;
 use super::centerlines::{Centerlines, is_radius};
 use super::node::Node;
+use super::path_places::length_of;
 use super::tapering_root::falls_from;
 use super::vessel::{Origin, PathPoint, Vessel};
 use crate::error::Fault;
+use crate::support::arc_lengths::arc_lengths;
 use crate::support::geometry::distance;
 
 /// Which single radius a vessel gets from the radii along it.
@@ -64,8 +66,7 @@ impl RadiusRule {
 impl Vessel {
     /// An observed vessel along a centerline.
     pub fn along(path: Vec<PathPoint>, rule: RadiusRule) -> Self {
-        let length = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
-        let radius = rule.radius(&path);
+        let (length, radius) = (length_of(&path), rule.radius(&path));
         Self { path, ..Self::new(length, radius, Origin::Observed) }
     }
 }
@@ -216,10 +217,7 @@ fn add(
 fn interpolate(radii: &mut [f64], points: &[usize], lines: &Centerlines) -> bool {
     let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
     let (Some(first), Some(last)) = (valid.first().copied(), valid.last().copied()) else { return false };
-    let mut arc = vec![0.0; radii.len()];
-    for i in 1..points.len() {
-        arc[i] = arc[i - 1] + distance(lines.points[points[i - 1]], lines.points[points[i]]);
-    }
+    let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let (head, tail) = (radii[first], radii[last]);
     radii[..first].fill(head);
     radii[last..].fill(tail);

@@ -3,8 +3,7 @@
 use super::batch_forest::ForestProgram;
 use super::options::Solver;
 use crate::error::{Error, Result};
-use crate::flow::batch::conjugate_gradients::ConjugateGradients;
-use crate::flow::{BatchSolver, Circuit, StarMesh};
+use crate::flow::{BatchSolver, Circuit};
 
 /// Graphs of more vessels are reduced first. Smaller ones fit the nearest caches as they are.
 const MOST_VESSELS_IN_FULL: usize = 4096;
@@ -77,18 +76,17 @@ pub fn most_joins_in_full(vessels: usize, solver: Solver) -> Option<usize> {
 ///
 /// A mesh beyond what indices can count.
 pub fn reduced_graph_solver(core: &Circuit, solver: Solver) -> Result<BatchSolver> {
-    let star_mesh = |most_joins| StarMesh::compile(core, most_joins).map(|program| BatchSolver::StarMesh(Box::new(program)));
     if solver == Solver::Lanes {
-        return star_mesh(usize::MAX).ok_or(Error::Breakdown);
+        return BatchSolver::star_mesh(core, usize::MAX).ok_or(Error::Breakdown);
     }
-    let gradients = ConjugateGradients::compile(core).ok_or(Error::Breakdown)?;
-    if solver == Solver::Auto && gradients.core() <= MOST_CORE_NODES {
-        let nanoseconds = JOIN * gradients.joins() as f64 + STEPS * RAY_IN_STEP * gradients.rays() as f64;
-        if let Some(solver) = star_mesh((nanoseconds / JOIN) as usize) {
+    let gradients = BatchSolver::gradients(core)?;
+    if solver == Solver::Auto && gradients.core().is_some_and(|core| core.nodes() <= MOST_CORE_NODES) {
+        let nanoseconds = JOIN * gradients.joins() as f64 + STEPS * RAY_IN_STEP * gradients.rays_in_step() as f64;
+        if let Some(solver) = BatchSolver::star_mesh(core, (nanoseconds / JOIN) as usize) {
             return Ok(solver);
         }
     }
-    Ok(BatchSolver::Gradients(Box::new(gradients)))
+    Ok(gradients)
 }
 
 /// The forest program of a graph, `None` where Kruskal's algorithm is faster. `None` among the ends is a vessel that is in no forest.

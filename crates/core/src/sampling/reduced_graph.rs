@@ -162,9 +162,9 @@ impl ReducedGraph {
 
         let solver = choose_solver::reduced_graph_solver(&core, params.solver)?;
         let in_forest: Vec<Option<[usize; 2]>> = core.ends[..flows.len()].iter().map(|ends| Some(*ends)).collect();
-        let forest = match solver {
-            BatchSolver::StarMesh(_) => choose_solver::forest_program(core.node_count(), &in_forest),
-            BatchSolver::Gradients(_) => None,
+        let forest = match solver.core() {
+            None => choose_solver::forest_program(core.node_count(), &in_forest),
+            Some(_) => None,
         };
         let slot = |node: usize| solver.slot(node) as u32;
         for (flow, ends) in flows.iter_mut().zip(&core.ends) {

@@ -38,6 +38,16 @@ pub fn distance(a: Point, b: Point) -> f64 {
     norm(sub(a, b))
 }
 
+/// The mean of some points; zero for none.
+pub fn centroid(points: impl IntoIterator<Item = Point>) -> Point {
+    let (mut sum, mut count) = ([0.0; 3], 0_usize);
+    for p in points {
+        sum = [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]];
+        count += 1;
+    }
+    sum.map(|x| x / count.max(1) as f64)
+}
+
 /// a / |a|; zero stays zero.
 pub fn unit(a: Point) -> Point {
     let n = norm_squared(a).sqrt();
@@ -56,8 +66,8 @@ pub fn area_of(radius: f64) -> f64 {
     near.into_iter().find(|a| radius_of(*a) == radius).unwrap_or(area)
 }
 
-/// The diagonal of the box around the points; zero for none.
-pub fn box_diagonal(points: impl IntoIterator<Item = Point>) -> f64 {
+/// The lowest and the highest corner of the box around the points; infinite and the wrong way round for none.
+pub fn bounds(points: impl IntoIterator<Item = Point>) -> [Point; 2] {
     let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     for p in points {
         for axis in 0..3 {
@@ -65,5 +75,11 @@ pub fn box_diagonal(points: impl IntoIterator<Item = Point>) -> f64 {
             high[axis] = high[axis].max(p[axis]);
         }
     }
+    [low, high]
+}
+
+/// The diagonal of the box around the points; zero for none.
+pub fn box_diagonal(points: impl IntoIterator<Item = Point>) -> f64 {
+    let [low, high] = bounds(points);
     if low[0] <= high[0] { distance(low, high) } else { 0.0 }
 }

@@ -1,6 +1,7 @@
-//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, comparisons of groups, geometry, elimination orders, suggestions,
+//! Tools for every other module: boosted trees, random streams, vector instructions, statistics, comparisons of groups, geometry, lengths along lines, elimination orders, suggestions,
 //! text that may be shown, endings of names, limits of the system.
 
+pub mod arc_lengths;
 pub mod boosted_trees;
 pub mod calibration;
 pub mod comparison;

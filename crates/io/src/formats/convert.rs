@@ -14,6 +14,7 @@ use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
 use willis_core::flow::Unfed;
+use willis_core::network::path_places::length_of;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis_core::support::geometry::{distance, lerp};
 
@@ -323,7 +324,7 @@ fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<
         let [a, b] = ends.map(|end| network.node(end).position);
         return Some(distance(a?, b?));
     }
-    Some(vessel.path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum())
+    Some(length_of(&vessel.path))
 }
 
 /// The mean radius (m) over a vessel's points; none without points, since the ones that are then made keep the radius.

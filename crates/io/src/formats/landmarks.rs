@@ -5,8 +5,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+use crate::formats::attributes::POSITION_COLUMNS;
+use crate::formats::input::without_mark;
 use crate::formats::tables::reader::{Row, TableReader};
-use crate::formats::tables::write::{Column, real, write_csv};
+use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
 use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
 use willis_core::error::{Fault, Place};
 use willis_core::network::Frame;
@@ -84,9 +86,8 @@ impl LandmarkFormat {
 ///
 /// A missing column or label, a position that is not three finite numbers, another coordinate system or unit, no landmark at all.
 pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes).trim_ascii_start();
-    let list = if text.starts_with(b"{") {
-        read_markups(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes))?
+    let list = if without_mark(bytes).trim_ascii_start().starts_with(b"{") {
+        read_markups(without_mark(bytes))?
     } else if let Some(head) = FcsvHead::of(bytes)? {
         read_fcsv(bytes, &head)?
     } else {
@@ -208,8 +209,7 @@ impl FcsvHead {
     fn of(bytes: &[u8]) -> Result<Option<Self>, Fault> {
         // Slicer wrote RAS before it stated the coordinate system.
         let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        for (row, line) in bytes.split(|b| *b == b'\n').enumerate() {
+        for (row, line) in without_mark(bytes).split(|b| *b == b'\n').enumerate() {
             let line = String::from_utf8_lossy(line);
             let line = line.trim();
             if line.is_empty() {
@@ -314,9 +314,8 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
 }
 
 fn write_table(out: impl Write, landmarks: &[MarkedPoint]) -> io::Result<()> {
-    let axis = |k: usize| landmarks.iter().map(move |point| millimetres(point.position[k]));
     let mut columns = vec![Column::text("label", landmarks.iter().map(|point| point.label.clone()))];
-    columns.extend(["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(|(k, name)| Column::real(name, axis(k))));
+    columns.extend(coordinate_columns(POSITION_COLUMNS, || landmarks.iter().map(|point| point.position.map(millimetres))));
     if landmarks.iter().any(|point| point.probability.is_some()) {
         columns.push(Column::real("probability", landmarks.iter().map(|point| point.probability.unwrap_or(f64::NAN))));
     }

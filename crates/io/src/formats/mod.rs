@@ -7,6 +7,7 @@ mod content;
 pub mod convert;
 mod format;
 mod graphml;
+mod header_fields;
 mod images;
 pub(crate) mod input;
 mod itk;
@@ -25,6 +26,7 @@ mod vendors;
 mod vtk;
 mod xml;
 
+pub use attributes::POSITION_COLUMNS;
 pub use companions::{StatedSpacing, companion_files, stated_spacing};
 pub use content::{BuiltNetwork, Content};
 pub use format::{Document, Format, read_image, read_mask};
@@ -48,8 +50,8 @@ pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
 pub use tables::graph::{
-    END_POSITION_COLUMNS, axis, condition_columns, found_column, graph_columns, graph_columns_with, node_columns, stated_columns,
-    vessel_columns, wall_columns, windkessel_columns,
+    END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
+    stated_columns, vessel_columns, wall_columns, windkessel_columns,
 };
 pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};
@@ -60,10 +62,10 @@ pub use tables::reader::number;
 pub use tables::unread::unread_columns;
 pub use tables::waveform::read_waveform;
 pub use tables::write::escape_formula;
-pub use tables::write::{Column, Texts, Values, write_csv, write_stacked};
+pub use tables::write::{Column, Texts, Values, coordinate_columns, write_csv, write_stacked};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
-pub use vendors::icafe::{TracedVessel, name_stretches, read_traced_vessels};
+pub use vendors::icafe::{ICAFE_ARTERIES, TracedVessel, name_stretches, read_traced_vessels};
 pub use vendors::slicer_markups::{read_markups, write_markups};
 pub use vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
 pub use vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};

@@ -9,6 +9,7 @@ use crate::formats::tables::reader::{is_missing, plural};
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};
+use willis_core::network::runs::{other_end, vessels_at};
 use willis_core::network::units::{Scale, millimetres};
 use willis_core::network::{Frame, Network, PathPoint, Role, cycles};
 
@@ -177,11 +178,7 @@ pub fn is_forest(network: &Network) -> bool {
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
-    let mut vessels_at = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
-        vessels_at[ends[0]].push((row, ends[1]));
-        vessels_at[ends[1]].push((row, ends[0]));
-    }
+    let vessels_at = vessels_at(network, |_| true);
     title(&mut out, network.frame)?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
     types.write(&mut out)?;
@@ -208,24 +205,25 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         id_of[root] = Some(root_id);
         let mut open = vec![(root, root_id)];
         while let Some((node, node_id)) = open.pop() {
-            for (row, next) in &vessels_at[node] {
+            for row in &vessels_at[node] {
                 if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }
+                let next = other_end(network, *row, node);
                 let inner =
-                    between(&network.vessel(*row).path, at[node].position, at[*next].position, network.ends(*row)[0] == node);
+                    between(&network.vessel(*row).path, at[node].position, at[next].position, network.ends(*row)[0] == node);
                 let kind = types.code(&network.vessel(*row).label);
                 let mut parent = node_id;
                 for point in &inner {
                     parent = write(point, kind, Some(parent))?;
                 }
-                if let Some(there) = id_of[*next] {
+                if let Some(there) = id_of[next] {
                     loops.push([parent, there]);
                     continue;
                 }
-                parent = write(&at[*next], kind, Some(parent))?;
-                id_of[*next] = Some(parent);
-                open.push((*next, parent));
+                parent = write(&at[next], kind, Some(parent))?;
+                id_of[next] = Some(parent);
+                open.push((next, parent));
             }
         }
     }

@@ -8,10 +8,10 @@ use super::network_point::NetworkPoint;
 use super::options::{CandidateOptions, CandidateRadius};
 use super::resample::Resampled;
 use super::search::EndCandidate;
-use willis_core::network::path_places::PathPlace;
+use willis_core::network::path_places::{PathPlace, length_of};
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use willis_core::support::geometry::{Point, distance};
+use willis_core::support::geometry::Point;
 
 /// One end of a candidate that becomes a vessel.
 pub struct NewEnd {
@@ -89,7 +89,7 @@ pub fn over_connected(
         let inner = course.get(1..course.len().saturating_sub(1)).unwrap_or_default();
         let points = std::iter::once(from).chain(inner.iter().copied()).chain([to]);
         let path: Vec<PathPoint> = points.map(|position| PathPoint { position, radius, id: None }).collect();
-        let length = path.windows(2).map(|w| distance(w[0].position, w[1].position)).sum();
+        let length = length_of(&path);
         let prior = new.evidence.map_or(1.0, |e| e.probability);
         let vessel = Vessel::new(length, radius, Origin::Candidate);
         graph.add_vessel(ends, Vessel { prior, evidence: new.evidence.map(Box::new), path, ..vessel });

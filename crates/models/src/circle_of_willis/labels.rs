@@ -8,6 +8,7 @@ use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel};
+use willis_io::formats::ICAFE_ARTERIES;
 
 /// The network with every vessel split where the labels of its centerline change. A junction that lost a branch (carotid and M1
 /// without A1) is not a node, so that without the split the label of the longest piece would be that of the whole vessel.
@@ -66,12 +67,6 @@ pub enum LabelScheme {
     /// The classes of the TopCoW challenge, 1 to 12 and 15, as CoW_Centerline_Extraction writes them.
     TopCow,
 }
-
-/// The names of iCafe's `VesselType` from 1 on.
-const ICAFE: [&str; 22] = [
-    "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA", "R-VA",
-    "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
-];
 
 /// The names of TopCoW's classes from 1 on; 13 and 14 do not exist.
 const TOPCOW: [&str; 15] = [
@@ -141,7 +136,7 @@ pub fn names_no_artery(label: &str) -> bool {
 pub fn artery_of_label(label: &str, scheme: LabelScheme) -> Option<Artery> {
     let label = label.trim();
     match scheme {
-        LabelScheme::ICafe => artery_of_code(label, &ICAFE),
+        LabelScheme::ICafe => artery_of_code(label, &ICAFE_ARTERIES[1..]),
         LabelScheme::TopCow => artery_of_code(label, &TOPCOW),
         LabelScheme::Names => artery_of_name(&label.to_lowercase()),
     }

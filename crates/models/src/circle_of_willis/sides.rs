@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::arteries::{Artery, BodySide};
-use willis_core::support::geometry::{Point, cross, dot, lerp, sub, unit};
+use willis_core::support::geometry::{Point, centroid, cross, dot, lerp, sub, unit};
 
 /// The arteries that lie aside of the midline, so that one alone shows its side.
 const ASIDE: [fn(BodySide) -> Artery; 5] = [Artery::M1, Artery::Mca, Artery::P2, Artery::Pca, Artery::PComm];
@@ -61,8 +61,7 @@ const TOO_FLAT: f64 = 0.05;
 pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
     let mean = |arteries: &[Artery]| -> Option<Point> {
         let points: Vec<Point> = arteries.iter().filter_map(|artery| at.get(artery).copied()).collect();
-        let sum = points.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
-        (!points.is_empty()).then(|| sum.map(|x| x / points.len() as f64))
+        (!points.is_empty()).then(|| centroid(points))
     };
     let both = |artery: fn(BodySide) -> Artery| BodySide::BOTH.map(artery);
     let mut rightward = [0.0; 3];

@@ -5,8 +5,9 @@ use std::collections::BTreeMap;
 use petgraph::unionfind::UnionFind;
 
 use willis_core::network::path_places::length_of;
+use willis_core::network::runs::vessels_at;
 use willis_core::network::{Network, Origin, PathPoint};
-use willis_core::support::geometry::Point;
+use willis_core::support::geometry::{Point, centroid};
 use willis_core::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
@@ -61,8 +62,7 @@ pub struct Cluster {
 impl Cluster {
     /// The mean of the core's points.
     pub fn centre(&self) -> Point {
-        let sum = self.core.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p.position[k]));
-        sum.map(|total| total / self.core.len().max(1) as f64)
+        centroid(self.core.iter().map(|p| p.position))
     }
 }
 
@@ -190,12 +190,7 @@ fn degree_by_runs(network: &Network, runs: &[ObservedBranch]) -> Vec<usize> {
 /// is none.
 pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<ObservedBranch> {
     let is_observed = |row: usize| network.vessel(row).origin == Origin::Observed;
-    let mut at: Vec<Vec<usize>> = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| is_observed(*row)) {
-        for node in ends {
-            at[node].push(row);
-        }
-    }
+    let at = vessels_at(network, is_observed);
     let mut done = vec![false; network.vessel_count()];
     let mut out = Vec::new();
     for start in (0..network.vessel_count()).filter(|row| is_observed(*row)) {

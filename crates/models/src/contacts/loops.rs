@@ -11,7 +11,7 @@ use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 use super::branches::{BranchEnd, Branches};
 use super::features::PairTable;
 use super::partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
-use willis_core::support::geometry::{Point, lerp};
+use willis_core::support::geometry::{Point, centroid, lerp};
 use willis_core::support::statistics::median;
 use willis_io::masks::Field;
 
@@ -145,8 +145,7 @@ impl Opening<'_> {
         if courses().map(|branch| branch.length).sum::<f64>() > LONGEST * within {
             return false;
         }
-        let sum = points.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-        let middle = sum.map(|x| x / points.len() as f64);
+        let middle = centroid(points.iter().copied());
         let mut places =
             points.iter().flat_map(|point| (0..STEPS).map(move |step| lerp(middle, *point, step as f64 / STEPS as f64)));
         !places.any(|place| field.signed(place) < 0.0 && field.voxels_around(place, within).is_empty())

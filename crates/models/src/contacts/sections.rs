@@ -2,7 +2,7 @@
 
 use faer::{Mat, Side};
 
-use willis_core::support::geometry::{Point, cross, distance, dot, lerp, sub, unit};
+use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, sub, unit};
 use willis_io::masks::Field;
 
 /// Samples across a section.
@@ -109,9 +109,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
 
 /// The axis through some places: their mean, and their first principal direction, the way from the first to the last.
 pub fn axis_of(places: &[Point]) -> (Point, Point) {
-    let n = places.len().max(1) as f64;
-    let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-    let mean = sum.map(|x| x / n);
+    let mean = centroid(places.iter().copied());
     let [.., (_, direction)] = principal(places, mean);
     let (first, last) = (places.first().copied().unwrap_or(mean), places.last().copied().unwrap_or(mean));
     let along = sub(last, first);

@@ -3,8 +3,10 @@
 use petgraph::unionfind::UnionFind;
 
 use super::algebra::{Symmetric, outer};
+use willis_core::network::runs::vessels_at;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Network, Origin, PathPoint};
+use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint};
+use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
 
 /// The distance of nodes, mm.
@@ -88,11 +90,7 @@ impl Nodes {
         let sign = if network.frame == Frame::Lps { -1.0 } else { 1.0 };
         let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
         let traced = is_traced(network);
-        let mut vessels_at = vec![Vec::new(); network.node_count()];
-        for (row, (ends, _)) in network.vessels().enumerate().filter(|(row, _)| traced[*row]) {
-            vessels_at[ends[0]].push(row);
-            vessels_at[ends[1]].push(row);
-        }
+        let vessels_at = vessels_at(network, |row| traced[row]);
         let mut nodes = Self::default();
         let mut node_at = vec![usize::MAX; network.node_count()];
         let mut done = vec![false; network.vessel_count()];
@@ -184,24 +182,17 @@ impl Nodes {
         if points.len() < 2 {
             return;
         }
-        let mut arc = vec![0.0; points.len()];
-        for k in 1..points.len() {
-            arc[k] = arc[k - 1] + distance(points[k - 1].at, points[k].at);
-        }
+        let arc = arc_lengths(points.iter().map(|point| point.at));
         let length = arc[points.len() - 1];
         // Two at the least: never one junction beside another.
         let pieces = ((length / STEP).round() as usize).max(2);
         let at: Vec<f64> = (0..=pieces).map(|k| length * k as f64 / pieces as f64).collect();
-        let mut k = 0;
-        let sampled: Vec<BranchPoint> = at
-            .iter()
-            .map(|s| {
-                while k + 2 < points.len() && arc[k + 1] < *s {
-                    k += 1;
-                }
-                between(&points[k], &points[k + 1], [arc[k], arc[k + 1]], *s)
-            })
-            .collect();
+        let mut walk = ArcWalk::new(&arc);
+        let at_length = |s: &f64| {
+            let (k, share) = walk.to(*s);
+            between(&points[k], &points[k + 1], share)
+        };
+        let sampled: Vec<BranchPoint> = at.iter().map(at_length).collect();
         let radius = |j: usize| {
             if pieces < 4 {
                 return sampled[j].radius;
@@ -269,24 +260,8 @@ impl Nodes {
             let trace = d[0] + d[1] + d[2];
             *d = d.map(|x| x / trace);
         }
-        self.piece = vec![usize::MAX; self.len()];
-        self.pieces = 0;
-        for start in 0..self.len() {
-            if self.piece[start] != usize::MAX {
-                continue;
-            }
-            let mut open = vec![start];
-            self.piece[start] = self.pieces;
-            while let Some(node) = open.pop() {
-                for next in self.neighbours[node].clone() {
-                    if self.piece[next] == usize::MAX {
-                        self.piece[next] = self.pieces;
-                        open.push(next);
-                    }
-                }
-            }
-            self.pieces += 1;
-        }
+        let parts = Fragments::over(self.len(), self.links.iter().copied());
+        (self.piece, self.pieces) = (parts.of_node, parts.count);
     }
 }
 
@@ -316,10 +291,8 @@ fn points_of(network: &Network, row: usize, is_forward: bool) -> Vec<(PathPoint,
     placed
 }
 
-/// The point at `s` between two points at arc lengths `arc`.
-fn between(a: &BranchPoint, b: &BranchPoint, arc: [f64; 2], s: f64) -> BranchPoint {
-    let span = arc[1] - arc[0];
-    let share = if span > 0.0 { ((s - arc[0]) / span).clamp(0.0, 1.0) } else { 0.0 };
+/// The point at a share of the way between two points.
+fn between(a: &BranchPoint, b: &BranchPoint, share: f64) -> BranchPoint {
     let near = if share < 0.5 { a } else { b };
     let along =
         if a.place.vessel == b.place.vessel { a.place.along + share * (b.place.along - a.place.along) } else { near.place.along };

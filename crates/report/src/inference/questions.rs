@@ -46,7 +46,7 @@ pub fn review_columns(outcome: &Outcome<'_>, asked: &[Question]) -> Option<Vec<C
         Column::whole("edge", asked.iter().map(|one| one.row)),
         Column::text("kind", asked.iter().map(|one| one.kind.to_owned())),
     ];
-    columns.extend(positions(&asked.iter().map(|one| one.at)));
+    columns.extend(positions(|| asked.iter().map(|one| one.at)));
     columns.extend([
         Column::text("question", asked.iter().map(|one| one.words.clone())),
         Column::real("probability", asked.iter().map(|one| one.probability)),

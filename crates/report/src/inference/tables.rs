@@ -6,7 +6,7 @@ use willis_core::flow::Boundary;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Condition, Merged, Network, Role};
 use willis_core::support::geometry::Point;
-use willis_io::formats::{Column, Values};
+use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns};
 use willis_models::contacts::pairings::{PairingDecision, Pairings};
 use willis_models::contacts::suggested_cuts::SuggestedCut;
 
@@ -104,7 +104,7 @@ pub fn vessel_columns(outcome: &Outcome<'_>) -> Vec<Column> {
 
 /// The columns of suggested-cuts.csv.
 pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
-    let mut columns = positions(&cuts.iter().map(|cut| cut.position));
+    let mut columns = positions(|| cuts.iter().map(|cut| cut.position));
     columns.extend([
         Column::real("radius_mm", cuts.iter().map(|cut| millimetres(cut.radius))),
         Column::text("node", cuts.iter().map(|cut| cut.node.clone())),
@@ -114,9 +114,8 @@ pub fn suggested_cut_columns(cuts: &[SuggestedCut]) -> Vec<Column> {
 }
 
 /// Three columns of positions.
-pub(super) fn positions(of: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
-    let along = |(axis, name): (usize, &'static str)| Column::real(name, of.clone().map(move |at| millimetres(at[axis])));
-    ["x_mm", "y_mm", "z_mm"].into_iter().enumerate().map(along).collect()
+pub(super) fn positions<I: Iterator<Item = Point>>(of: impl Fn() -> I) -> Vec<Column> {
+    coordinate_columns(POSITION_COLUMNS, || of().map(|at| at.map(millimetres))).to_vec()
 }
 
 /// The columns of pairings.csv.
@@ -135,7 +134,7 @@ pub fn pairing_columns(outcome: &Outcome<'_>) -> Vec<Column> {
     // A space before a minus, which is no formula then.
     let as_text = |places: String| if places.starts_with('-') { format!(" {places}") } else { places };
     let listed = |of: &[usize]| of.iter().map(usize::to_string).collect::<Vec<String>>().join(" ");
-    let mut columns = positions(&rows.iter().map(|row| row.0.position));
+    let mut columns = positions(|| rows.iter().map(|row| row.0.position));
     columns.extend([
         Column::text("vessels", rows.iter().map(|(pairings, way, ..)| pairings.told(way))),
         Column::real("probability", rows.iter().map(|row| row.2)),

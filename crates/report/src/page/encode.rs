@@ -5,13 +5,15 @@ use std::io;
 
 use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
-use serde::ser::{Serialize, SerializeMap as _, Serializer};
+use serde::Serialize;
+use serde::ser::{SerializeMap as _, Serializer};
 use serde_json::{Value, json};
 
 use super::content::{Page, PageTable};
 use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
 use willis_core::network::units::millimetres;
+use willis_core::support::geometry::bounds;
 use willis_io::formats::{Column, Texts, Values};
 use willis_io::masks::cubes::{SIDE, STEP};
 
@@ -68,14 +70,8 @@ impl Serialize for SceneData<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let scene = self.0;
         let points = || scene.vessels.iter().flatten().chain(scene.markers.iter().map(|m| &m.place));
-        let (mut low, mut high, mut widest) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3], 0.0_f64);
-        for [x, y, z, radius] in points() {
-            for (axis, at) in [x, y, z].into_iter().enumerate() {
-                low[axis] = low[axis].min(*at);
-                high[axis] = high[axis].max(*at);
-            }
-            widest = widest.max(*radius);
-        }
+        let [low, high] = bounds(points().map(|[x, y, z, _]| [*x, *y, *z]));
+        let widest = points().map(|[.., radius]| *radius).fold(0.0, f64::max);
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let step = |range: f64| if range > 0.0 { range / f64::from(u16::MAX) } else { 1.0 };
         let steps = [step(extent), step(widest)];
@@ -155,20 +151,15 @@ struct ColumnData<'a> {
 
 impl Serialize for ColumnData<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let name = Some(&*self.column.name);
-        let array = |kind, bytes| ArrayData { kind, bytes: Base64(bytes), name };
+        let name = &*self.column.name;
+        let array = |kind, bytes| ArrayData { data: Some(Base64(bytes)), kind, name: Some(name) };
         match &self.column.values {
             Values::Real(v) if self.exact => array("f64", v.iter().flat_map(|x| x.to_le_bytes()).collect()).serialize(serializer),
             Values::Real(v) => array("f32", v.iter().flat_map(|x| (*x as f32).to_le_bytes()).collect()).serialize(serializer),
-            Values::Integer(v) => ArrayData::whole(name, v).serialize(serializer),
+            Values::Integer(v) => ArrayData::whole(Some(name), v).serialize(serializer),
             Values::Text(v) => {
                 let (words, rows) = words(v);
-                let mut map = serializer.serialize_map(None)?;
-                map.serialize_entry("kind", "text")?;
-                map.serialize_entry("name", &name)?;
-                map.serialize_entry("rows", &ArrayData::whole(None, &rows))?;
-                map.serialize_entry("words", &words)?;
-                map.end()
+                TextData { kind: "text", name, rows: ArrayData::whole(None, &rows), words }.serialize(serializer)
             }
         }
     }
@@ -184,19 +175,32 @@ impl Serialize for Base64 {
 }
 
 /// Numbers of a kind as bytes, none where they are their rows.
+#[derive(Serialize)]
 struct ArrayData<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    data: Option<Base64>,
     kind: &'static str,
-    bytes: Base64,
+    #[serde(skip_serializing_if = "Option::is_none")]
     name: Option<&'a str>,
+}
+
+/// Words of rows: which there are, and the number of that of each row.
+#[derive(Serialize)]
+struct TextData<'a> {
+    kind: &'static str,
+    name: &'a str,
+    rows: ArrayData<'a>,
+    words: Vec<&'a str>,
 }
 
 impl<'a> ArrayData<'a> {
     /// Whole numbers in the narrowest type that holds them; a column that equals its row numbers needs no array.
     fn whole(name: Option<&'a str>, values: &[i64]) -> Self {
         let within = |high: i64| values.iter().all(|v| (0..=high).contains(v));
-        let (kind, bytes) = if values.iter().enumerate().all(|(row, v)| *v == row as i64) {
-            ("row", Vec::new())
-        } else if within(u8::MAX.into()) {
+        if values.iter().enumerate().all(|(row, v)| *v == row as i64) {
+            return Self { data: None, kind: "row", name };
+        }
+        let (kind, bytes) = if within(u8::MAX.into()) {
             ("u8", values.iter().map(|v| *v as u8).collect())
         } else if within(u16::MAX.into()) {
             ("u16", values.iter().flat_map(|v| (*v as u16).to_le_bytes()).collect())
@@ -205,21 +209,7 @@ impl<'a> ArrayData<'a> {
         } else {
             ("f64", values.iter().flat_map(|v| (*v as f64).to_le_bytes()).collect())
         };
-        Self { kind, bytes: Base64(bytes), name }
-    }
-}
-
-impl Serialize for ArrayData<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(None)?;
-        if self.kind != "row" {
-            map.serialize_entry("data", &self.bytes)?;
-        }
-        map.serialize_entry("kind", self.kind)?;
-        if let Some(name) = self.name {
-            map.serialize_entry("name", name)?;
-        }
-        map.end()
+        Self { data: Some(Base64(bytes)), kind, name }
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::cases::LabelledCase;
 use super::truth::LabelledNodes;
-use willis_core::support::geometry::{Point, sub};
+use willis_core::support::geometry::{Point, centroid, sub};
 use willis_models::circle_of_willis::BodySide;
 use willis_models::naming::atlas::{Atlas, AtlasData, AtlasPiece, Counts, all_states};
 use willis_models::naming::belief::NamingForest;
@@ -92,8 +92,7 @@ fn first_pose(truth: &LabelledNodes) -> Posed<'_> {
     let tip = |side: BodySide| {
         let state = first_state(Sided::Ica.on(side));
         let own: Vec<Point> = (0..nodes.len()).filter(|n| truth.state[*n] == state).map(|n| nodes.at[n]).collect();
-        let sum = own.iter().fold([0.0; 3], |sum, p| [sum[0] + p[0], sum[1] + p[1], sum[2] + p[2]]);
-        (!own.is_empty()).then(|| sum.map(|x| x / own.len() as f64))
+        (!own.is_empty()).then(|| centroid(own))
     };
     let middle = match BodySide::BOTH.map(tip) {
         [Some(a), Some(b)] => [0, 1, 2].map(|k| 0.5 * (a[k] + b[k])),

@@ -7,10 +7,10 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::star_mesh::{Open, StarMesh, StarMeshWorkspace, inverse};
+use super::star_mesh::{StarMesh, StarMeshWorkspace, inverse};
 use crate::flow::circuit::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
-use crate::support::elimination::{Incomplete, NOWHERE};
+use crate::support::elimination::{Elimination, Incomplete, NOWHERE};
 use crate::support::simd::{Lanes, Simd, map, plus, plus_product, product, splat, zip};
 
 /// Nodes of at most so many neighbours are eliminated exactly.
@@ -22,10 +22,9 @@ const ENERGY: f64 = 1e-26;
 /// The most steps; far more than any circuit of vessels has needed.
 const MOST_STEPS: usize = 5000;
 
-/// A compiled circuit.
+/// The core that partial elimination leaves of a circuit, compiled.
 #[derive(Debug, Clone)]
 pub struct ConjugateGradients {
-    mesh: StarMesh,
     incomplete: Incomplete,
     dead_ends: DeadEnds,
     fixed: Vec<Option<f64>>,
@@ -33,10 +32,9 @@ pub struct ConjugateGradients {
     scale: f64,
 }
 
-/// The memory of one worker that solves `B` samples side by side.
+/// The memory of one worker that solves the core of `B` samples side by side, beside that of the elimination.
 #[derive(Debug, Clone)]
 pub struct GradientsWorkspace<const B: usize> {
-    pub(crate) mesh: StarMeshWorkspace<B>,
     /// Conductances of the incomplete elimination, over the largest; once a star is eliminated, the weights of its mean. Single precision
     /// is enough for a preconditioner, and half of the memory that every step passes over.
     weight: Vec<[f32; B]>,
@@ -52,42 +50,36 @@ pub struct GradientsWorkspace<const B: usize> {
 }
 
 impl ConjugateGradients {
-    /// Compiles a circuit; `None` when indices cannot count its joins.
-    pub fn compile(circuit: &Circuit) -> Option<Self> {
+    /// Eliminates the nodes of few neighbours of a circuit, and compiles the rest; `None` when indices cannot count its joins.
+    pub fn compile(circuit: &Circuit) -> Option<(StarMesh, Self)> {
         let mesh = StarMesh::compile_partly(circuit, FEW)?;
         let incomplete = Incomplete::compile(mesh.program());
         let largest = circuit.conductance[..circuit.vessel_count()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let dead_ends = DeadEnds::new(circuit);
-        Some(Self { mesh, incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest })
+        Some((mesh, Self { incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest }))
     }
 
-    /// Where the pressure of a node stands in a workspace.
-    pub fn slot(&self, node: usize) -> usize {
-        self.mesh.slot(node)
-    }
-
-    /// Joins of a sample, exact and incomplete.
+    /// Joins of the incomplete elimination of a sample.
     pub fn joins(&self) -> usize {
-        self.mesh.updates() + self.incomplete.joins()
+        self.incomplete.joins()
     }
 
-    /// Conductances of the core that a step passes over, those of the incomplete elimination twice.
+    /// Conductances of the incomplete elimination.
     pub fn rays(&self) -> usize {
-        2 * self.incomplete.rays() + self.mesh.program().core_rays()
+        self.incomplete.rays()
     }
 
     /// Nodes of the core.
-    pub fn core(&self) -> usize {
+    pub fn nodes(&self) -> usize {
         self.incomplete.nodes()
     }
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> GradientsWorkspace<B> {
-        let core = || vec![Lanes::ZERO; self.core()];
+        let core = || vec![Lanes::ZERO; self.nodes()];
         GradientsWorkspace {
-            mesh: self.mesh.workspace(),
             weight: vec![[0.0; B]; self.incomplete.rays()],
-            inverse: vec![[0.0; B]; self.core()],
+            inverse: vec![[0.0; B]; self.nodes()],
             residual: core(),
             direction: core(),
             product: core(),
@@ -96,62 +88,50 @@ impl ConjugateGradients {
         }
     }
 
-    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does.
+    /// Solves the core of a group of samples whose other nodes are eliminated.
     #[inline(always)]
-    pub fn solve<S: Simd, const B: usize>(
+    pub(super) fn solve<S: Simd, const B: usize>(
         &self,
         simd: S,
-        masks: &[u64],
-        first: usize,
-        stranded: &[(usize, u64)],
+        mesh: &StarMesh,
+        of_mesh: &mut StarMeshWorkspace<B>,
         work: &mut GradientsWorkspace<B>,
     ) {
-        self.mesh.assemble(simd, &Open { masks, first }, first, stranded, &mut work.mesh);
-        self.solve_assembled(simd, work);
-        self.level_dead_ends(work, |vessel, lane| masks[vessel] >> (first + lane) & 1 == 1);
-    }
-
-    /// Solves a group of samples that differ in the conductances of their vessels, as [`StarMesh::solve_with`] does.
-    #[inline(always)]
-    pub fn solve_with<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        conductance: &[Lanes<B>],
-        stranded: &[(usize, u64)],
-        work: &mut GradientsWorkspace<B>,
-    ) {
-        self.mesh.assemble(simd, conductance, 0, stranded, &mut work.mesh);
-        self.solve_assembled(simd, work);
-        self.level_dead_ends(work, |vessel, lane| conductance[vessel][lane] > 0.0);
-    }
-
-    #[inline(always)]
-    fn solve_assembled<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
-        self.mesh.eliminate(simd, &mut work.mesh);
-        self.precondition(simd, work);
-        self.iterate(simd, work);
-        self.mesh.substitute_back(simd, &mut work.mesh);
+        self.precondition(simd, mesh.program(), of_mesh, work);
+        self.iterate(simd, mesh.program(), of_mesh, work);
     }
 
     /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
-    fn level_dead_ends<const B: usize>(&self, work: &mut GradientsWorkspace<B>, open: impl Fn(usize, usize) -> bool) {
-        let GradientsWorkspace { mesh, pressure, dead_ends, .. } = work;
+    pub(super) fn level_dead_ends<const B: usize>(
+        &self,
+        mesh: &StarMesh,
+        of_mesh: &mut StarMeshWorkspace<B>,
+        work: &mut GradientsWorkspace<B>,
+        open: impl Fn(usize, usize) -> bool,
+    ) {
+        let GradientsWorkspace { pressure, dead_ends, .. } = work;
         for lane in 0..B {
             for (node, p) in pressure.iter_mut().enumerate() {
-                *p = mesh.pressure[self.mesh.slot(node)][lane];
+                *p = of_mesh.pressure[mesh.slot(node)][lane];
             }
             self.dead_ends.level(|vessel| open(vessel, lane), dead_ends, pressure, &self.fixed);
             for (node, p) in pressure.iter().enumerate() {
-                mesh.pressure[self.mesh.slot(node)][lane] = *p;
+                of_mesh.pressure[mesh.slot(node)][lane] = *p;
             }
         }
     }
 
     /// The incomplete elimination of the core.
     #[inline(always)]
-    fn precondition<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
-        let core = self.mesh.program().eliminated();
-        let GradientsWorkspace { mesh, weight, inverse: inverses, residual: ground, .. } = work;
+    fn precondition<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        program: &Elimination,
+        mesh: &StarMeshWorkspace<B>,
+        work: &mut GradientsWorkspace<B>,
+    ) {
+        let core = program.eliminated();
+        let GradientsWorkspace { weight, inverse: inverses, residual: ground, .. } = work;
         for (weight, from) in weight.iter_mut().zip(&self.incomplete.from) {
             *weight = if *from == NOWHERE { [0.0; B] } else { narrow(&mesh.conductance[*from as usize], self.scale) };
         }
@@ -225,8 +205,13 @@ impl ConjugateGradients {
 
     /// What flows out of every node of the core at the pressures `at`.
     #[inline(always)]
-    fn flows<S: Simd, const B: usize>(&self, simd: S, mesh: &StarMeshWorkspace<B>, at: &[Lanes<B>], flow: &mut [Lanes<B>]) {
-        let program = self.mesh.program();
+    fn flows<S: Simd, const B: usize>(
+        simd: S,
+        program: &Elimination,
+        mesh: &StarMeshWorkspace<B>,
+        at: &[Lanes<B>],
+        flow: &mut [Lanes<B>],
+    ) {
         let core = program.eliminated();
         for (flow, (ground, at)) in flow.iter_mut().zip(mesh.ground[core..].iter().zip(at)) {
             *flow = product(simd, ground, at);
@@ -247,9 +232,15 @@ impl ConjugateGradients {
 
     /// Finds the pressures of the core from what flows into it.
     #[inline(always)]
-    fn iterate<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
-        let core = self.mesh.program().eliminated()..self.mesh.program().nodes();
-        let answer = &mut work.mesh.pressure[core.clone()];
+    fn iterate<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        program: &Elimination,
+        mesh: &mut StarMeshWorkspace<B>,
+        work: &mut GradientsWorkspace<B>,
+    ) {
+        let core = program.eliminated()..program.nodes();
+        let answer = &mut mesh.pressure[core.clone()];
         work.residual.copy_from_slice(answer);
         answer.fill(Lanes::ZERO);
         self.improve(simd, work);
@@ -258,7 +249,7 @@ impl ConjugateGradients {
         let enough = map(simd, &energy, |e| simd.mul_f64s(e, simd.splat_f64s(ENERGY)));
         let mut steps = 0;
         while energy.iter().zip(enough.iter()).any(|(energy, enough)| energy > enough) && steps < MOST_STEPS {
-            self.flows(simd, &work.mesh, &work.direction, &mut work.product);
+            Self::flows(simd, program, mesh, &work.direction, &mut work.product);
             let bend = dot(simd, &work.direction, &work.product);
             // A sample that is solved stands still, so that no other one changes it.
             let moving = |ratio: Lanes<B>| {
@@ -271,7 +262,7 @@ impl ConjugateGradients {
                 out
             };
             let step = moving(zip(simd, &energy, &bend, |e, b| simd.div_f64s(e, b)));
-            let answer = &mut work.mesh.pressure[core.clone()];
+            let answer = &mut mesh.pressure[core.clone()];
             for (k, answer) in answer.iter_mut().enumerate() {
                 *answer = plus_product(simd, answer, &step, &work.direction[k]);
                 let lost = product(simd, &step, &work.product[k]);

@@ -8,6 +8,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::tables::reader::plural;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;
+use willis_core::network::path_places::length_of;
 use willis_core::network::units::{Scale, megapascals, metres, pascal_seconds_per_cubic_metre};
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall};
 use willis_core::support::geometry::distance;
@@ -55,7 +56,7 @@ pub(in crate::formats) fn vessels(
                 straight += 1;
                 gap(&item, [a, b], *ends)?
             }
-            None => path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum(),
+            None => length_of(&path),
         };
         let radius = match item.radius(scale)? {
             Some((key, radius)) if is_radius(radius) => {
@@ -201,7 +202,7 @@ fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
         }
         path.push(PathPoint { position: [x, y, z], radius, id: None });
     }
-    let length: f64 = path.windows(2).map(|p| distance(p[0].position, p[1].position)).sum();
+    let length = length_of(&path);
     if !(length > 0.0 && length.is_finite()) {
         return Err(item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r"));
     }

@@ -27,7 +27,7 @@ pub(crate) fn is_wanted(name: &str) -> bool {
 }
 
 /// The columns with the position of a node.
-pub(crate) const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
+pub const POSITION_COLUMNS: [&str; 3] = ["x_mm", "y_mm", "z_mm"];
 /// The attributes that may hold the position of a node; the first are in mm, the others in the unit of the file.
 pub(crate) const POSITION_KEYS: [[&str; 3]; 4] =
     [POSITION_COLUMNS, ["x", "y", "z"], ["X", "Y", "Z"], ["pos_x", "pos_y", "pos_z"]];

@@ -2,7 +2,6 @@
 //!
 //! ITK's frame has x to the patient's left and y backward; both are turned. Source: the documentation of MetaIO.
 
-use std::collections::HashMap;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -10,6 +9,7 @@ use flate2::read::ZlibDecoder;
 
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
+use crate::formats::header_fields::HeaderFields;
 use crate::formats::input::{beside, bytes_beside};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
@@ -20,7 +20,7 @@ const MOST_HEADER: usize = 1 << 22;
 
 /// The fields of a header, each with its line, and where the voxels of the same file begin.
 struct MetaHeader {
-    fields: HashMap<String, (usize, String)>,
+    fields: HeaderFields,
     end: usize,
 }
 
@@ -36,7 +36,7 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let header = MetaHeader::read(bytes).ok()?;
-    let (_, name) = header.text("ElementDataFile").ok()?;
+    let (_, name) = header.fields.needed("ElementDataFile").ok()?;
     if is_local(name) { None } else { beside(path, name) }
 }
 
@@ -71,7 +71,7 @@ fn with_voxels<T>(
     let header = MetaHeader::read(bytes).map_err(here)?;
     let voxels = header.voxels().map_err(here)?;
     let needed = voxels.bytes(most).map_err(here)?;
-    let (line, name) = header.text("ElementDataFile").map_err(here)?;
+    let (line, name) = header.fields.needed("ElementDataFile").map_err(here)?;
     let other;
     let (file, data) = if is_local(name) {
         (path.to_owned(), &bytes[header.end..])
@@ -85,14 +85,14 @@ fn with_voxels<T>(
         (file, other.as_slice())
     };
     let there = |fault: Fault| fault.in_file(&file);
-    if header.is_true("CompressedData") {
+    if header.fields.is_true("CompressedData") {
         return take(voxels, Box::new(ZlibDecoder::new(data))).map_err(there);
     }
     // HeaderSize -1: the voxels are the last bytes of the file.
     let skipped = match header.fields.get("HeaderSize") {
-        Some((_, size)) if size == "-1" => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
+        Some((_, "-1")) => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
         Some((line, size)) => {
-            size.parse().map_err(|_| here(Fault::line(*line, format!("HeaderSize \"{size}\""), "expected a whole number")))?
+            size.parse().map_err(|_| here(Fault::line(line, format!("HeaderSize \"{size}\""), "expected a whole number")))?
         }
         None => 0,
     };
@@ -106,7 +106,7 @@ fn is_local(name: &str) -> bool {
 
 impl MetaHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut at, mut line) = (HashMap::new(), 0, 0);
+        let (mut fields, mut at, mut line) = (HeaderFields::default(), 0, 0);
         while at < bytes.len().min(MOST_HEADER) {
             let rest = &bytes[at..];
             let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
@@ -118,7 +118,7 @@ impl MetaHeader {
             let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
                 return Err(Fault::line(line, format!("\"{text}\""), "expected a line Key = value"));
             };
-            fields.insert(key.to_owned(), (line, value.to_owned()));
+            fields.insert(key, line, value);
             if key == "ElementDataFile" {
                 return Ok(Self { fields, end: at });
             }
@@ -126,37 +126,26 @@ impl MetaHeader {
         Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))
     }
 
-    fn text(&self, key: &str) -> Result<(usize, &str), Fault> {
-        let field = self.fields.get(key).ok_or_else(|| Fault::file(format!("no {key}"), "expected it in the header"))?;
-        Ok((field.0, field.1.as_str()))
-    }
-
-    fn is_true(&self, key: &str) -> bool {
-        self.fields.get(key).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
-    }
-
     /// The numbers of the first of some fields that is there; so many of them.
-    fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        let Some((key, (line, value))) = keys.iter().find_map(|key| Some((key, self.fields.get(*key)?))) else { return Ok(None) };
-        let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
-        let numbers = numbers.filter(|numbers| numbers.len() == count);
-        numbers.map(Some).ok_or_else(|| Fault::line(*line, format!("{key} \"{value}\""), format!("expected {count} numbers")))
+    fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
+        let name = names.iter().find(|name| self.fields.get(name).is_some());
+        name.map_or(Ok(None), |name| self.fields.numbers(name, count, "numbers", |_| true))
     }
 
     fn voxels(&self) -> Result<Voxels, Fault> {
-        let (line, dimensions) = self.text("NDims")?;
+        let (line, dimensions) = self.fields.needed("NDims")?;
         let axes = match dimensions {
             "3" => 3,
             "4" => 4,
             _ => return Err(Fault::line(line, format!("NDims \"{dimensions}\""), "expected three dimensions; take one volume")),
         };
-        if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| channels != "1") {
-            return Err(Fault::line(*line, format!("{channels} values a voxel"), "expected one"));
+        if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| *channels != "1") {
+            return Err(Fault::line(line, format!("{channels} values a voxel"), "expected one"));
         }
-        if self.fields.contains_key("BinaryData") && !self.is_true("BinaryData") {
+        if self.fields.get("BinaryData").is_some() && !self.fields.is_true("BinaryData") {
             return Err(Fault::file("voxels as text", "expected BinaryData = True"));
         }
-        let (line, kind) = self.text("ElementType")?;
+        let (line, kind) = self.fields.needed("ElementType")?;
         let (kind, size) = match kind {
             "MET_UCHAR" => (NumberType::Unsigned, 1),
             "MET_USHORT" => (NumberType::Unsigned, 2),
@@ -174,11 +163,8 @@ impl MetaHeader {
                 return Err(Fault::line(line, format!("ElementType \"{other}\""), accepted));
             }
         };
-        let (line, size_text) = self.text("DimSize")?;
-        let shape = size_text.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<usize>>>();
-        let shape = shape.filter(|shape| shape.len() == axes);
-        let shape = shape
-            .ok_or_else(|| Fault::line(line, format!("DimSize \"{size_text}\""), format!("expected {axes} whole numbers")))?;
+        let (line, size_text) = self.fields.needed("DimSize")?;
+        let shape: Vec<usize> = self.fields.numbers("DimSize", axes, "whole numbers", |_| true)?.unwrap_or_default();
         if shape.get(3).is_some_and(|volumes| *volumes != 1) {
             return Err(Fault::line(line, format!("DimSize \"{size_text}\""), "expected three dimensions; take one volume"));
         }
@@ -199,7 +185,7 @@ impl MetaHeader {
                 turn * if column < 3 { directions[axes * column + row] * spacing[column] } else { origin[row] }
             })
         });
-        let big = self.is_true("BinaryDataByteOrderMSB") || self.is_true("ElementByteOrderMSB");
+        let big = self.fields.is_true("BinaryDataByteOrderMSB") || self.fields.is_true("ElementByteOrderMSB");
         Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame: Frame::Ras, reversed: false })
     }
 }

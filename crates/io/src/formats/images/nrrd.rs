@@ -3,7 +3,7 @@
 //! The file's `space` is turned to the scanner's frame; where it states none of a patient, nobody says which way the axes point. Source: teem.sourceforge.net/nrrd/format.html; for segments the documentation of 3D Slicer's module Segmentations.
 
 use std::cell::Cell;
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::io::{self, Read, copy, sink};
 use std::path::{Path, PathBuf};
 
@@ -12,6 +12,7 @@ use flate2::read::MultiGzDecoder;
 use super::pieces::Pieces;
 use super::voxels::{Voxels, fill};
 use crate::formats::binary::NumberType;
+use crate::formats::header_fields::HeaderFields;
 use crate::formats::input::{beside, bytes_beside};
 use crate::formats::tables::reader::plural;
 use crate::masks::{Affine, Image, Mask};
@@ -28,7 +29,7 @@ const PIECE: usize = 1 << 12;
 
 /// The fields of a header, each with its line, the keys of programs with their values, and where the voxels of the same file begin.
 struct NrrdHeader {
-    fields: HashMap<String, (usize, String)>,
+    fields: HeaderFields,
     keys: BTreeMap<String, String>,
     end: usize,
 }
@@ -68,7 +69,7 @@ pub(crate) fn is_nrrd(bytes: &[u8]) -> bool {
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let header = NrrdHeader::read(bytes).ok()?;
-    let (_, name) = header.field("data file")?;
+    let (_, name) = header.fields.get("data file")?;
     beside(path, name)
 }
 
@@ -128,7 +129,7 @@ fn with_voxels<T>(
     let (voxels, layers) = header.voxels(encoding).map_err(here)?;
     let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
     let other;
-    let (file, mut data) = match header.field("data file") {
+    let (file, mut data) = match header.fields.get("data file") {
         None => (path.to_owned(), bytes.get(header.end..).unwrap_or_default()),
         Some((line, name)) => {
             let is_list = name.starts_with("LIST") || name.starts_with("SKIPLIST") || name.contains('%');
@@ -140,13 +141,13 @@ fn with_voxels<T>(
         }
     };
     let there = |fault: Fault| fault.in_file(&file);
-    for _ in 0..header.whole("line skip").map_err(here)?.unwrap_or(0).max(0) {
+    for _ in 0..header.fields.whole("line skip").map_err(here)?.unwrap_or(0).max(0) {
         let Some(end) = data.iter().position(|byte| *byte == b'\n') else {
             return Err(there(Fault::file("fewer lines than are to be skipped", "expected a whole file")));
         };
         data = &data[end + 1..];
     }
-    let skipped = header.whole("byte skip").map_err(here)?.unwrap_or(0);
+    let skipped = header.fields.whole("byte skip").map_err(here)?.unwrap_or(0);
     if encoding == Encoding::Gzip {
         let mut stream = MultiGzDecoder::new(data);
         let skip = copy(&mut stream.by_ref().take(u64::try_from(skipped).unwrap_or(0)), &mut sink());
@@ -231,7 +232,7 @@ fn plain(name: &str) -> String {
 
 impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut keys, mut at, mut line) = (HashMap::new(), BTreeMap::new(), 0, 0);
+        let (mut fields, mut keys, mut at, mut line) = (HeaderFields::named(plain), BTreeMap::new(), 0, 0);
         loop {
             if at >= MOST_HEADER {
                 return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
@@ -252,39 +253,20 @@ impl NrrdHeader {
             if let Some(key) = key.filter(|key| field.is_none_or(|field| *key < field)) {
                 keys.insert(text[..key].trim().to_owned(), text[key + 2..].trim().to_owned());
             } else if let Some((name, value)) = text.split_once(':') {
-                fields.insert(plain(name), (line, value.trim().to_owned()));
+                fields.insert(name, line, value.trim());
             } else {
                 return Err(Fault::line(line, format!("\"{text}\""), "expected a line `field: value`"));
             }
         }
     }
 
-    /// The line of a field and its value.
-    fn field(&self, name: &str) -> Option<(usize, &str)> {
-        self.fields.get(&plain(name)).map(|(line, value)| (*line, value.as_str()))
-    }
-
-    fn needed(&self, name: &str) -> Result<(usize, &str), Fault> {
-        self.field(name).ok_or_else(|| Fault::file(format!("no field {name}"), "expected it in the header"))
-    }
-
-    fn whole(&self, name: &str) -> Result<Option<i64>, Fault> {
-        let Some((line, value)) = self.field(name) else { return Ok(None) };
-        let number = value.parse().map_err(|_| Fault::line(line, format!("{name} \"{value}\""), "expected a whole number"))?;
-        Ok(Some(number))
-    }
-
     /// The numbers of a field, one for each axis; NaN where an axis has none.
     fn numbers(&self, name: &str, axes: usize) -> Result<Option<Vec<f64>>, Fault> {
-        let Some((line, value)) = self.field(name) else { return Ok(None) };
-        let numbers: Option<Vec<f64>> = value.split_whitespace().map(|word| word.parse().ok()).collect();
-        let numbers = numbers.filter(|numbers| numbers.len() == axes);
-        let accepted = || format!("expected {axes} numbers");
-        numbers.map(Some).ok_or_else(|| Fault::line(line, format!("{name} \"{value}\""), accepted()))
+        self.fields.numbers(name, axes, "numbers", |_| true)
     }
 
     fn encoding(&self) -> Result<Encoding, Fault> {
-        let (line, word) = self.needed("encoding")?;
+        let (line, word) = self.fields.needed("encoding")?;
         match word.to_ascii_lowercase().as_str() {
             "raw" => Ok(Encoding::Raw),
             "gzip" | "gz" => Ok(Encoding::Gzip),
@@ -295,7 +277,7 @@ impl NrrdHeader {
 
     /// How the voxels are stored, and in how many layers.
     fn voxels(&self, encoding: Encoding) -> Result<(Voxels, usize), Fault> {
-        let (line, word) = self.needed("type")?;
+        let (line, word) = self.fields.needed("type")?;
         let (kind, size) = number_type(word).ok_or_else(|| {
             let accepted = "expected uchar, short, float or another type of number";
             Fault::line(line, format!("type \"{word}\""), accepted)
@@ -308,7 +290,7 @@ impl NrrdHeader {
         if encoding == Encoding::Text {
             return Ok((Voxels { kind: NumberType::Real, size: 8, ..as_stored }, layers));
         }
-        let big = match self.field("endian").map(|(line, word)| (line, word.to_ascii_lowercase())) {
+        let big = match self.fields.get("endian").map(|(line, word)| (line, word.to_ascii_lowercase())) {
             Some((_, word)) if word == "little" => false,
             Some((_, word)) if word == "big" => true,
             None if size == 1 => false,
@@ -320,12 +302,12 @@ impl NrrdHeader {
 
     /// The axes, three of which are those of space.
     fn axes(&self) -> Result<Axes, Fault> {
-        let (line, text) = self.needed("sizes")?;
-        let sizes: Option<Vec<usize>> = text.split_whitespace().map(|word| word.parse().ok()).collect();
-        let dimension = self.whole("dimension")?.ok_or_else(|| Fault::file("no field dimension", "expected it in the header"))?;
-        let sizes = sizes.filter(|sizes| sizes.len() as i64 == dimension);
-        let sizes =
-            sizes.ok_or_else(|| Fault::line(line, format!("sizes \"{text}\""), format!("expected {dimension} whole numbers")))?;
+        let (line, text) = self.fields.needed("sizes")?;
+        self.fields.needed("dimension")?;
+        let dimension = self.fields.whole("dimension")?.unwrap_or_default();
+        let wrong = || Fault::line(line, format!("sizes \"{text}\""), format!("expected {dimension} whole numbers"));
+        let count = usize::try_from(dimension).map_err(|_| wrong())?;
+        let sizes: Vec<usize> = self.fields.numbers("sizes", count, "whole numbers", |_| true)?.unwrap_or_default();
         let not_three = || Fault::line(line, format!("sizes \"{text}\""), "expected three dimensions; take one volume");
         let (layers, of_space) = match sizes.len() {
             3 => (1, [0, 1, 2]),
@@ -355,7 +337,7 @@ impl NrrdHeader {
             return Ok(axis);
         }
         let is_space = |kind: &str| ["domain", "space"].contains(&kind.to_ascii_lowercase().as_str());
-        if let Some((_, kinds)) = self.field("kinds")
+        if let Some((_, kinds)) = self.fields.get("kinds")
             && let Some(axis) = only(kinds.split_whitespace().map(|kind| !is_space(kind)).collect())
         {
             return Ok(axis);
@@ -370,7 +352,7 @@ impl NrrdHeader {
 
     /// The step along each axis; `None` for one that is not of space.
     fn directions(&self, axes: usize) -> Result<Option<Vec<Option<[f64; 3]>>>, Fault> {
-        let Some((line, text)) = self.field("space directions") else { return Ok(None) };
+        let Some((line, text)) = self.fields.get("space directions") else { return Ok(None) };
         let steps = vectors(text).filter(|steps| steps.len() == axes);
         let accepted = || format!("expected {axes} vectors of three numbers, or none for an axis");
         steps.map(Some).ok_or_else(|| Fault::line(line, format!("space directions \"{text}\""), accepted()))
@@ -397,7 +379,7 @@ impl NrrdHeader {
                 return Err(Fault::file(format!("spacing {bad}"), "expected a positive spacing along every axis"));
             }
         }
-        if let Some((line, text)) = self.field("space origin") {
+        if let Some((line, text)) = self.fields.get("space origin") {
             let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
             let wrong = || Fault::line(line, format!("space origin \"{text}\""), "expected a vector of three numbers");
             origin = found.ok_or_else(wrong)?;
@@ -410,7 +392,7 @@ impl NrrdHeader {
 
     /// What turns each axis of the file's space to the scanner's, where it states one.
     fn turn(&self) -> Result<Option<[f64; 3]>, Fault> {
-        let Some((line, space)) = self.field("space") else { return Ok(None) };
+        let Some((line, space)) = self.fields.get("space") else { return Ok(None) };
         match space.to_ascii_lowercase().as_str() {
             "right-anterior-superior" | "ras" => Ok(Some([1.0, 1.0, 1.0])),
             "left-anterior-superior" | "las" => Ok(Some([-1.0, 1.0, 1.0])),
@@ -425,7 +407,7 @@ impl NrrdHeader {
 
     /// Millimetres of the unit of lengths.
     fn unit(&self) -> f64 {
-        let words = self.field("space units").or_else(|| self.field("units")).map_or("", |(_, words)| words);
+        let words = self.fields.get("space units").or_else(|| self.fields.get("units")).map_or("", |(_, words)| words);
         // The axis of layers has no unit.
         let word = words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???");
         word.and_then(LengthUnit::named).unwrap_or_default().mm()
@@ -469,7 +451,7 @@ impl NrrdHeader {
         if layers == 1 {
             return Ok(());
         }
-        let (line, sizes) = self.needed("sizes")?;
+        let (line, sizes) = self.fields.needed("sizes")?;
         Err(Fault::line(line, format!("sizes \"{sizes}\""), "expected three dimensions; take one volume"))
     }
 }

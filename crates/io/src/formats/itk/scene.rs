@@ -4,8 +4,9 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::formats::binary::NumberType;
+use crate::formats::header_fields::HeaderFields;
 use willis_core::error::Fault;
-use willis_core::support::geometry::{Point, distance};
+use willis_core::support::geometry::{Point, bounds, distance, sub};
 
 const ENTRY: &str = "expected a line Key = value";
 /// How many characters of a wrong line an error shows.
@@ -61,7 +62,7 @@ pub struct Object {
     pub kind: String,
     /// Its points, of a tube.
     pub points: Vec<Sample>,
-    fields: HashMap<String, (usize, String)>,
+    fields: HeaderFields,
 }
 
 impl Object {
@@ -72,31 +73,22 @@ impl Object {
 
     /// The line and the text of a field.
     pub fn field(&self, key: &str) -> Option<(usize, &str)> {
-        self.fields.get(key).map(|(line, value)| (*line, value.as_str()))
+        self.fields.get(key)
     }
 
-    /// A yes or no; no where it is absent. MetaIO looks at the first letter only.
+    /// A yes or no; no where it is absent.
     pub fn is_true(&self, key: &str) -> bool {
-        self.field(key).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
+        self.fields.is_true(key)
     }
 
     /// A whole number; `None` where it is absent or negative.
     pub fn index(&self, key: &str) -> Result<Option<u64>, Fault> {
-        let Some((line, value)) = self.field(key) else { return Ok(None) };
-        let number: i64 =
-            value.parse().map_err(|_| Fault::line(line, format!("{key} \"{value}\""), "expected a whole number"))?;
-        Ok(u64::try_from(number).ok())
+        Ok(self.fields.whole(key)?.and_then(|number| u64::try_from(number).ok()))
     }
 
     /// As many numbers as are asked for; `None` where the field is absent.
     pub fn numbers(&self, key: &str, count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        let Some((line, value)) = self.field(key) else { return Ok(None) };
-        let numbers: Option<Vec<f64>> =
-            value.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect();
-        match numbers.filter(|numbers| numbers.len() == count) {
-            Some(numbers) => Ok(Some(numbers)),
-            None => Err(Fault::line(line, format!("{key} \"{value}\""), format!("expected {count} finite numbers"))),
-        }
+        self.fields.numbers(key, count, "finite numbers", |x: &f64| x.is_finite())
     }
 
     /// Its name in errors.
@@ -135,7 +127,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
             }
             "Points" if object.is_tube() => {
                 object.points = read_points(object, &mut cursor, line)?;
-                object.fields.insert(key, (line, value));
+                object.fields.insert(&key, line, &value);
                 objects.extend(open.take());
             }
             "Points" => {
@@ -143,7 +135,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
                 objects.extend(open.take());
             }
             "EndGroup" => objects.extend(open.take()),
-            _ => _ = object.fields.insert(key, (line, value)),
+            _ => object.fields.insert(&key, line, &value),
         }
     }
     objects.extend(open.filter(|object| object.kind != "Scene"));
@@ -211,11 +203,9 @@ impl Nearest {
 
 /// The axis along which points extend the most, and their rows in its order.
 fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
-    let extent = |axis: usize| {
-        let x = || points[range.clone()].iter().map(|p| p[axis]);
-        x().fold(f64::NEG_INFINITY, f64::max) - x().fold(f64::INFINITY, f64::min)
-    };
-    let axis = (0..3).max_by(|a, b| extent(*a).total_cmp(&extent(*b))).unwrap_or(0);
+    let [low, high] = bounds(points[range.clone()].iter().copied());
+    let extent = sub(high, low);
+    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
     let mut rows: Vec<usize> = range.collect();
     rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
     (axis, rows)

@@ -10,6 +10,7 @@ use crate::formats::swc::single_line;
 use crate::formats::tables::write::real;
 use willis_core::error::Fault;
 use willis_core::network::centerlines::{Centerlines, is_radius};
+use willis_core::network::runs::{other_end, vessels_at};
 use willis_core::network::units::{LengthUnit, Scale, millimetres};
 use willis_core::network::{Frame, Network, PathPoint, Role};
 use willis_core::support::geometry::Point;
@@ -304,13 +305,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
 
 /// Turns every tube so that it begins at its parent, and finds the parent of each; roots have none.
 fn orient_and_link(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Option<Link>> {
-    let mut vessels_at = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
-        vessels_at[ends[0]].push(row);
-        if ends[1] != ends[0] {
-            vessels_at[ends[1]].push(row);
-        }
-    }
+    let vessels_at = vessels_at(network, |_| true);
     let mut links = vec![None; tubes.len()];
     let mut done = vec![false; tubes.len()];
     let mut reached = vec![false; network.node_count()];
@@ -325,13 +320,12 @@ fn orient_and_link(network: &Network, tubes: &mut [Vec<PathPoint>]) -> Vec<Optio
                 if std::mem::replace(&mut done[*row], true) {
                     continue;
                 }
-                let [a, b] = network.ends(*row);
-                if a != node {
+                if network.ends(*row)[0] != node {
                     tubes[*row].reverse();
                 }
                 links[*row] = from;
                 from.get_or_insert(Link { parent: *row, at_last: false });
-                let next = a + b - node;
+                let next = other_end(network, *row, node);
                 if !std::mem::replace(&mut reached[next], true) {
                     open.push_back((next, Some(Link { parent: *row, at_last: true })));
                 }

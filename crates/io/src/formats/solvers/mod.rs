@@ -18,6 +18,7 @@ use willis_core::flow::WallLaw;
 use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
 use willis_core::flow::state::BLOOD_DENSITY;
 use willis_core::flow::unfed::fed;
+use willis_core::network::runs::other_end;
 use willis_core::network::waveform::Waveform;
 use willis_core::network::{Condition, Network, Node, Origin, Role, Vessel};
 
@@ -244,10 +245,7 @@ impl Ways<'_> {
     /// The shortest way by a vessel to a target, as node, row and node for each vessel from the last to the first. From where there is none the way
     /// is that vessel alone: blood comes back by itself, and what follows finds this way.
     fn way(&self, from: usize, first: usize) -> Vec<[usize; 3]> {
-        let other = |row: usize, node: usize| {
-            let [a, b] = self.network.ends(row);
-            if a == node { b } else { a }
-        };
+        let other = |row: usize, node: usize| other_end(self.network, row, node);
         let mut came: HashMap<usize, (usize, usize)> = HashMap::from([(other(first, from), (from, first))]);
         let mut next = vec![other(first, from)];
         let mut place = 0;

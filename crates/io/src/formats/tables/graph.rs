@@ -11,7 +11,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::points::HEADER as POINTS_HEADER;
 use crate::formats::tables::reader::{TableReader, columns, delimiter};
-use crate::formats::tables::write::{Column, Values, real, write_csv};
+use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
@@ -242,21 +242,21 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
 /// The columns with the positions of the two ends of a vessel.
 pub const END_POSITION_COLUMNS: [[&str; 3]; 2] = [["ax_mm", "ay_mm", "az_mm"], ["bx_mm", "by_mm", "bz_mm"]];
 
-/// One coordinate of a position, mm; NaN without one.
-pub fn axis(position: Option<Point>, axis: usize) -> f64 {
-    position.map_or(f64::NAN, |p| millimetres(p[axis]))
+/// The coordinates of a position, mm; NaN without one.
+pub fn coordinates(position: Option<Point>) -> [f64; 3] {
+    position.map_or([f64::NAN; 3], |p| p.map(millimetres))
 }
 
 /// The columns of nodes.csv. `role` by node, `pressure` in Pa.
 pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option<f64>], component: &[usize]) -> Vec<Column> {
     let nodes = || network.nodes();
-    let place = |of_axis: usize| Column::real(POSITION_COLUMNS[of_axis], nodes().map(|n| axis(n.position, of_axis)));
+    let [x, y, z] = coordinate_columns(POSITION_COLUMNS, || nodes().map(|n| coordinates(n.position)));
     vec![
         Column::whole("node", 0..network.node_count()),
         Column::text("id", nodes().map(|n| &n.id)),
-        place(0),
-        place(1),
-        place(2),
+        x,
+        y,
+        z,
         Column::real("radius_mm", nodes().map(|n| n.radius.map_or(f64::NAN, millimetres))),
         Column::text("label", nodes().map(|n| &n.label)),
         Column::text("role", role.iter().map(|r| r.map_or("", Role::name))),
@@ -327,25 +327,23 @@ pub fn found_column(found: &[bool]) -> Option<Column> {
 
 /// The first columns of edges.csv: the ends of every vessel, its label, origin, length and radius.
 pub fn vessel_columns(network: &Network) -> Vec<Column> {
-    let end = |which: usize, of_axis: usize| {
-        let place = network.vessels().map(|(ends, _)| axis(network.node(ends[which]).position, of_axis));
-        Column::real(END_POSITION_COLUMNS[which][of_axis], place)
+    let end = |which: usize| {
+        let places = || network.vessels().map(|(ends, _)| coordinates(network.node(ends[which]).position));
+        coordinate_columns(END_POSITION_COLUMNS[which], places)
     };
-    vec![
+    let mut columns = vec![
         Column::whole("edge", 0..network.vessel_count()),
         Column::whole("node_a", network.vessels().map(|(ends, _)| ends[0])),
         Column::whole("node_b", network.vessels().map(|(ends, _)| ends[1])),
-        end(0, 0),
-        end(0, 1),
-        end(0, 2),
-        end(1, 0),
-        end(1, 1),
-        end(1, 2),
+    ];
+    columns.extend([0, 1].into_iter().flat_map(end));
+    columns.extend([
         Column::text("label", network.vessels().map(|(_, v)| &v.label)),
         Column::text("origin", network.vessels().map(|(_, v)| v.origin.name())),
         Column::real("length_mm", network.vessels().map(|(_, v)| millimetres(v.length))),
         Column::real("radius_mm", network.vessels().map(|(_, v)| millimetres(v.radius))),
-    ]
+    ]);
+    columns
 }
 
 /// The columns of nodes and of vessels with every attribute that the graph readers read, except the vessels' points.

@@ -2,6 +2,7 @@
 
 use std::collections::HashSet;
 
+use crate::formats::input::without_mark;
 use crate::formats::tables::write::unescape_formula;
 use willis_core::error::Fault;
 use willis_core::network::units::Scale;
@@ -76,7 +77,7 @@ impl<'a> TableReader<'a> {
         if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
             return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
         }
-        let (mut rest, mut skipped) = (bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes), 0);
+        let (mut rest, mut skipped) = (without_mark(bytes), 0);
         let first = loop {
             let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
             let line = rest[..end].trim_ascii();

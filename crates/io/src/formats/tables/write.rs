@@ -88,6 +88,11 @@ impl Column {
     }
 }
 
+/// Three columns of coordinates, as they are.
+pub fn coordinate_columns<I: Iterator<Item = [f64; 3]>>(names: [&'static str; 3], of: impl Fn() -> I) -> [Column; 3] {
+    [0, 1, 2].map(|axis| Column::real(names[axis], of().map(move |at| at[axis])))
+}
+
 impl Values {
     /// How many rows there are.
     pub fn len(&self) -> usize {

@@ -23,7 +23,7 @@ const IMAGE: &str = "Image_info.txt";
 /// Bytes of Image_info.txt at the most.
 const MOST_IMAGE: u64 = 1 << 20;
 /// The arteries by `VesselType`; the first is none.
-const ARTERIES: [&str; 23] = [
+pub const ICAFE_ARTERIES: [&str; 23] = [
     "", "L-ICA", "R-ICA", "L-M1", "R-M1", "L-M2", "R-M2", "L-A1", "R-A1", "L-A2", "R-A2", "AComm", "L-M3", "R-M3", "L-VA",
     "R-VA", "BA", "L-P1", "R-P1", "L-P2", "R-P2", "L-PComm", "R-PComm",
 ];
@@ -93,7 +93,7 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
             return Err(Fault::line(row.line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
         }
         vessels.push(TracedVessel {
-            label: ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
+            label: ICAFE_ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
             ends: ends.map(|end| scale.position(end)),
             points: count.and_then(|column| row.text(column).parse().ok()),
         });

@@ -4,19 +4,17 @@ use std::io::{self, Write};
 
 use crate::formats::content::Content;
 use crate::formats::options::ReadOptions;
-use crate::formats::polylines::add_straight;
-use crate::formats::polylines::positions;
-use crate::formats::polylines::{centerlines, is_straight, skeleton};
-use crate::formats::tables::graph::axis;
-use crate::formats::tables::reader::plural;
-use crate::formats::tables::reader::{Row, TableReader};
-use crate::formats::tables::write::Column;
-use crate::formats::tables::write::write_csv;
+use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, skeleton};
+use crate::formats::tables::reader::{Row, TableReader, plural};
+use crate::formats::tables::write::{Column, coordinate_columns, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::units::{Scale, millimetres};
 use willis_core::network::{Network, Node, PathPoint};
 use willis_core::support::geometry::{Point, area_of, distance};
+
+/// The columns of positions that are written.
+const PLACE: [&str; 3] = ["X", "Y", "Z"];
 
 /// The vertices of a table, by row.
 #[derive(Debug, Clone)]
@@ -141,7 +139,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
     };
     if !is_straight(network) {
         let found = skeleton(network)?;
-        let mut table = places(&found.points.iter().map(|p| p.position));
+        let mut table = coordinate_columns(PLACE, || found.points.iter().map(|p| p.position.map(millimetres))).to_vec();
         table.push(Column::real("radius", found.points.iter().map(|p: &PathPoint| millimetres(p.radius))));
         write_csv(vertices, &table)?;
         let mut table = ends(&found.links);
@@ -150,7 +148,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
         return write_csv(edges, &table);
     }
     let at = positions(network)?;
-    write_csv(vertices, &places(&at.iter().copied()))?;
+    write_csv(vertices, &coordinate_columns(PLACE, || at.iter().map(|p| p.map(millimetres))))?;
     let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
     let vessels = || network.vessels().map(|(_, v)| (millimetres(v.length), millimetres(v.radius)));
     let gap = |[a, b]: [usize; 2]| millimetres(distance(at[a], at[b]));
@@ -165,9 +163,4 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
     ]);
     table.extend(labelled.then(|| Column::text("label", network.vessels().map(|(_, v)| v.label.clone()))));
     write_csv(edges, &table)
-}
-
-fn places(points: &(impl Iterator<Item = Point> + Clone)) -> Vec<Column> {
-    let of_axis = |which: usize| points.clone().map(move |p| axis(Some(p), which));
-    vec![Column::real("X", of_axis(0)), Column::real("Y", of_axis(1)), Column::real("Z", of_axis(2))]
 }

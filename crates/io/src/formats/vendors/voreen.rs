@@ -4,14 +4,10 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use crate::formats::options::ReadOptions;
-use crate::formats::polylines::add_straight;
-use crate::formats::polylines::positions;
+use crate::formats::polylines::{add_straight, positions};
 use crate::formats::tables::graph::NodeTable;
-use crate::formats::tables::graph::axis;
-use crate::formats::tables::reader::TableReader;
-use crate::formats::tables::reader::plural;
-use crate::formats::tables::write::Column;
-use crate::formats::tables::write::write_table;
+use crate::formats::tables::reader::{TableReader, plural};
+use crate::formats::tables::write::{Column, coordinate_columns, write_table};
 use willis_core::error::Fault;
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::units::{Scale, millimetres};
@@ -132,13 +128,13 @@ pub fn write_voreen(nodes: impl Write, edges: impl Write, network: &Network) -> 
     let whole = has_whole_ids(network);
     let id = |row: usize| if whole { network.node(row).id.clone() } else { row.to_string() };
     let degree = network.degrees(|_| true);
-    let place = |of_axis: usize| at.iter().map(move |p| axis(Some(*p), of_axis));
+    let [x, y, z] = coordinate_columns(["pos_x", "pos_y", "pos_z"], || at.iter().map(|p| p.map(millimetres)));
     let unknown = |name: &'static str, rows: usize| Column::real(name, std::iter::repeat_n(-1.0, rows));
     let table = [
         Column::text("id", (0..network.node_count()).map(id)),
-        Column::real("pos_x", place(0)),
-        Column::real("pos_y", place(1)),
-        Column::real("pos_z", place(2)),
+        x,
+        y,
+        z,
         Column::whole("degree", degree.iter().copied()),
         unknown("isAtSampleBorder", network.node_count()),
     ];

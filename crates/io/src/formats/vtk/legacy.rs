@@ -2,7 +2,7 @@
 
 use crate::formats::options::ReadOptions;
 use crate::formats::vtk::cursor::{VtkCursor, VtkType, unescape};
-use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, is_wanted};
+use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::network::centerlines::Centerlines;
@@ -165,19 +165,7 @@ impl Reader<'_> {
 
     fn finish(mut self) -> Result<(PolyData, Vec<String>), Fault> {
         let [verts, lines, polygons, strips] = self.cells;
-        let faces = polygons + strips;
-        if lines == 0 && faces > 0 {
-            return Err(Fault::file(format!("a surface of {faces} polygons, not centerlines"), "expected LINES"));
-        }
-        if lines == 0 {
-            return Err(Fault::file("no lines", "expected LINES"));
-        }
-        let mut notes = Vec::new();
-        for (n, what) in [(verts, "vertex cells"), (faces, "polygons")] {
-            if n > 0 {
-                notes.push(format!("{n} {what} are ignored"));
-            }
-        }
+        let notes = check_cells(lines, verts, polygons + strips, "expected LINES")?;
         // Cell data counts vertex cells before lines, wherever they stand in the file.
         for array in &mut self.data.line_data {
             match &mut array.values {

@@ -4,7 +4,7 @@ use crate::formats::input::UnpackLimit;
 use crate::formats::options::ReadOptions;
 use crate::formats::vtk::SPACE;
 use crate::formats::vtk::array::{Arrays, Source};
-use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, is_wanted};
+use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use crate::formats::xml::{self, Element};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
@@ -40,18 +40,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let count = |name: &str| pieces.iter().map(|p| number(p, name)).sum::<Result<usize, Fault>>();
     let (lines, verts) = (count("NumberOfLines")?, count("NumberOfVerts")?);
     let faces = count("NumberOfPolys")?.saturating_add(count("NumberOfStrips")?);
-    if lines == 0 && faces > 0 {
-        return Err(Fault::file(format!("a surface of {faces} polygons, not centerlines"), "expected polylines in <Lines>"));
-    }
-    if lines == 0 {
-        return Err(Fault::file("no lines", "expected polylines in <Lines>"));
-    }
-    let mut notes = Vec::new();
-    for (n, what) in [(verts, "vertex cells"), (faces, "polygons")] {
-        if n > 0 {
-            notes.push(format!("{n} {what} are ignored"));
-        }
-    }
+    let mut notes = check_cells(lines, verts, faces, "expected polylines in <Lines>")?;
     let mut read = Vec::new();
     let mut before = [0, 0];
     for piece in pieces {

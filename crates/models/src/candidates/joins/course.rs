@@ -1,6 +1,7 @@
 //! The course of a vessel from a free end inwards, past junctions, and where it points at several scales.
 
 use crate::candidates::features::extraction::Extraction;
+use willis_core::support::arc_lengths::arc_lengths;
 use willis_core::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis_core::support::normal_equations::solve;
 use willis_core::support::ties::steady;
@@ -50,10 +51,7 @@ impl EndCourse {
         let limit = (SCALES[3] + MORE_SPACINGS) * h + MORE_RADII * end.radius;
         let (points, junction) = inwards(extraction, end.point, end.branch, limit);
         let position: Vec<Point> = points.iter().map(|p| extraction.position[*p]).collect();
-        let mut arc = vec![0.0];
-        for w in position.windows(2) {
-            arc.push(arc[arc.len() - 1] + distance(w[0], w[1]));
-        }
+        let arc = arc_lengths(position.iter().copied());
         let smooth = if position.len() > 3 { slightly_smooth(&position) } else { position };
         let mut course = Self {
             directions: [[0.0; 3]; 4],

@@ -2,7 +2,7 @@
 
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::search::free_ends::FreeEnd;
-use willis_core::support::geometry::{distance, sub};
+use willis_core::support::geometry::{centroid, distance, sub};
 use willis_core::support::ties::{compare, near_zero, steady};
 
 /// So many of the widest free ends are taken for inlets.
@@ -16,7 +16,7 @@ pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
     }
     let mut ends: Vec<_> = extraction.ends.iter().collect();
     let at = |end: &FreeEnd| extraction.position[end.point];
-    let middle = [0, 1, 2].map(|axis| ends.iter().map(|end| at(end)[axis]).sum::<f64>() / ends.len().max(1) as f64);
+    let middle = centroid(ends.iter().map(|end| at(end)));
     let order = |end: &FreeEnd| {
         let [x, y, z] = sub(at(end), middle).map(|x| near_zero(x / extraction.spacing));
         [-steady(end.radius / extraction.spacing), -near_zero(distance(at(end), middle) / extraction.spacing), z, y, x]

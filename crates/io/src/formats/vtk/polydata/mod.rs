@@ -26,6 +26,18 @@ fn is_of_vmtk(piece: &PolyData) -> bool {
     piece.point_data.iter().any(|array| array.name == "MaximumInscribedSphereRadius")
 }
 
+/// Refuses a file without lines, by what is accepted there; says which other cells are left out.
+pub(crate) fn check_cells(lines: usize, verts: usize, faces: usize, accepted: &str) -> Result<Vec<String>, Fault> {
+    match (lines, faces) {
+        (0, 0) => Err(Fault::file("no lines", accepted)),
+        (0, _) => Err(Fault::file(format!("a surface of {faces} polygons, not centerlines"), accepted)),
+        _ => {
+            let others = [(verts, "vertex cells"), (faces, "polygons")].into_iter().filter(|(n, _)| *n > 0);
+            Ok(others.map(|(n, what)| format!("{n} {what} are ignored")).collect())
+        }
+    }
+}
+
 /// Makes centerlines of polylines: every point that a line uses, in order of first use; returns also notes for the user.
 ///
 /// # Errors

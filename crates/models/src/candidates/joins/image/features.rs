@@ -10,6 +10,7 @@ use super::ahead::{Ahead, MOST_COST, MOST_MET};
 use super::path::{Between, CheapestPath, across, cheapest_path};
 use crate::candidates::features::Extraction;
 use crate::candidates::joins::rivals::Pairs;
+use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::boosted_trees::stored;
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
 use willis_core::support::in_order;
@@ -283,23 +284,17 @@ fn longest(x: &[f64], is: impl Fn(&f64) -> bool) -> usize {
 
 /// What the image shows along a line between two ends; `None` where it is not known.
 fn along(scene: &Scene, line: &[Point], radius: [f64; 2], level: Level, contrast: f64, ring: f64, h: f64) -> Option<Along> {
-    let mut arc = vec![0.0];
-    for w in line.windows(2) {
-        arc.push(arc[arc.len() - 1] + distance(w[0], w[1]));
-    }
+    let arc = arc_lengths(line.iter().copied());
     let length = arc[arc.len() - 1];
     let [from, upto] = [radius[0].min(TRIM * length), length - radius[1].min(TRIM * length)];
     let steps = ((upto - from) / (STEP * h)).ceil().max(2.0) as usize;
     let share = |x: f64| (x - level.background) / contrast;
     let (mut values, mut rings, mut inside) = (Vec::new(), Vec::new(), 0);
-    let mut segment = 0;
+    let mut walk = ArcWalk::new(&arc);
     for n in 0..=steps {
         let s = from + (upto - from) * n as f64 / steps as f64;
-        while segment + 2 < arc.len() && arc[segment + 1] < s {
-            segment += 1;
-        }
-        let span = arc[segment + 1] - arc[segment];
-        let at = lerp(line[segment], line[segment + 1], if span > 0.0 { (s - arc[segment]) / span } else { 0.0 });
+        let (segment, on) = walk.to(s);
+        let at = lerp(line[segment], line[segment + 1], on);
         let c = share(scene.brightness(at)?);
         let [e1, e2] = across(unit(sub(line[segment + 1], line[segment])));
         let (mut sum, mut count) = (0.0, 0.0);

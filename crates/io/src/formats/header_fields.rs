@@ -1,0 +1,68 @@
+//! The fields of a header that is text, each with the line that it stands on.
+
+use std::collections::HashMap;
+use std::str::FromStr;
+
+use willis_core::error::Fault;
+
+/// The fields by name.
+pub(super) struct HeaderFields {
+    /// What counts of a name.
+    plain: fn(&str) -> String,
+    fields: HashMap<String, (usize, String)>,
+}
+
+impl Default for HeaderFields {
+    /// None, of names of which everything counts.
+    fn default() -> Self {
+        Self::named(str::to_owned)
+    }
+}
+
+impl HeaderFields {
+    /// None, of names of which `plain` says what counts.
+    pub(super) fn named(plain: fn(&str) -> String) -> Self {
+        Self { plain, fields: HashMap::new() }
+    }
+
+    /// Adds a field in place of an earlier one of its name.
+    pub(super) fn insert(&mut self, name: &str, line: usize, value: &str) {
+        self.fields.insert((self.plain)(name), (line, value.to_owned()));
+    }
+
+    /// The line and the text of a field.
+    pub(super) fn get(&self, name: &str) -> Option<(usize, &str)> {
+        self.fields.get(&(self.plain)(name)).map(|(line, value)| (*line, value.as_str()))
+    }
+
+    /// The same of a field that must be there.
+    pub(super) fn needed(&self, name: &str) -> Result<(usize, &str), Fault> {
+        self.get(name).ok_or_else(|| Fault::file(format!("no field {name}"), "expected it in the header"))
+    }
+
+    /// A yes or no; no where it is absent. MetaIO looks at the first letter only.
+    pub(super) fn is_true(&self, name: &str) -> bool {
+        self.get(name).is_some_and(|(_, value)| value.starts_with(['T', 't', '1']))
+    }
+
+    /// A whole number; `None` where the field is absent.
+    pub(super) fn whole(&self, name: &str) -> Result<Option<i64>, Fault> {
+        let Some((line, value)) = self.get(name) else { return Ok(None) };
+        let number = value.parse().map_err(|_| Fault::line(line, format!("{name} \"{value}\""), "expected a whole number"))?;
+        Ok(Some(number))
+    }
+
+    /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
+    pub(super) fn numbers<N: FromStr>(
+        &self,
+        name: &str,
+        count: usize,
+        accepted: &str,
+        admits: fn(&N) -> bool,
+    ) -> Result<Option<Vec<N>>, Fault> {
+        let Some((line, value)) = self.get(name) else { return Ok(None) };
+        let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
+        let wrong = || Fault::line(line, format!("{name} \"{value}\""), format!("expected {count} {accepted}"));
+        numbers.filter(|numbers| numbers.len() == count).map(Some).ok_or_else(wrong)
+    }
+}
