@@ -19,6 +19,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 NEAR_FUSION, TREE = 6.0, 15.0
+#: Known points with nothing but others between them, no longer than this (mm), are neighbours: the loop there joins them, whatever is true of it.
+THROUGH = 10.0
 
 
 def safe_edges(graph):
@@ -65,7 +67,15 @@ def truth(implant, raw, put_in, subject):
     # A station is a point that is known; the others are there so that what shows them shows nothing.
     known = sorted(known)
     number = {v: k for k, v in enumerate(known)}
-    adjacent = [(number[p], number[q], mm, "there", [0, 0, 0], 0.0) for p, q, mm in graph.edges(data="mm") if p in number and q in number]
+    neighbours = [(p, q, mm) for p, q, mm in graph.edges(data="mm") if p in number and q in number]
+    others = graph.subgraph(set(graph) - set(number))
+    for part in nx.connected_components(others):
+        around = {q for v in part for q in graph[v] if q in number}
+        through = graph.edge_subgraph(edge for v in part for edge in graph.edges(v))
+        for p in around:
+            ways = nx.single_source_dijkstra_path_length(through, p, cutoff=THROUGH, weight="mm")
+            neighbours += [(p, q, mm) for q, mm in ways.items() if q in around and p < q]
+    adjacent = [(number[p], number[q], mm, "there", [0, 0, 0], 0.0) for p, q, mm in neighbours]
     return dict(subject=subject, voxel_mm=float(zoom.mean()), nodes=points.tolist(), stations=np.c_[points[known], radius[known]].tolist(),
                 station_nodes=[[v + 1] for v in known], adjacent=adjacent)
 

@@ -82,13 +82,24 @@ impl Field {
     /// The depth (m) of a place (m) below the wall; negative outside.
     pub fn signed(&self, place: Point) -> f64 {
         let at = self.index(place);
-        let low = at.map(f64::floor);
+        let low = at.map(floor);
         let share = [0, 1, 2].map(|k| at[k] - low[k]);
         let [x, y, z] = low.map(|index| index as isize);
         let between = |a: f64, b: f64, share: f64| a + share * (b - a);
-        let along_x = |y: isize, z: isize| between(self.at([x, y, z]), self.at([x + 1, y, z]), share[0]);
-        let in_layer = |z: isize| between(along_x(y, z), along_x(y + 1, z), share[1]);
-        metres(between(in_layer(z), in_layer(z + 1), share[2]))
+        // Where all eight voxels are in the box, their rows follow from the first.
+        let [along_y, along_z] = [self.shape[0], self.shape[0] * self.shape[1]];
+        let is_inside = [x, y, z].iter().zip(self.shape).all(|(index, length)| *index >= 0 && (*index as usize) + 1 < length);
+        let first = if is_inside { z as usize * along_z + y as usize * along_y + x as usize } else { 0 };
+        let corner = |i: usize, j: usize, k: usize| {
+            if is_inside {
+                f64::from(self.depth[first + k * along_z + j * along_y + i])
+            } else {
+                self.at([x + i as isize, y + j as isize, z + k as isize])
+            }
+        };
+        let along_x = |j: usize, k: usize| between(corner(0, j, k), corner(1, j, k), share[0]);
+        let in_layer = |k: usize| between(along_x(0, k), along_x(1, k), share[1]);
+        metres(between(in_layer(0), in_layer(1), share[2]))
     }
 
     /// The depth (m) of a place (m) in the lumen; zero outside.
@@ -141,6 +152,12 @@ impl Field {
         }
         f64::from(self.depth[(z * self.shape[1] + y) * self.shape[0] + x])
     }
+}
+
+/// The largest whole number that is not above `x`: `f64::floor`, which is a call where the processor is not known.
+fn floor(x: f64) -> f64 {
+    let whole = x as isize as f64;
+    if whole > x { whole - 1.0 } else { whole }
 }
 
 /// The position of the first voxel, mm.
