@@ -3,7 +3,7 @@
 #
 #   willis infer mask.nii.gz -o OUT --decisions decisions.csv
 #
-# Writes results.csv, alone.csv, beside.csv and the tables of README.md. Argument: a folder for cases and answers, which is kept and gone on from (two hours on two busy cores).
+# Writes results.csv, alone.csv, beside.csv, scales.csv, carried.csv, weighed.csv and the tables of README.md. Argument: a folder for cases and answers, which is kept and gone on from (two hours on two busy cores).
 # ../skelbench.sh says what the environment names.
 set -euo pipefail
 work=$(mkdir -p "$1" && cd "$1" && pwd)
@@ -24,4 +24,5 @@ done
 { cat "$work/alone-good.csv"; tail -qn +2 "$work/alone-fair.csv" "$work/alone-real.csv"; } >$here/alone.csv
 "$python" $here/measure.py table
 "$python" $here/beside.py "$bench" "$work/cases" "$work/answers"
+"$python" $here/scales.py "$bench" "$work/cases" "$work/answers"
 cargo run --release --locked --quiet --example fingerprints -- record proofreading
