@@ -24,5 +24,8 @@ done
 { cat "$work/alone-good.csv"; tail -qn +2 "$work/alone-fair.csv" "$work/alone-real.csv"; } >$here/alone.csv
 "$python" $here/measure.py table
 "$python" $here/beside.py "$bench" "$work/cases" "$work/answers"
-"$python" $here/scales.py "$bench" "$work/cases" "$work/answers"
+for level in good fair; do
+    [ -d "$work/others/cases/$level" ] || "$python" "$bench/make_cases.py" make "$data/brava/vtp" "$work/others/cases" --level $level --seed 3 --save-mask --subjects BG0002,BG07,BH0002,BH0017,BH0029,Set9
+done
+"$python" $here/scales.py "$bench" "$work/cases" "$work/answers" "$work/others"
 cargo run --release --locked --quiet --example fingerprints -- record proofreading

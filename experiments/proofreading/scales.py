@@ -1,11 +1,11 @@
 """Is P of a contact true, would another scale make it truer, and what would `reconnect` keep by another scale? Writes scales.csv, carried.csv, weighed.csv and their tables in
 README.md.
 
-    scales.py SKELBENCH CASES WORK        CASES and WORK as those of measure.py, whose first answers are taken
+    scales.py SKELBENCH CASES WORK OTHERS        CASES and WORK as those of measure.py, whose first answers are taken
 
 The scale is s(a + b l), l the log-odds of P: a = 0 and b = 1 change nothing. It is fitted to all cases of a level but one, and judged by that one, or to all of one level, and
-judged by another. ECE has ten bins of .1, all contacts of a level together; "by chance" is what P without any error would show on so many. A contact is given back where the
-answer keeps it, else cut.
+judged by another. OTHERS has scans of other brains, cases/LEVEL/SUBJECT, to which a scale is fitted too. ECE has ten bins of .1, all contacts of a level together; "by chance" is
+what P without any error would show on so many. A contact is given back where the answer keeps it, else cut.
 Then contacts are weighed by other scales against candidates: all that is kept without them, the rest in that order while it joins two parts, as `reconnect` does.
 """
 import collections
@@ -55,6 +55,8 @@ class Answer:
 
     def __init__(self, score, proofread, folder, work):
         self.score, self.folder, self.out = score, folder, work / "0"
+        if not (self.out / "run.json").exists():
+            proofread.infer(measure.WILLIS, folder, "mask.nii.gz", self.out)
         self.is_implants = folder.parent.name == measure.IMPLANTS
         if self.is_implants:
             person = measure.WhoPutIn(score, proofread, folder, work)
@@ -138,9 +140,9 @@ def reliability(level, answers):
             yield {"level": level, "of": name, "contacts": len(q)} | {key: "" if np.isnan(x) else f"{x:.3f}" for key, x in numbers.items()}
 
 
-def carried(levels):
-    """Rows of carried.csv: ECE of each level by the scale of each."""
-    for of, (p, one, _, by_partitions) in levels.items():
+def carried(levels, others):
+    """Rows of carried.csv: ECE of each level by the scale of each, and of other scans."""
+    for of, (p, one, _, by_partitions) in (levels | {"other brains": others}).items():
         a, b = fitted(p, one)
         calibration = " ".join(f"{x:.3f}" for x in fitted(by_partitions, one))
         for judged, (q, yes, case, _) in levels.items():
@@ -169,21 +171,25 @@ def weighed(level, answers):
 
 
 def main():
-    bench, cases, work = map(Path, sys.argv[1:])
+    bench, cases, work, others = map(Path, sys.argv[1:])
     sys.path.insert(0, str(bench))
     import proofread
     import score
 
+    def answers_to(cases, work):
+        folders = sorted(path.parent for path in cases.glob("*/truth.json"))
+        return [Answer(score, proofread, folder, work / folder.name) for folder in folders]
+
     scales, found, levels = [], [], {}
     for level in LEVELS:
-        folders = sorted(path.parent for path in cases.glob(f"{level}/*/truth.json"))
-        answers = [Answer(score, proofread, folder, work / level / folder.name) for folder in folders]
+        answers = answers_to(cases / level, work / level)
         levels[level] = known(answers)
         scales += reliability(level, answers)
         found += weighed(level, answers)
         print(level, file=sys.stderr)
+    of_others = known([answer for folder in sorted((others / "cases").iterdir()) for answer in answers_to(folder, others / "answers" / folder.name)])
     common.write_results(HERE, scales, "scales.csv")
-    common.write_results(HERE, list(carried(levels)), "carried.csv")
+    common.write_results(HERE, list(carried(levels, of_others)), "carried.csv")
     common.write_results(HERE, found, "weighed.csv")
 
 
