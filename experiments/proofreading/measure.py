@@ -1,4 +1,5 @@
-"""A person who knows the truth works on the answers to simulated scans and expert masks; what the topology gains by number of decisions; the table of README.md too.
+"""A person who knows the truth works on the answers to simulated scans, to expert masks and to masks with gaps and fusions put into them; what the topology gains
+by number of decisions; the tables of README.md too.
 
     measure.py SKELBENCH CASES WORK LEVEL [--subjects a,b] [--orders review,doubt,chance] [--decisions 20,60] [--rounds 4]
     measure.py SKELBENCH CASES WORK LEVEL --alone 20 [--subjects a,b]
@@ -18,6 +19,7 @@ import sys
 from pathlib import Path
 
 import numpy as np
+from scipy.sparse import coo_matrix
 from scipy.sparse.csgraph import dijkstra
 from scipy.spatial import cKDTree
 
@@ -28,8 +30,14 @@ HERE = Path(__file__).resolve().parent
 AXES = ("x_mm", "y_mm", "z_mm")
 WILLIS = os.environ.get("WILLIS", "target/release/willis")
 FIGURES = ("path", "nrun", "join_f1", "cut_recall", "lost_connections", "cycles")
+#: The level of masks with gaps and fusions put into them, and its figures.
+IMPLANTS = "implants"
+OF_IMPLANTS = ("gaps_closed", "fusions_undone", "safe_lost", "cycles")
 #: The ends of a true link are so near to the stations between which it is missing, mm.
 SITE = 4.0
+#: What implants.py says of pairs of stations: that nothing is known of them, or no more than that both are of one side of a fusion.
+UNKNOWN = "unknown"
+UNSURE = (UNKNOWN, "side")
 #: A person follows a vessel so far from where it touches another, mm, and sees a place as on a vessel so near to its line.
 FOLLOWED, ON = 15.0, 1.5
 #: What says that vessels at a place are one, as the answer has it; it costs a decision, and no list has it.
@@ -51,17 +59,24 @@ class Person:
         self.case = score.Case(folder)
         self.stations = cKDTree(self.case.station)
         self.radius = np.array([station[3] for station in self.case.t["stations"]])
+        self.near = [pair for pair in self.case.near if pair[3] not in UNSURE]
+        self.sure = {frozenset(pair[:2]) for pair in self.near}
         self.neighbours = collections.defaultdict(set)
-        for a, b, *_ in self.case.near:
-            self.neighbours[a].add(b)
-            self.neighbours[b].add(a)
+        for a, b, _, state, *_ in self.case.near:
+            if state != UNKNOWN:
+                self.neighbours[a].add(b)
+                self.neighbours[b].add(a)
         self.first = self.infer("0", [])
+        self.gaps = {frozenset(pair[:2]) for pair in self.near if pair[3] == "gap"}
         self.rows, self.right = proofread.truth(self.case, self.first)
-        self.gaps = {frozenset(pair[:2]) for pair in self.case.near if pair[3] == "gap"}
         for row, yes in self.right.items():
             if yes is False and self.is_candidate(row):
                 self.right[row] = self.along(self.rows[row])
         self.ids = [row["id"] for row in common.rows(self.first / "nodes.csv")]
+
+    def knows(self, place):
+        """Whether a person can say of the line at a place how many vessels it shows."""
+        return True
 
     def is_candidate(self, row):
         return self.rows[row]["origin"].strip() == "candidate"
@@ -120,8 +135,11 @@ class Person:
     def seen(self, out):
         """The figures of an answer, and its lines as skelbench sees them."""
         lines, rows = self.score.read_answer(out, self.case)
+        return self.figures(out, lines, rows), self.score.Net(lines, self.case.h, self.case.kd)
+
+    def figures(self, _, lines, rows):
         figures = self.score.score(self.case, lines, rows)
-        return {name: figures[name] for name in FIGURES}, self.score.Net(lines, self.case.h, self.case.kd)
+        return {name: figures[name] for name in FIGURES}
 
     def place(self, station):
         nodes = self.case.xyz[self.case.sides[station]]
@@ -182,7 +200,7 @@ class Person:
         held = lambda a, b, centre, reach: set.intersection(*net.local(centre, reach, [case.sides[a], case.sides[b]]))
         shown = {station for station, side in enumerate(case.sides) if side and self.is_shown(station, net)}
         absent = collections.defaultdict(set)
-        for a, b, _, _, centre, reach in case.near:
+        for a, b, _, _, centre, reach in self.near:
             if not case.vein[a] and not (case.sides[a] and case.sides[b] and held(a, b, centre, reach)):
                 absent[a].add(b)
                 absent[b].add(a)
@@ -202,7 +220,7 @@ class Person:
         found = {}
         for a in range(len(part)):
             for b in self.neighbours[a]:
-                if 0 <= part[a] != part[b] >= 0 and (part[b], part[a]) not in found:
+                if frozenset((a, b)) in self.sure and 0 <= part[a] != part[b] >= 0 and (part[b], part[a]) not in found:
                     beyond = [[far for far in sorted(self.neighbours[end] - {other}) if part[far] == part[end]] for end, other in ((a, b), (b, a))]
                     if all(beyond):
                         found.setdefault((part[a], part[b]), [beyond[0][0], a, b, beyond[1][0]])
@@ -239,7 +257,7 @@ class Person:
             if near and away(near) <= 0 and (parted := self.part(near)):
                 return [parted]
         if kind == "touch":
-            return [(SAME, " ".join(map(str, at)))]
+            return [(SAME, " ".join(map(str, at)))] if self.knows(at) else []
         if self.right.get(row):
             return [(row, True)]
         if self.is_candidate(row) and self.right[row] is None:
@@ -281,25 +299,26 @@ class Person:
         return [(None, row, ends_of(rows[row]).mean(axis=0)) for row in open_rows]
 
     def session(self, order, counts):
-        """Decisions in an order, the list looked at again after each few; (count, decisions, answer) at each of the counts, and where the list of the review
-        ends."""
-        decisions, out = [], self.first
+        """Decisions in an order, the list looked at again after each few; (count, decisions, answer, how many questions were put) at each of the counts, and where
+        the list of the review ends. A question to which nothing is said is put once."""
+        decisions, out, put = [], self.first, set()
         while True:
             fresh, (_, net) = [], self.seen(out)
             absent = self.missing(net)
             for kind, row, at in self.questions(order, out):
                 if len(fresh) < AT_ONCE:
+                    put.add((kind, row))
                     said = self.where(at, net, absent) if kind == "part" else self.answers(kind, row, at, absent)
                     fresh += [one for one in dict.fromkeys(said) if one not in decisions + fresh]
             decisions += fresh
             out = self.infer(f"{order}-{len(decisions)}", decisions) if fresh else out
             while counts and len(decisions) >= counts[0]:
-                yield counts.pop(0), decisions, out
+                yield counts.pop(0), decisions, out, len(put)
             if order != "review" and not counts:
                 return
             if not fresh:
                 for count in [*counts, "all"]:
-                    yield count, decisions, out
+                    yield count, decisions, out, len(put)
                 return
 
     def alone(self, count):
@@ -335,22 +354,61 @@ class Person:
         return decisions, out
 
 
+class WhoPutIn(Person):
+    """One who knows what was put into a real mask, and which branches of it are certain (`implants.py`), and says nothing of all else."""
+
+    def __init__(self, score, proofread, folder, work):
+        import implant
+
+        self.implant = implant
+        super().__init__(score, proofread, folder, work)
+        self.degree = collections.Counter(row[end] for row in self.rows if row["origin"].strip() == "observed" for end in ("node_a", "node_b"))
+        # Two sides are one for certain only by a way that is known throughout; apart if by no way.
+        by_all, self.case.true = self.case.true, self.known_ways()
+        certain = proofread.contact_truth(self.case, self.first)
+        self.case.true = by_all
+        for row, yes in self.right.items():
+            if not self.is_candidate(row):
+                self.right[row] = yes if yes == certain.get(row) else None
+            elif yes is False and not self.leaves_gap(row):
+                self.right[row] = None
+
+    def known_ways(self):
+        a, b, mm = zip(*(pair[:3] for pair in self.near))
+        return coo_matrix((mm, (a, b)), shape=self.case.true.shape).tocsr()
+
+    def leaves_gap(self, row):
+        """Whether a candidate begins at a loose end of a gap, whose other side is known."""
+        ends = zip((self.rows[row]["node_a"], self.rows[row]["node_b"]), ends_of(self.rows[row]))
+        return any(self.degree[node] <= 1 and any(shown in self.case.site for shown in self.case.snap(place)) for node, place in ends)
+
+    def knows(self, place):
+        at = {self.case.station_of[node] for node in self.case.snap(place) if node in self.case.station_of}
+        return any(pair & at for pair in self.sure)
+
+    def figures(self, out, *_):
+        judged = self.implant.judge(self.folder / "put-in", out)
+        return {name: judged[name] for name in OF_IMPLANTS}
+
+
 def measured(given, score, proofread):
     for folder in sorted(path.parent for path in given.cases.glob(f"{given.level}/*/truth.json")):
         if given.subjects and folder.name not in given.subjects.split(","):
             continue
         work = given.work / given.level / folder.name
         work.mkdir(parents=True, exist_ok=True)
-        person = Person(score, proofread, folder, work)
+        person = (WhoPutIn if given.level == IMPLANTS else Person)(score, proofread, folder, work)
         counts = [*map(int, given.decisions.split(","))]
-        sessions = [("review", 0, [], person.first)]
+        sessions = [("review", 0, [], person.first, 0)]
         for order in given.orders.split(","):
-            sessions += [(order, count, list(said), out) for count, said, out in person.session(order, list(counts))]
-        at_last = next(session for session in reversed(sessions) if session[0] == "review")
-        sessions.append(("right", "all", *person.right_at_last(*at_last[2:], given.rounds)))
-        for order, count, decisions, out in sessions:
+            sessions += [(order, count, list(said), *rest) for count, said, *rest in person.session(order, list(counts))]
+        _, _, said, out, put = next(session for session in reversed(sessions) if session[0] == "review")
+        sessions.append(("right", "all", *person.right_at_last(said, out, given.rounds), put))
+        for order, count, decisions, out, put in sessions:
             words = collections.Counter(what if isinstance(what, str) else "row" for what, _ in decisions)
             figures = person.seen(out)[0] | {f"decisions_{word}": words[word] for word in ("row", "part", "join")}
+            if given.level == IMPLANTS:
+                figures["questions"] = put
             for figure, value in figures.items():
                 yield [given.level, folder.name, order, count, figure, f"{value:.6g}"]
 
@@ -381,13 +439,22 @@ def table():
     found = collections.defaultdict(list)
     for row in common.rows(HERE / "results.csv"):
         found[row["level"], row["order"], row["asked"], row["figure"]].append(float(row["value"]))
-    lines = []
+    lines = {"proofreading": [], IMPLANTS: []}
     for level, order, asked in dict.fromkeys(key[:3] for key in found):
         mean = lambda figure: np.nanmean(found[level, order, asked, figure])
-        made = [mean(f"decisions_{word}") for word in ("row", "part", "join")]
-        lines.append([level, "" if asked == "0" else order, asked, *(f"{x:.0f}" for x in made), *(f"{mean(name):.3f}" for name in FIGURES[:-1]), f"{mean('cycles'):.1f}"])
-    names = ["level", "order", "asked", "rows", "parted", "joined", "path", "run length", "F1 of joins", "fusions undone", "connections lost", "excess cycles"]
-    common.splice(HERE / "README.md", "proofreading", common.table(names, lines))
+        made = [f"{mean(f'decisions_{word}'):.0f}" for word in ("row", "part", "join")]
+        start, cycles = ["" if asked == "0" else order, asked], f"{mean('cycles'):.1f}"
+        if level == IMPLANTS:
+            lines[IMPLANTS].append([*start, f"{mean('questions'):.0f}", *made, *(f"{mean(name):.3f}" for name in OF_IMPLANTS[:-1]), cycles])
+        else:
+            lines["proofreading"].append([level, *start, *made, *(f"{mean(name):.3f}" for name in FIGURES[:-1]), cycles])
+    decided = ["rows", "parted", "joined"]
+    names = {
+        "proofreading": ["level", "order", "asked", *decided, "path", "run length", "F1 of joins", "fusions undone", "connections lost", "excess cycles"],
+        IMPLANTS: ["order", "asked", "questions put", *decided, "gaps closed", "fusions undone", "safe lost", "cycles"],
+    }
+    for mark, of in lines.items():
+        common.splice(HERE / "README.md", mark, common.table(names[mark], of))
 
 
 def main():
