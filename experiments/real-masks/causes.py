@@ -38,8 +38,8 @@ def rows_of(folder):
         points = [[float(x) for x in point.split()[:3]] for point in found.get("points", "").split(";") if point.strip()]
         if points and np.linalg.norm(np.subtract(points[0], places[ends[0]])) > np.linalg.norm(np.subtract(points[-1], places[ends[0]])):
             points.reverse()
-        yield dict(points=np.array([places[ends[0]], *points, places[ends[1]]]), ends=ends, origin=found["origin"],
-                   p=float(found.get("probability") or 0), kept=kept.get(found["edge"], False))
+        yield dict(points=np.array([places[ends[0]], *points, places[ends[1]]]), ends=ends, origin=found["origin"], p=float(found.get("probability") or 0),
+                   attached=float(found.get("hangs_a") or 0) + float(found.get("hangs_b") or 0), kept=kept.get(found["edge"], False))
 
 
 class Graph:

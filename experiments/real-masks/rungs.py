@@ -281,7 +281,7 @@ def rung_rows(g):
 
 
 def real_case(data, case):
-    """The rungs of a mask with fusions put in: features, 1 for true and 0 for false (-1 where that is not known), middle, fusion."""
+    """The rungs of a mask with fusions put in: features, 1 for true and 0 for false (-1 where that is not known), run; and the graph."""
     raw = nib.load(data / f"kdxf-masks/KDXF_{case.name[:3]}.nii.gz")
     t = json.loads((case / "truth.json").read_text())
     m0 = np.asarray(raw.dataobj) > 0
@@ -321,8 +321,8 @@ def real_case(data, case):
                 lab = 0
         elif d > 5 and (ks.query(q)[0] < 1.01 * zoom.max()).all():
             lab = 1
-        out.append((f, lab, mid, n if lab == 0 else -1))
-    return out, len(places)
+        out.append((f, lab, k))
+    return out, g
 
 
 def sim_case(case):
@@ -339,21 +339,16 @@ def sim_case(case):
         for i in ids:
             shown[i - 1] = s
     out = []
-    fus = {}
-    for n, f in enumerate(t["fusions"]):
-        for a, b in f["edges"]:
-            fus[frozenset((a - 1, b - 1))] = n
-    for k, f, mid, q in rung_rows(g):
+    for k, f, _, _ in rung_rows(g):
         run = g.runs[k]
-        hit = [fus[frozenset(p)] for p in zip(run[:-1], run[1:]) if frozenset(p) in false]
-        if hit:
+        if any(frozenset(p) in false for p in zip(run[:-1], run[1:])):
             lab = 0
         elif (shown[run] >= 0).mean() > 0.7:
             lab = 1
         else:
             lab = -1
-        out.append((f, lab, mid, hit[0] if hit else -1))
-    return out, len(t["fusions"])
+        out.append((f, lab, k))
+    return out, g
 
 
 def cross_validated(cases, fitted_to, judged):

@@ -54,10 +54,18 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
         let (s, t) = (half * grid(a), half * grid(b));
         [0, 1, 2].map(|k| place[k] + s * u[k] + t * v[k])
     };
-    let depth: Vec<f64> = (0..PIXELS * PIXELS).map(|n| field.signed(at(n / PIXELS, n % PIXELS))).collect();
+    // Depths are looked up where the part that counts comes by, which is a small share of the plane.
+    let mut depth = vec![f64::NAN; PIXELS * PIXELS];
+    let is_inside = |depth: &mut [f64], n: usize| {
+        if depth[n].is_nan() {
+            depth[n] = field.signed(at(n / PIXELS, n % PIXELS));
+        }
+        depth[n] > 0.0
+    };
     let off = |n: usize| grid(n / PIXELS).powi(2) + grid(n % PIXELS).powi(2);
-    let start = (0..depth.len()).filter(|n| depth[*n] > 0.0).min_by(|a, b| off(*a).total_cmp(&off(*b)));
-    let Some(start) = start.filter(|n| off(*n) < NEAREST * NEAREST) else {
+    let mut near: Vec<usize> = (0..depth.len()).filter(|n| off(*n) < NEAREST * NEAREST).collect();
+    near.sort_by(|a, b| off(*a).total_cmp(&off(*b)));
+    let Some(start) = near.into_iter().find(|n| is_inside(&mut depth, *n)) else {
         return Section { saddle: 1.0, ..Section::default() };
     };
     let mut own = vec![false; depth.len()];
@@ -68,7 +76,7 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
         for x in a.saturating_sub(1)..=(a + 1).min(PIXELS - 1) {
             for y in b.saturating_sub(1)..=(b + 1).min(PIXELS - 1) {
                 let next = x * PIXELS + y;
-                if !own[next] && depth[next] > 0.0 {
+                if !own[next] && is_inside(&mut depth, next) {
                     own[next] = true;
                     open.push(next);
                 }
