@@ -86,6 +86,21 @@ fn rungs_between_two_rails_go() {
 }
 
 #[test]
+fn groups_share_no_stretch_where_each_has_one_of_its_own() {
+    // A vessel with a bow of 10 mm beside a straight one, and two rungs, so that the way over these is shorter.
+    let bow = [[0.0, 1.0, 0.0], [4.0, 1.0, 0.0], [4.0, 4.0, 0.0], [8.0, 4.0, 0.0], [8.0, 1.0, 0.0], [12.0, 1.0, 0.0]];
+    let straight = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [8.0, 0.0, 0.0], [12.0, 0.0, 0.0]];
+    let places: Vec<[f64; 3]> = bow.into_iter().chain(straight).collect();
+    let graph = drawn(&places, &[[0, 1], [1, 2], [2, 3], [3, 4], [4, 5], [6, 7], [7, 8], [8, 9], [1, 7], [4, 8]]);
+    for text in ["part 1 1 0 + 11 1 0 | 1 0 0 + 11 0 0", "part 1 0 0 + 11 0 0 | 1 1 0 + 11 1 0"] {
+        let parted = edited(graph.clone(), text).expect("edited");
+        assert_eq!(parts(&parted, &[0, 5, 6, 9]), [0, 0, 6, 6]);
+        assert_eq!([8, 9].map(|rung| is_there(parted.vessel(rung))), [false; 2]);
+        assert!((length(&graph) - length(&parted) - 2.0).abs() < 1e-9, "nothing but the rungs goes, and nothing is doubled");
+    }
+}
+
+#[test]
 fn a_contact_on_the_way_is_one_vessel_for_each_group() {
     let places = [[0.0, 1.0, 0.0], [0.0, -1.0, 0.0], [4.0, 0.0, 0.0], [4.5, 0.0, 0.0], [8.0, 1.0, 0.0], [8.0, -1.0, 0.0]];
     let mut graph = drawn(&places, &[[0, 2], [1, 2], [3, 4], [3, 5]]);
@@ -150,6 +165,63 @@ fn an_edit_sees_the_vessels_of_those_before_it() {
     let graph = editor.finish();
     assert!((length(&graph) - before - 4.0).abs() < 1e-9, "the join alone is new");
     assert_eq!(parts(&graph, &[0, 3, 4, 5]), [0, 0, 4, 4]);
+}
+
+#[test]
+fn a_later_edit_finds_each_of_two_vessels_that_lie_on_each_other() {
+    let first = "part 2.5 0.5 0 + 9.5 0.5 0 | 2.5 -0.5 0 + 9.5 -0.5 0";
+    for second in ["part 5.5 0 0 + 9.5 0.5 0 | 6 0 0 + 9.5 -0.5 0", "part 6 0 0 + 9.5 -0.5 0 | 9.5 0.5 0 + 5.5 0 0"] {
+        let mut editor = GraphEditor::new(crossing());
+        for edit in [first, second] {
+            editor.edit(&Edit::try_from(edit.to_owned()).expect("an edit")).expect("edited");
+        }
+        let graph = editor.finish();
+        assert_eq!(parts(&graph, &[0, 1, 2, 3]), [0, 1, 0, 1]);
+        assert!((length(&graph) - length(&crossing()) - 2.0).abs() < 1e-9, "no way is new");
+    }
+}
+
+#[test]
+fn a_candidate_that_is_likely_is_a_way_and_one_between_two_groups_goes() {
+    // A vessel from 0 that a rung of 2 mm joins to one that ends at 3, and goes on at 4 behind a gap.
+    let places = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [6.0, 2.0, 0.0], [7.5, 2.0, 0.0], [12.0, 2.0, 0.0]];
+    let mut graph = drawn(&places, &[[0, 1], [1, 2], [2, 3], [4, 5]]);
+    let candidate = |p: f64| Vessel {
+        prior: p,
+        evidence: Some(Box::new(Evidence::undirected(p))),
+        ..Vessel::new(1.5e-3, 5e-4, Origin::Candidate)
+    };
+    graph.add_vessel([3, 4], candidate(0.75));
+    graph.add_vessel([1, 4], candidate(0.1));
+    let parted = edited(graph.clone(), "part 1 0 0 | 9 2 0").expect("edited");
+    assert_eq!(
+        [1, 2].map(|row| is_there(parted.vessel(row))),
+        [false, true],
+        "the rung, which is nearest to the centre, is deleted"
+    );
+    assert_eq!([4, 5].map(|row| parted.vessel(row).prior), [0.75, 0.1]);
+    let parted = edited(graph, "part 1 0 0 + 4 0 0 | 9 2 0 + 7.5 2 0").expect("edited");
+    assert_eq!(parted.vessel(5).prior, 0.0, "it joins both groups");
+}
+
+#[test]
+fn of_a_rung_that_a_contact_ends_nothing_is_left() {
+    let places = [
+        [0.0, 1.0, 0.0],
+        [5.0, 1.0, 0.0],
+        [10.0, 1.0, 0.0],
+        [0.0, -1.0, 0.0],
+        [5.0, -1.0, 0.0],
+        [10.0, -1.0, 0.0],
+        [5.0, -1.0, 0.0],
+    ];
+    let mut graph = drawn(&places, &[[0, 1], [1, 2], [3, 4], [4, 5], [1, 6]]);
+    let contact =
+        Vessel { prior: 0.6, evidence: Some(Box::new(Evidence::undirected(0.6))), ..Vessel::new(5e-5, 5e-4, Origin::Contact) };
+    graph.add_vessel([6, 4], contact);
+    let parted = edited(graph, "part 1 1 0 + 9 1 0 | 1 -1 0 + 9 -1 0").expect("edited");
+    assert_eq!(parts(&parted, &[0, 2, 3, 5]), [0, 0, 3, 3]);
+    assert!((length(&parted) - 20.0).abs() < 1e-9, "the two vessels are left");
 }
 
 #[test]

@@ -19,8 +19,14 @@ use crate::support::geometry::{Point, distance, lerp};
 const REACH: f64 = 0.002;
 /// A place so near the end of a vessel is the end, m.
 const AT_END: f64 = 1e-5;
+/// Vessels whose distances from a place differ by no more lie on each other there, m.
+const ON_EACH_OTHER: f64 = 1e-7;
 /// A way so many times as long as the straight one is not what joins two places that go together.
 const DETOUR: f64 = 5.0;
+/// What another group needs counts so many times its length for a group that looks for its way.
+const SHARED: f64 = 3.0;
+/// A candidate of no less is taken to be there where groups are cut apart.
+const LIKELY: f64 = 0.5;
 /// A join is no shorter than this share of its radius: a resistance must not be nothing.
 const SHORTEST: f64 = 0.05;
 
@@ -34,8 +40,8 @@ pub enum Edit {
     /// A vessel goes from the first place to the last, straight or by the places between.
     Join(Vec<MmPoint>),
     /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places, but
-    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, and where no vessel leads from a place to
-    /// the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
+    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, candidates too, and where no vessel leads
+    /// from a place to the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
     Part(Vec<Vec<MmPoint>>),
     /// The vessel at the place is none.
     Delete(MmPoint),
@@ -136,6 +142,8 @@ pub struct GraphEditor {
 struct GroupPart {
     nodes: BTreeSet<usize>,
     vessels: BTreeSet<usize>,
+    /// Pairs of nodes that no vessel joins yet.
+    straight: Vec<[usize; 2]>,
 }
 
 impl GraphEditor {
@@ -171,7 +179,7 @@ impl GraphEditor {
             Edit::Join(way) => self.join(way),
             Edit::Part(groups) => self.part(groups),
             Edit::Delete(place) => {
-                let (row, _) = self.nearest(*place)?;
+                let (row, _) = self.nearest(*place)?[0];
                 self.delete(row);
                 Ok(())
             }
@@ -201,16 +209,18 @@ impl GraphEditor {
         ends.map(|node| PathPoint { position: self.at(node), radius: vessel.radius, id: None }).to_vec()
     }
 
-    /// The vessel nearest to a place, and where on it: the stretch of its course, and the share of that.
-    fn nearest(&self, place: MmPoint) -> Result<(usize, (usize, f64)), String> {
+    /// The vessels nearest to a place, several where they lie on each other, and where on each: the stretch of its course, and the share of
+    /// that.
+    fn nearest(&self, place: MmPoint) -> Result<Vec<(usize, (usize, f64))>, String> {
         let at = place.map(|x| x * 1e-3);
-        let mut best: Option<(f64, usize, (usize, f64))> = None;
+        let mut found: Vec<(f64, usize, (usize, f64))> = Vec::new();
         for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
             let ([a, b], vessel) = &self.vessels[row];
+            let mut best = (f64::INFINITY, row, (0, 0.0));
             let mut look = |stretch: usize, from: Point, to: Point| {
                 let (share, away) = onto(at, from, to);
-                if best.is_none_or(|(least, ..)| away < least) {
-                    best = Some((away, row, (stretch, share)));
+                if away < best.0 {
+                    best = (away, row, (stretch, share));
                 }
             };
             if vessel.path.len() > 1 {
@@ -218,8 +228,10 @@ impl GraphEditor {
             } else {
                 look(0, self.at(*a), self.at(*b));
             }
+            found.push(best);
         }
-        let (away, row, on) = best.ok_or("the graph has no vessel")?;
+        let least = found.iter().min_by(|a, b| a.0.total_cmp(&b.0)).copied();
+        let (away, row, _) = least.ok_or("the graph has no vessel")?;
         if self.nodes.iter().any(|node| node.position.is_none()) {
             return Err("the nodes have no coordinates".to_owned());
         }
@@ -230,12 +242,52 @@ impl GraphEditor {
                 text_of(&[place])
             ));
         }
-        Ok((row, on))
+        Ok(found.into_iter().filter(|one| one.0 <= away + ON_EACH_OTHER).map(|(_, row, on)| (row, on)).collect())
+    }
+
+    /// The nodes at the places of a group. Where vessels lie on each other, as those that an earlier edit doubled, a place is on the one
+    /// that is nearest, along vessels, to the other places of its group.
+    fn nodes_at(&mut self, group: &[MmPoint]) -> Result<Vec<usize>, String> {
+        let several: Vec<bool> =
+            group.iter().map(|place| self.nearest(*place).map(|found| found.len() > 1)).collect::<Result<_, String>>()?;
+        let mut nodes = vec![None; group.len()];
+        for on_several in [false, true] {
+            for at in (0..group.len()).filter(|at| several[*at] == on_several) {
+                let found = self.nearest(group[at])?;
+                let others: Vec<usize> = nodes.iter().flatten().copied().collect();
+                let row = if found.len() > 1 { self.nearest_along(&found, &others) } else { 0 };
+                nodes[at] = Some(self.divide(found[row].0, found[row].1));
+            }
+        }
+        Ok(nodes.into_iter().flatten().collect())
+    }
+
+    /// Which of some vessels is nearest to some nodes along the vessels between.
+    fn nearest_along(&self, found: &[(usize, (usize, f64))], nodes: &[usize]) -> usize {
+        let edges = self.edges(|row| self.is_there(row));
+        let mut paths = ShortestPaths::new(self.nodes.len());
+        let mut open: BTreeSet<usize> = found.iter().flat_map(|(row, _)| self.vessels[*row].0).collect();
+        paths.search(
+            nodes,
+            f64::INFINITY,
+            |node| edges[node].iter().copied(),
+            |_, node| {
+                open.remove(&node);
+                !open.is_empty()
+            },
+        );
+        let away = |row: usize| self.vessels[row].0.map(|node| paths.lengths()[node]).into_iter().fold(f64::INFINITY, f64::min);
+        (0..found.len()).min_by(|a, b| away(found[*a].0).total_cmp(&away(found[*b].0))).unwrap_or(0)
     }
 
     /// The node at a place: an end of the nearest vessel, or a new one that divides it.
     fn node_at(&mut self, place: MmPoint) -> Result<usize, String> {
-        let (row, (stretch, share)) = self.nearest(place)?;
+        let (row, on) = self.nearest(place)?[0];
+        Ok(self.divide(row, on))
+    }
+
+    /// The node at a place of a vessel: one of its ends, or a new one that divides it.
+    fn divide(&mut self, row: usize, (stretch, share): (usize, f64)) -> usize {
         let course = self.course(row);
         let (from, to) = (course[stretch], course[stretch + 1]);
         let middle = PathPoint {
@@ -248,7 +300,7 @@ impl GraphEditor {
         let (ends, vessel) = &self.vessels[row];
         let nearer = ends[usize::from(second < first)];
         if first.min(second) <= AT_END || vessel.origin != Origin::Observed {
-            return Ok(nearer);
+            return nearer;
         }
         let id = self.free_id(&self.nodes[ends[0]].id.clone());
         let node = self.nodes.len();
@@ -271,7 +323,7 @@ impl GraphEditor {
         *vessel = kept;
         self.divided.push([row, self.vessels.len()]);
         self.vessels.push(([node, far], other));
-        Ok(node)
+        node
     }
 
     /// An id that no node has.
@@ -339,7 +391,7 @@ impl GraphEditor {
     fn part(&mut self, groups: &[Vec<MmPoint>]) -> Result<(), String> {
         let mut nodes: Vec<Vec<usize>> = Vec::new();
         for group in groups {
-            nodes.push(group.iter().map(|place| self.node_at(*place)).collect::<Result<_, String>>()?);
+            nodes.push(self.nodes_at(group)?);
         }
         for (places, own) in groups.iter().zip(&nodes) {
             if let Some(second) = (1..own.len()).find(|at| own[..*at].contains(&own[*at])) {
@@ -350,7 +402,7 @@ impl GraphEditor {
             }
         }
         let seen: BTreeSet<usize> = nodes.iter().flatten().copied().collect();
-        let trees: Vec<GroupPart> = nodes.iter().map(|own| self.tree(own, &seen)).collect();
+        let trees = self.trees(&nodes, &seen);
         let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
         for (group, own) in nodes.iter().enumerate() {
             for node in own {
@@ -391,35 +443,74 @@ impl GraphEditor {
         (centre, places.iter().map(|node| distance(centre, self.at(*node))).fold(0.0, f64::max) * (1.0 + 1e-9))
     }
 
+    /// What each group of nodes needs. What one has counts [`SHARED`] times for those after it, so that groups that can go apart do. Each
+    /// group comes first once; of these, what is shortest, with what is shared counted so.
+    fn trees(&mut self, groups: &[Vec<usize>], places: &BTreeSet<usize>) -> Vec<GroupPart> {
+        let edges = self.edges(|row| self.is_there(row));
+        let mut best: Option<(f64, Vec<GroupPart>)> = None;
+        for first in 0..groups.len() {
+            let mut order: Vec<usize> = (0..groups.len()).collect();
+            order[..=first].rotate_right(1);
+            let mut trees: Vec<GroupPart> = groups.iter().map(|_| GroupPart::default()).collect();
+            let mut used: BTreeSet<usize> = BTreeSet::new();
+            let mut total = 0.0;
+            for group in order {
+                let factor = |row: usize| if used.contains(&row) { SHARED } else { 1.0 };
+                let tree = self.tree(&groups[group], places, &edges, factor);
+                let straight = tree.straight.iter().map(|[a, b]| DETOUR * distance(self.at(*a), self.at(*b)));
+                total += straight.sum::<f64>()
+                    + tree.vessels.iter().map(|row| factor(*row) * self.vessels[*row].1.length).sum::<f64>();
+                used.extend(&tree.vessels);
+                trees[group] = tree;
+            }
+            if best.as_ref().is_none_or(|(least, _)| total < *least) {
+                best = Some((total, trees));
+            }
+        }
+        let mut trees = best.map(|(_, trees)| trees).unwrap_or_default();
+        for tree in &mut trees {
+            for ends in std::mem::take(&mut tree.straight) {
+                tree.vessels.insert(self.connect(ends, &[]));
+            }
+        }
+        trees
+    }
+
     /// The shortest ways that join the nodes of a group, each to the nearest node of those before it, no further off than twice the ball
     /// around all places, and through places of other groups only where there is no other. Where there is none but by a [`DETOUR`], a
-    /// straight vessel.
-    fn tree(&mut self, own: &[usize], places: &BTreeSet<usize>) -> GroupPart {
-        let edges = self.edges(|row| self.is_there(row));
+    /// straight vessel. A vessel counts `factor` times its length.
+    fn tree(
+        &self,
+        own: &[usize],
+        places: &BTreeSet<usize>,
+        edges: &[Vec<(usize, usize, f64)>],
+        factor: impl Fn(usize) -> f64,
+    ) -> GroupPart {
         let (centre, ball) = self.ball(places);
-        let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), vessels: BTreeSet::new() };
+        let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), ..GroupPart::default() };
         let mut paths = ShortestPaths::new(self.nodes.len());
         for (before, goal) in own.iter().enumerate().skip(1) {
             let sources: Vec<usize> = tree.nodes.iter().copied().collect();
             let away = |node: &usize| distance(self.at(*node), self.at(*goal));
             let near = own[..before].iter().copied().min_by(|a, b| away(a).total_cmp(&away(b))).unwrap_or(own[0]);
             let most = (DETOUR * away(&near)).max(REACH);
-            for through in [false, true] {
+            let way = [false, true].into_iter().find_map(|through| {
                 let open = |node: usize| {
                     own.contains(&node) || (through || !places.contains(&node)) && distance(centre, self.at(node)) <= 2.0 * ball
                 };
-                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| open(*to)).collect::<Vec<_>>();
-                paths.search(&sources, most, next, |_, node| node != *goal);
-                if paths.lengths()[*goal].is_finite() {
-                    break;
-                }
-            }
-            if paths.lengths()[*goal].is_finite() {
-                let (nodes, vessels) = paths.path_to(*goal);
+                let next = |node: usize| {
+                    let open = edges[node].iter().filter(|(_, to, _)| open(*to));
+                    open.map(|(row, to, length)| (*row, *to, factor(*row) * length)).collect::<Vec<_>>()
+                };
+                paths.search(&sources, SHARED * most, next, |_, node| node != *goal);
+                let way = paths.lengths()[*goal].is_finite().then(|| paths.path_to(*goal));
+                way.filter(|(_, rows)| rows.iter().map(|row| self.vessels[*row].1.length).sum::<f64>() <= most)
+            });
+            if let Some((nodes, vessels)) = way {
                 tree.nodes.extend(nodes);
                 tree.vessels.extend(vessels);
             } else {
-                tree.vessels.insert(self.connect([near, *goal], &[]));
+                tree.straight.push([near, *goal]);
                 tree.nodes.insert(*goal);
             }
         }
@@ -438,7 +529,7 @@ impl GraphEditor {
         let (centre, ball) = self.ball(places);
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
-        let within = |(ends, _): &([usize; 2], Vessel)| ends.iter().all(|node| inside(*node));
+        let within = |(ends, vessel): &([usize; 2], Vessel)| vessel.prior > 0.0 && ends.iter().all(|node| inside(*node));
         let mut open: BTreeSet<usize> =
             (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
         let group_at = |node: usize| group_of.get(&node).filter(|_| !beyond.contains(&node));
@@ -447,7 +538,7 @@ impl GraphEditor {
             open.remove(&row);
             self.delete(row);
         }
-        open.retain(|row| self.is_there(*row));
+        open.retain(|row| self.is_there(*row) || self.vessels[*row].1.prior >= LIKELY);
         let mut paths = ShortestPaths::new(self.nodes.len());
         for group in 0..trees.len() {
             let own: Vec<usize> = group_of.keys().copied().filter(|node| group_at(*node) == Some(&group)).collect();
@@ -467,7 +558,8 @@ impl GraphEditor {
                 let from_centre = |row: usize| distance(centre, self.middle_of(row));
                 let rank = |row: &usize| (self.vessels[*row].1.origin != Origin::Contact, from_centre(*row));
                 let way = paths.path_to(goal).1;
-                let Some(row) = way.into_iter().min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(a.cmp(b))) else { break };
+                let least = way.into_iter().min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(a.cmp(b)));
+                let Some(row) = least else { break };
                 open.remove(&row);
                 self.delete(row);
             }
