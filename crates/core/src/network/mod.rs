@@ -3,6 +3,7 @@
 pub mod centerlines;
 pub mod coincident_points;
 pub mod dependents;
+pub mod edit;
 pub mod edits;
 pub mod find_by_name;
 mod frame;
@@ -21,7 +22,8 @@ pub mod waveform;
 pub use centerlines::Labels;
 pub use coincident_points::WELD_TOLERANCE;
 pub use dependents::{dependents, if_parted, weakest_of_loops};
-pub use edits::{Edit, GraphEditor};
+pub use edit::Edit;
+pub use edits::GraphEditor;
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use frame::Frame;
 pub use merged_vessels::{Merged, merge};
