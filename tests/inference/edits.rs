@@ -170,7 +170,7 @@ fn an_edit_sees_the_vessels_of_those_before_it() {
 #[test]
 fn a_later_edit_finds_each_of_two_vessels_that_lie_on_each_other() {
     let first = "part 2.5 0.5 0 + 9.5 0.5 0 | 2.5 -0.5 0 + 9.5 -0.5 0";
-    for second in ["part 5.5 0 0 + 9.5 0.5 0 | 6 0 0 + 9.5 -0.5 0", "part 6 0 0 + 9.5 -0.5 0 | 9.5 0.5 0 + 5.5 0 0"] {
+    for second in ["part 5.5 0 0 + 9 0.4 0 | 6 0 0 + 9 -0.4 0", "part 6 0 0 + 9 -0.4 0 | 9 0.4 0 + 5.5 0 0"] {
         let mut editor = GraphEditor::new(crossing());
         for edit in [first, second] {
             editor.edit(&Edit::try_from(edit.to_owned()).expect("an edit")).expect("edited");
@@ -193,7 +193,7 @@ fn a_candidate_that_is_likely_is_a_way_and_one_between_two_groups_goes() {
     };
     graph.add_vessel([3, 4], candidate(0.75));
     graph.add_vessel([1, 4], candidate(0.1));
-    let parted = edited(graph.clone(), "part 1 0 0 | 9 2 0").expect("edited");
+    let parted = edited(graph.clone(), "part 0.5 0 0 | 7.6 2 0").expect("edited");
     assert_eq!(
         [1, 2].map(|row| is_there(parted.vessel(row))),
         [false, true],
@@ -202,26 +202,6 @@ fn a_candidate_that_is_likely_is_a_way_and_one_between_two_groups_goes() {
     assert_eq!([4, 5].map(|row| parted.vessel(row).prior), [0.75, 0.1]);
     let parted = edited(graph, "part 1 0 0 + 4 0 0 | 9 2 0 + 7.5 2 0").expect("edited");
     assert_eq!(parted.vessel(5).prior, 0.0, "it joins both groups");
-}
-
-#[test]
-fn of_a_rung_that_a_contact_ends_nothing_is_left() {
-    let places = [
-        [0.0, 1.0, 0.0],
-        [5.0, 1.0, 0.0],
-        [10.0, 1.0, 0.0],
-        [0.0, -1.0, 0.0],
-        [5.0, -1.0, 0.0],
-        [10.0, -1.0, 0.0],
-        [5.0, -1.0, 0.0],
-    ];
-    let mut graph = drawn(&places, &[[0, 1], [1, 2], [3, 4], [4, 5], [1, 6]]);
-    let contact =
-        Vessel { prior: 0.6, evidence: Some(Box::new(Evidence::undirected(0.6))), ..Vessel::new(5e-5, 5e-4, Origin::Contact) };
-    graph.add_vessel([6, 4], contact);
-    let parted = edited(graph, "part 1 1 0 + 9 1 0 | 1 -1 0 + 9 -1 0").expect("edited");
-    assert_eq!(parts(&parted, &[0, 2, 3, 5]), [0, 0, 3, 3]);
-    assert!((length(&parted) - 20.0).abs() < 1e-9, "the two vessels are left");
 }
 
 #[test]
