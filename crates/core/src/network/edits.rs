@@ -28,6 +28,9 @@ const LIKELY: f64 = 0.5;
 /// A join is no shorter than this share of its radius: a resistance must not be nothing.
 const SHORTEST: f64 = 0.05;
 
+/// A vessel that is nearest to a place, and where on it: the stretch of its course, and the share of that.
+type NearestVessel = (usize, (usize, f64));
+
 /// A graph that is being edited.
 pub struct GraphEditor {
     graph: Network,
@@ -113,9 +116,8 @@ impl GraphEditor {
         ends.map(|node| PathPoint { position: self.at(node), radius: vessel.radius, id: None }).to_vec()
     }
 
-    /// The vessels nearest to a place, several where they lie on each other, and where on each: the stretch of its course, and the share of
-    /// that.
-    fn nearest(&self, place: MmPoint) -> Result<Vec<(usize, (usize, f64))>, String> {
+    /// The vessels nearest to a place, several where they lie on each other, and where on each.
+    fn nearest(&self, place: MmPoint) -> Result<Vec<NearestVessel>, String> {
         let at = place.map(|x| x * 1e-3);
         let mut found: Vec<(f64, usize, (usize, f64))> = Vec::new();
         for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
@@ -160,14 +162,14 @@ impl GraphEditor {
                 let found = self.nearest(group[at])?;
                 let others: Vec<usize> = nodes.iter().flatten().copied().collect();
                 let row = if found.len() > 1 { self.nearest_along(&found, &others) } else { 0 };
-                nodes[at] = Some(self.divide(found[row].0, found[row].1));
+                nodes[at] = Some(self.divide(found[row]));
             }
         }
         Ok(nodes.into_iter().flatten().collect())
     }
 
     /// Which of some vessels is nearest to some nodes along the vessels between.
-    fn nearest_along(&self, found: &[(usize, (usize, f64))], nodes: &[usize]) -> usize {
+    fn nearest_along(&self, found: &[NearestVessel], nodes: &[usize]) -> usize {
         let edges = self.edges(|row| self.is_there(row));
         let mut paths = ShortestPaths::new(self.nodes.len());
         let mut open: BTreeSet<usize> = found.iter().flat_map(|(row, _)| self.vessels[*row].0).collect();
@@ -186,12 +188,12 @@ impl GraphEditor {
 
     /// The node at a place: an end of the nearest vessel, or a new one that divides it.
     fn node_at(&mut self, place: MmPoint) -> Result<usize, String> {
-        let (row, on) = self.nearest(place)?[0];
-        Ok(self.divide(row, on))
+        let found = self.nearest(place)?[0];
+        Ok(self.divide(found))
     }
 
     /// The node at a place of a vessel: one of its ends, or a new one that divides it.
-    fn divide(&mut self, row: usize, (stretch, share): (usize, f64)) -> usize {
+    fn divide(&mut self, (row, (stretch, share)): NearestVessel) -> usize {
         let course = self.course(row);
         let (from, to) = (course[stretch], course[stretch + 1]);
         let middle = PathPoint {
