@@ -17,7 +17,8 @@ pub enum Edit {
     Join(Vec<MmPoint>),
     /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places, but
     /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, candidates too, and where no vessel leads
-    /// from a place to the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in common meet there.
+    /// from a place to the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in
+    /// common meet there.
     Part(Vec<Vec<MmPoint>>),
     /// The vessel at the place is none.
     Delete(MmPoint),
