@@ -461,7 +461,7 @@ fn every_library_has_its_reason() {
     for (_, folder) in crates() {
         let manifest: toml::Table = read(&folder.join("Cargo.toml")).parse().expect("TOML");
         let targets = manifest.get("target").and_then(toml::Value::as_table).into_iter().flat_map(toml::Table::values);
-        let tables = [manifest.get("dependencies"), manifest.get("dev-dependencies")].into_iter();
+        let tables = ["dependencies", "build-dependencies", "dev-dependencies"].map(|kind| manifest.get(kind)).into_iter();
         for table in tables.chain(targets.map(|target| target.get("dependencies"))).flatten() {
             wanted.extend(table.as_table().into_iter().flat_map(|table| table.keys().cloned()));
         }
