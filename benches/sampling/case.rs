@@ -5,7 +5,7 @@ use std::path::Path;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::peeling::{Peeled, peel};
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
-use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
+use willis::internals::flow::{BatchSolver, Boundary, Circuit, FoundOutlets};
 use willis::internals::formats::{Content, ReadOptions, read};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
@@ -70,7 +70,7 @@ impl Case {
 
 impl Pieces {
     /// The forest keys of the first `samples` samples, vessel by vessel; zero where a vessel is not diffused.
-    pub fn keys(&self, solver: &StarMesh, samples: usize) -> Vec<Vec<u64>> {
+    pub fn keys(&self, solver: &BatchSolver, samples: usize) -> Vec<Vec<u64>> {
         let coins = Coins::new(self.factor.len(), 0);
         let coin = coins.of_block(0);
         let (mut masks, mut work) = (Vec::new(), solver.workspace::<1>());
@@ -80,7 +80,7 @@ impl Pieces {
             }
             solver.solve(Scalar::new(), &masks, sample % 64, &[], &mut work);
             let resilience = |vessel: usize| {
-                let [a, b] = self.circuit.ends[vessel].map(|node| work.pressure[solver.slot(node)][0]);
+                let [a, b] = self.circuit.ends[vessel].map(|node| work.pressure()[solver.slot(node)][0]);
                 let open = masks[vessel] >> (sample % 64) & 1 == 1;
                 let flows = open && is_diffused(a - b, a + self.circuit.level, b + self.circuit.level);
                 if flows { (a - b) * (a - b) * self.factor[vessel] } else { 0.0 }

@@ -5,7 +5,7 @@ use std::hint::black_box;
 use petgraph::algo::min_spanning_tree;
 use petgraph::data::Element;
 use petgraph::graph::{NodeIndex, UnGraph};
-use willis::internals::flow::StarMesh;
+use willis::internals::flow::BatchSolver;
 use willis::internals::sampling::{Coins, ForestProgram, Kruskal};
 
 use crate::Result;
@@ -41,7 +41,7 @@ pub fn kruskal(case: &Case, samples: &[Vec<u64>], budget: f64) -> f64 {
 /// Prints one CSV row: lanes, Kruskal, petgraph with building its graphs, petgraph with graphs that are ready.
 pub fn print(case: &Case) -> Result<()> {
     let pieces = case.pieces()?;
-    let solver = StarMesh::compile(&pieces.circuit, usize::MAX).ok_or("no program")?;
+    let solver = BatchSolver::star_mesh(&pieces.circuit, usize::MAX).ok_or("no program")?;
     let nodes = case.network.node_count();
     let program = ForestProgram::compile(nodes, &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
     let keys = pieces.keys(&solver, SAMPLES);

@@ -2,7 +2,8 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use willis::internals::flow::batch::star_mesh::{StarMesh, StarMeshWorkspace};
+use willis::internals::flow::BatchSolver;
+use willis::internals::flow::batch::solver::BatchWorkspace;
 use willis::internals::sampling::{Coins, ForestProgram, InForest};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
@@ -14,7 +15,7 @@ use crate::clock::per_call;
 const BUDGET: f64 = 0.4;
 
 /// Microseconds a sample of the flow solver.
-pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
+pub fn solve(pieces: &Pieces, program: &BatchSolver, budget: f64) -> f64 {
     let instructions = InstructionSet::detect();
     let mut masks = Vec::new();
     pieces.occlusion.draw(0, 0, &mut masks);
@@ -25,7 +26,7 @@ pub fn solve(pieces: &Pieces, program: &StarMesh, budget: f64) -> f64 {
     }
 }
 
-struct Solve<'a, const B: usize>(&'a StarMesh, &'a [u64], &'a mut StarMeshWorkspace<B>);
+struct Solve<'a, const B: usize>(&'a BatchSolver, &'a [u64], &'a mut BatchWorkspace<B>);
 
 impl<const B: usize> Kernel for Solve<'_, B> {
     type Output = ();
@@ -36,7 +37,7 @@ impl<const B: usize> Kernel for Solve<'_, B> {
     }
 }
 
-fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &StarMesh, masks: &[u64], budget: f64) -> f64 {
+fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &BatchSolver, masks: &[u64], budget: f64) -> f64 {
     let mut work = program.workspace::<B>();
     per_call(budget, || instructions.run(Solve(program, masks, &mut work))) / B as f64
 }
@@ -64,9 +65,9 @@ impl<const B: usize> Kernel for Grow<'_, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.program.clear(self.widest);
-        for (key_slot, keys) in self.program.key_slots().iter().zip(self.keys) {
-            key_slot.put(simd, keys, self.widest);
+        self.widest.fill(Lanes::ZERO);
+        for (ray, keys) in self.program.ray_of().iter().zip(self.keys) {
+            self.program.put(simd, *ray, keys, self.widest);
         }
         self.program.grow(simd, self.coins, self.widest, self.taken);
     }
@@ -87,7 +88,7 @@ fn forest_lanes<const B: usize>(instructions: InstructionSet, program: &ForestPr
 /// Prints one CSV row: mask, solve, forest, the joins of both programs.
 pub fn print(case: &Case) -> Result<()> {
     let pieces = case.pieces()?;
-    let program = StarMesh::compile(&pieces.circuit, usize::MAX).ok_or("no program")?;
+    let program = BatchSolver::star_mesh(&pieces.circuit, usize::MAX).ok_or("no program")?;
     let bottleneck =
         ForestProgram::compile(case.network.node_count(), &pieces.in_forest, usize::MAX).ok_or("no forest program")?;
     let (mut masks, mut block) = (Vec::new(), 0);
@@ -97,6 +98,6 @@ pub fn print(case: &Case) -> Result<()> {
     }) / willis::internals::support::random::BLOCK as f64;
     let solve = solve(&pieces, &program, BUDGET);
     let forest = forest(&bottleneck, &pieces.keys(&program, 16), BUDGET);
-    println!("{mask:.4},{solve:.4},{forest:.4},{},{}", program.updates(), bottleneck.joins());
+    println!("{mask:.4},{solve:.4},{forest:.4},{},{}", program.joins(), bottleneck.joins());
     Ok(())
 }

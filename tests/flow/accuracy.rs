@@ -20,7 +20,7 @@ use serde::Deserialize;
 use willis::internals::flow::drops::{Drops, DropsWorkspace};
 use willis::internals::flow::poiseuille::{BLOOD_VISCOSITY, resistance};
 use willis::internals::flow::resilience::{DROP_CUT, is_diffused};
-use willis::internals::flow::{Circuit, StarMesh, pressures};
+use willis::internals::flow::{BatchSolver, Circuit, pressures};
 use willis::internals::sampling::reference;
 
 /// Samples solved side by side.
@@ -101,11 +101,11 @@ fn numberings() -> impl Iterator<Item = impl Fn(usize) -> usize + Copy> {
 }
 
 fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
-    let program = StarMesh::compile(circuit, usize::MAX).expect("no limit");
+    let program = BatchSolver::star_mesh(circuit, usize::MAX).expect("no limit");
     let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
     let mut work = program.workspace();
     program.solve(willis::internals::support::simd::Scalar::new(), &masks, 0, &[], &mut work);
-    (0..circuit.node_count()).map(|node| *work.pressure[program.slot(node)]).collect()
+    (0..circuit.node_count()).map(|node| *work.pressure()[program.slot(node)]).collect()
 }
 
 /// The pressures with all vessels open.

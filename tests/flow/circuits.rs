@@ -9,7 +9,7 @@ use crate::networks::{MMHG, VISCOSITY, boundary, pressure, run};
 use crate::vessels::{network, tube};
 use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::pressures::pressures;
-use willis::internals::flow::{Circuit, StarMesh};
+use willis::internals::flow::{BatchSolver, Circuit};
 use willis::internals::network::{Condition, Network};
 use willis::internals::sampling::{Likelihood, SamplingOptions, Solver, reference};
 
@@ -44,10 +44,10 @@ fn check_open(network: &Network, conditions: &[(usize, Condition)], open: &[bool
     }
     // The solvers themselves give zero above the level where the pressure floats. All lanes but the last are closed.
     let masks: Vec<u64> = open.iter().map(|open| u64::from(*open) << 7).collect();
-    let program = StarMesh::compile(&circuit, usize::MAX).unwrap();
+    let program = BatchSolver::star_mesh(&circuit, usize::MAX).unwrap();
     let mut work = program.workspace::<8>();
     program.solve(willis::internals::support::simd::Scalar::new(), &masks, 0, &stranded(&circuit, &masks, 8), &mut work);
-    let lanes = |node: usize| work.pressure[program.slot(node)][7];
+    let lanes = |node: usize| work.pressure()[program.slot(node)][7];
     let sparse = reference::pressures(&circuit, |v| open[v]).unwrap();
     for (node, expected) in by_hand.iter().enumerate() {
         for (solver, got) in [("lanes", lanes(node)), ("cholesky", sparse[node])] {

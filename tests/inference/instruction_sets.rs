@@ -1,12 +1,8 @@
 //! Every instruction set and thread count gives the same bytes.
 
-use pulp::Simd;
-use rand::Rng;
 use std::path::Path;
 use std::process::Command;
 use willis::internals::sampling::per_sample::open_vessels;
-use willis::internals::support::random::{Rows, WideStream, stream};
-use willis::internals::support::simd::{InstructionSet, Kernel, Scalar};
 
 /// edges.csv of a run with these variables in the environment.
 fn edges(input: &str, arguments: &[&str], variables: &[(&str, &str)]) -> Vec<u8> {
@@ -40,43 +36,12 @@ fn the_bytes_do_not_depend_on_the_processor() {
     }
 }
 
-/// Streams a wide stream runs side by side, and words of a block of ChaCha.
-const SIDE_BY_SIDE: usize = 16;
-const WORDS: usize = 16;
-
-struct Next<'a>(&'a mut WideStream, &'a mut Rows);
-
-impl Kernel for Next<'_> {
-    type Output = ();
-
-    #[inline]
-    fn with_simd<S: Simd>(self, simd: S) {
-        self.0.next(simd, self.1);
-    }
-}
-
-#[test]
-fn the_wide_stream_is_the_stream() {
-    for instructions in [InstructionSet::Baseline, InstructionSet::Avx2, InstructionSet::Avx512] {
-        for (seed, number) in [(0, 0), (7, 1), (u64::MAX, 0x1234_5678_9abc_def0)] {
-            let (mut wide, mut rows, mut rng) = (WideStream::new(seed, number), Rows::ZERO, stream(seed, number));
-            for _ in 0..3 {
-                instructions.run(Next(&mut wide, &mut rows));
-                for at in 0..SIDE_BY_SIDE {
-                    let words: [u32; WORDS] = std::array::from_fn(|_| rng.next_u32());
-                    assert_eq!(std::array::from_fn(|word| rows.0[word][at]), words, "{instructions:?} {seed} {number}");
-                }
-            }
-        }
-    }
-}
-
 /// Every word has bit i set in the first i of them, so that sample i is open in min(i, words) of them.
 #[test]
 fn open_vessels_are_counted() {
     for words in [0, 1, 7, 8, 9, 63, 64, 100] {
         let masks: Vec<u64> = (0..words).map(|word| (0..64).filter(|i| word < *i).map(|i| 1 << i).sum()).collect();
-        let counted = open_vessels(Scalar::new(), &masks);
+        let counted = open_vessels(&masks);
         for (sample, counted) in counted.iter().enumerate() {
             assert_eq!(*counted, sample.min(words) as f64, "{words} words, sample {sample}");
         }

@@ -186,6 +186,14 @@ impl Circuit {
         self.fixed[node].or_else(|| (self.shunt[node] > 0.0).then(|| self.source[node] / self.shunt[node]))
     }
 
+    /// The pressures that its conditions hold, Pa above the level, in order; such as differ by rounding are one.
+    pub fn levels(&self) -> Vec<f64> {
+        let mut levels: Vec<f64> = (0..self.node_count()).filter_map(|node| self.ground(node)).collect();
+        levels.sort_unstable_by(f64::total_cmp);
+        levels.dedup_by(|b, a| same_pressure(*a, *b));
+        levels
+    }
+
     /// Whether nothing but vessels leads to the node.
     pub fn is_inner(&self, node: usize) -> bool {
         self.fixed[node].is_none() && self.shunt[node] == 0.0 && self.source[node] == 0.0

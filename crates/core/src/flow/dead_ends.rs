@@ -1,7 +1,7 @@
 //! Dead ends: parts that a single junction, or a single pressure, separates from everything that drives flow. Nothing flows there. They are
 //! found by structure, because a solver that subtracts leaves rounding there that could pass for flow.
 
-use super::circuit::{Circuit, same_pressure};
+use super::circuit::Circuit;
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
 #[derive(Debug, Clone)]
@@ -35,9 +35,7 @@ impl DeadEnds {
     /// Lists the links of a circuit.
     pub fn new(circuit: &Circuit) -> Self {
         let nodes = circuit.node_count();
-        let mut levels: Vec<f64> = (0..nodes).filter_map(|node| circuit.ground(node)).collect();
-        levels.sort_by(f64::total_cmp);
-        levels.dedup_by(|b, a| same_pressure(*a, *b));
+        let levels = circuit.levels();
         let root = nodes + levels.len();
         let mut pairs: Vec<([usize; 2], u32)> = Vec::new();
         for (vessel, ends) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {

@@ -91,7 +91,7 @@ impl Drops {
         let program = Elimination::compile(free.len(), &links, limit)?;
         let place: Vec<u32> = index.iter().map(|index| index.map_or(NOWHERE, |at| program.place(at))).collect();
         let ray = |[a, b]: &[usize; 2]| if a == b { NOWHERE } else { program.ray_between(place[*a], place[*b]) };
-        let levels = levels(circuit);
+        let levels = circuit.levels();
         let level_of = |pressure: f64| levels.partition_point(|level| *level <= pressure || same_pressure(*level, pressure)) - 1;
         Some(Self {
             ray: circuit.ends.iter().map(|ends| if both_free(ends).is_some() { ray(ends) } else { NOWHERE }).collect(),
@@ -116,7 +116,7 @@ impl Drops {
         let terminals = circuit.terminals.iter().zip(&circuit.conductance[circuit.vessel_count()..]);
         let terminals = terminals.filter(|(terminal, _)| !terminal.fixes).map(|(_, conductance)| *conductance);
         let least = circuit.shunt.iter().copied().filter(|shunt| *shunt > 0.0).chain(terminals).fold(f64::INFINITY, f64::min);
-        let levels = levels(circuit);
+        let levels = circuit.levels();
         let held = levels.iter().fold(0.0, |most, level| f64::max(most, (level + circuit.level).abs()));
         let range = if let [lowest, .., highest] = levels[..] { highest - lowest } else { f64::INFINITY };
         let injects = |node: &usize| circuit.shunt[*node] == 0.0 && circuit.source[*node] != 0.0;
@@ -267,12 +267,4 @@ impl Drops {
             }
         }
     }
-}
-
-/// The pressures that the conditions of a circuit hold, Pa above its level, in order; such as differ by rounding are one.
-fn levels(circuit: &Circuit) -> Vec<f64> {
-    let mut levels: Vec<f64> = (0..circuit.node_count()).filter_map(|node| circuit.ground(node)).collect();
-    levels.sort_unstable_by(f64::total_cmp);
-    levels.dedup_by(|b, a| same_pressure(*a, *b));
-    levels
 }

@@ -18,7 +18,6 @@ pub mod unfed;
 pub mod wall;
 
 pub use batch::solver::BatchSolver;
-pub use batch::star_mesh::StarMesh;
 pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use poiseuille::{Factors, Tube};

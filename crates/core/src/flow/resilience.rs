@@ -41,39 +41,29 @@ fn rounding<S: Simd>(simd: S, pressure: S::f64s) -> S::f64s {
     simd.mul_f64s(simd.splat_f64s(DROP_CUT), simd.abs_f64s(pressure))
 }
 
-/// The drops (Pa) that are only rounding beside pressures given in Pa above `level`.
-#[inline(always)]
-pub fn rounding_drops<S: Simd, const B: usize>(simd: S, above_level: &Lanes<B>, level: f64) -> Lanes<B> {
-    let (mut out, level) = (Lanes::ZERO, simd.splat_f64s(level));
-    for (out, p) in out.vectors_mut::<S>().iter_mut().zip(above_level.vectors::<S>()) {
-        *out = rounding(simd, simd.add_f64s(*p, level));
-    }
-    out
-}
-
 /// ρ = `factor`·x² of a vessel in a group of samples, at most [`MOST_RESILIENCE`], and zero where the vessel is not diffused. x is the flow
-/// where a `conductance` is given, else the drop. At each end of the vessel stand the pressures and the
-/// [`rounding_drops`] beside them.
+/// where a `conductance` is given, else the drop between the pressures at its ends, Pa above `level`.
 // Without closures, which are not sure to be compiled into the caller's instruction set.
 #[inline(always)]
 pub fn diffused_resilience<S: Simd, const B: usize>(
     simd: S,
     [a, b]: [&Lanes<B>; 2],
-    [at_a, at_b]: [&Lanes<B>; 2],
+    level: f64,
     conductance: Option<f64>,
     factor: f64,
 ) -> Lanes<B> {
-    let [factor, most, zero] = [factor, MOST_RESILIENCE, 0.0].map(|x| simd.splat_f64s(x));
+    let [factor, most, zero, level] = [factor, MOST_RESILIENCE, 0.0, level].map(|x| simd.splat_f64s(x));
     let mut out = Lanes::ZERO;
-    let ends = a.vectors::<S>().iter().zip(b.vectors::<S>()).zip(at_a.vectors::<S>().iter().zip(at_b.vectors::<S>()));
-    for (out, ((a, b), (at_a, at_b))) in out.vectors_mut::<S>().iter_mut().zip(ends) {
+    let ends = a.vectors::<S>().iter().zip(b.vectors::<S>());
+    for (out, (a, b)) in out.vectors_mut::<S>().iter_mut().zip(ends) {
         let drop = simd.sub_f64s(*a, *b);
         let x = match conductance {
             Some(conductance) => simd.mul_f64s(simd.splat_f64s(conductance), drop),
             None => drop,
         };
         let rho = simd.min_f64s(simd.mul_f64s(simd.mul_f64s(x, x), factor), most);
-        *out = simd.select_f64s(is_flow(simd, drop, [*at_a, *at_b]), rho, zero);
+        let beside = [rounding(simd, simd.add_f64s(*a, level)), rounding(simd, simd.add_f64s(*b, level))];
+        *out = simd.select_f64s(is_flow(simd, drop, beside), rho, zero);
     }
     out
 }

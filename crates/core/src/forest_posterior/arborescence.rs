@@ -1,6 +1,9 @@
 //! The best single forest: the maximum spanning arborescence over a virtual ground, by Edmonds' algorithm.
 //!
-//! In O(m log n), with mergeable heaps and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
+//! In O(m log² m), with heaps of which the smaller is moved to the larger, and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
+
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 
 use super::Forests;
 
@@ -64,10 +67,9 @@ struct Cycle {
 
 /// Per node below `root` the arc of the cheapest arborescence that enters it. Every node has an arc from the root.
 fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
-    let mut heaps = Heaps::new(arcs.iter().map(|arc| arc.cost).collect());
-    let mut heap: Vec<Option<usize>> = vec![None; root + 1];
+    let mut entering: Vec<EnteringArcs> = (0..=root).map(|_| EnteringArcs::default()).collect();
     for (at, arc) in arcs.iter().enumerate() {
-        heap[arc.to] = heaps.meld(heap[arc.to], Some(at));
+        entering[arc.to].heap.push(Reverse((arc.cost, at)));
     }
     let mut union = UnionFind::new(root + 1);
     let mut seen = vec![usize::MAX; root + 1];
@@ -77,25 +79,24 @@ fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
     for start in 0..root {
         let (mut path, mut node) = (Vec::new(), start);
         while seen[node] == usize::MAX {
-            let Some(arc) = heap[node] else { break };
-            heap[node] = heaps.pop_and_lower(arc);
+            let Some(arc) = entering[node].pop_and_lower() else { break };
             path.push((node, arc));
             seen[node] = start;
             node = union.find(arcs[arc].from);
             if seen[node] == start {
                 // Back on the path: what lies on the cycle becomes one node with all its arcs.
                 let (joins, end) = (union.joins(), path.len());
-                let (mut whole, mut from) = (None, end);
+                let (mut whole, mut from) = (EnteringArcs::default(), end);
                 loop {
                     from -= 1;
                     let member = path[from].0;
-                    whole = heaps.meld(whole, heap[member]);
+                    whole.meld(std::mem::take(&mut entering[member]));
                     if !union.join(node, member) {
                         break;
                     }
                 }
                 node = union.find(node);
-                heap[node] = whole;
+                entering[node] = whole;
                 seen[node] = usize::MAX;
                 cycles.push(Cycle { node, joins, arcs: path.drain(from..).map(|(_, arc)| arc).collect() });
             }
@@ -116,53 +117,29 @@ fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
     enters
 }
 
-/// Heaps over numbered items; a heap is named by its top.
-#[derive(Debug, Clone)]
-pub struct Heaps {
-    key: Vec<i128>,
-    /// To be added to the keys of both subheaps.
-    owed: Vec<i128>,
-    children: Vec<[Option<usize>; 2]>,
-    /// Length of the shortest way down.
-    rank: Vec<u32>,
+/// The arcs that enter a node, the cheapest on top; of equally cheap ones the lower.
+#[derive(Default)]
+struct EnteringArcs {
+    /// Costs, all larger by `lowered` than they are.
+    heap: BinaryHeap<Reverse<(i128, usize)>>,
+    lowered: i128,
 }
 
-impl Heaps {
-    /// Every item is a heap of its own.
-    pub fn new(key: Vec<i128>) -> Self {
-        let items = key.len();
-        Self { key, owed: vec![0; items], children: vec![[None; 2]; items], rank: vec![1; items] }
+impl EnteringArcs {
+    /// Takes the cheapest arc and lowers the costs of all others by its own.
+    fn pop_and_lower(&mut self) -> Option<usize> {
+        let Reverse((cost, arc)) = self.heap.pop()?;
+        self.lowered = cost;
+        Some(arc)
     }
 
-    /// One heap of two; the smaller key is on top, the lower item on ties.
-    pub fn meld(&mut self, a: Option<usize>, b: Option<usize>) -> Option<usize> {
-        let (Some(a), Some(b)) = (a, b) else { return a.or(b) };
-        let (top, below) = if (self.key[a], a) <= (self.key[b], b) { (a, b) } else { (b, a) };
-        self.settle(top);
-        let right = self.meld(self.children[top][1], Some(below));
-        let left = self.children[top][0];
-        let rank = |child: Option<usize>| child.map_or(0, |child| self.rank[child]);
-        let (low, high) = (rank(left).min(rank(right)), rank(left) >= rank(right));
-        self.children[top] = if high { [left, right] } else { [right, left] };
-        self.rank[top] = low + 1;
-        Some(top)
-    }
-
-    /// Takes the top off a heap and lowers all other keys by its own.
-    pub fn pop_and_lower(&mut self, top: usize) -> Option<usize> {
-        self.owed[top] -= self.key[top];
-        self.settle(top);
-        let [left, right] = std::mem::take(&mut self.children[top]);
-        self.rank[top] = 1;
-        self.meld(left, right)
-    }
-
-    fn settle(&mut self, item: usize) {
-        let owed = std::mem::take(&mut self.owed[item]);
-        for child in self.children[item].into_iter().flatten() {
-            self.key[child] += owed;
-            self.owed[child] += owed;
+    /// Takes in those of another node; the fewer are moved to the more.
+    fn meld(&mut self, mut other: Self) {
+        if self.heap.len() < other.heap.len() {
+            std::mem::swap(self, &mut other);
         }
+        let by = self.lowered - other.lowered;
+        self.heap.extend(other.heap.into_iter().map(|Reverse((cost, arc))| Reverse((cost + by, arc))));
     }
 }
 

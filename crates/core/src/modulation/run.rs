@@ -66,11 +66,11 @@ pub fn modulate(
     let total = params.samples * params.classes.len() as u64;
     let stop = AtomicBool::new(false);
     let listener = Mutex::new((0, progress));
-    let solve_block = |memory: &mut ModulationWorkspace, task: u64| -> Result<Instances> {
+    let solve_block = |work: &mut BatchWorkspace<LANES>, task: u64| -> Result<Instances> {
         if stop.load(Ordering::Relaxed) {
             return Ok(Instances::default());
         }
-        let instances = job.block((task / blocks) as usize, task % blocks, memory)?;
+        let instances = job.block((task / blocks) as usize, task % blocks, work)?;
         let (done, progress) = &mut *listener.lock().unwrap_or_else(PoisonError::into_inner);
         *done += instances.count() as u64;
         if !progress.report(*done, total) {
@@ -79,7 +79,7 @@ pub fn modulate(
         Ok(instances)
     };
     let tasks = 0..blocks * params.classes.len() as u64;
-    let solved: Vec<Result<Instances>> = tasks.into_par_iter().map_init(|| job.memory(), solve_block).collect();
+    let solved: Vec<Result<Instances>> = tasks.into_par_iter().map_init(|| job.solver.workspace(), solve_block).collect();
     let done = listener.lock().unwrap_or_else(PoisonError::into_inner).0;
     if done < total && stop.load(Ordering::Relaxed) {
         return Err(Error::Stopped { done, total });
@@ -113,12 +113,6 @@ struct Job<'a> {
     stranded: Vec<(usize, u64)>,
 }
 
-/// The memory of one worker.
-struct ModulationWorkspace {
-    conductance: Vec<Lanes<LANES>>,
-    work: BatchWorkspace<LANES>,
-}
-
 impl<'a> Job<'a> {
     fn new(
         network: &'a Network,
@@ -135,12 +129,8 @@ impl<'a> Job<'a> {
         Ok(Self { network, boundary, params, tubes, circuit, solver, instructions, grounded, stranded })
     }
 
-    fn memory(&self) -> ModulationWorkspace {
-        ModulationWorkspace { conductance: Vec::new(), work: self.solver.workspace(0) }
-    }
-
     /// One block of a class; the last one may be shorter.
-    fn block(&self, class: usize, block: u64, memory: &mut ModulationWorkspace) -> Result<Instances> {
+    fn block(&self, class: usize, block: u64, work: &mut BatchWorkspace<LANES>) -> Result<Instances> {
         let ModulationOptions { classes, samples, seed, reading, vessels, .. } = self.params;
         let mut rng = stream(*seed, random::modulation(class, block));
         let is_modulated = |row: usize| vessels.as_ref().is_none_or(|vessels| vessels[row]);
@@ -156,7 +146,7 @@ impl<'a> Job<'a> {
                 tubes.push(drawn.iter().zip(self.tubes).map(|(factors, tube)| tube.times(factors)).collect::<Vec<Tube>>());
                 factors.push(drawn);
             }
-            let states = self.states(&tubes, memory)?;
+            let states = self.states(&tubes, work)?;
             for ((state, tubes), factors) in states.iter().zip(&tubes).zip(&factors) {
                 instances.push(state, tubes, factors, &self.circuit.ends);
             }
@@ -165,13 +155,12 @@ impl<'a> Job<'a> {
     }
 
     /// Solves up to [`LANES`] instances.
-    fn states(&self, instances: &[Vec<Tube>], memory: &mut ModulationWorkspace) -> Result<Vec<State>> {
-        let ModulationWorkspace { conductance, work } = memory;
+    fn states(&self, instances: &[Vec<Tube>], work: &mut BatchWorkspace<LANES>) -> Result<Vec<State>> {
         let each: Vec<Vec<f64>> = instances.iter().map(|tubes| conductances(self.network, tubes)).collect::<Result<_>>()?;
         let lanes = |vessel| Lanes(std::array::from_fn(|lane| each.get(lane).map_or(0.0, |conductance| conductance[vessel])));
-        conductance.clear();
-        conductance.extend((0..self.tubes.len()).map(lanes));
-        self.instructions.run(SideBySide { solver: &self.solver, conductance, stranded: &self.stranded, work });
+        work.conductance.clear();
+        work.conductance.extend((0..self.tubes.len()).map(lanes));
+        self.instructions.run(SideBySide { solver: &self.solver, stranded: &self.stranded, work });
         let pressure = |node: usize, lane: usize| work.pressure()[self.solver.slot(node)][lane];
         if self.solver.core().is_some() {
             for (lane, own) in each.iter().enumerate() {
@@ -216,7 +205,6 @@ fn check_memory(network: &Network, params: &ModulationOptions) -> Result<()> {
 /// A group of instances for the vector kernel.
 struct SideBySide<'a> {
     solver: &'a BatchSolver,
-    conductance: &'a [Lanes<LANES>],
     stranded: &'a [(usize, u64)],
     work: &'a mut BatchWorkspace<LANES>,
 }
@@ -226,6 +214,6 @@ impl Kernel for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.solver.solve_with(simd, self.conductance, self.stranded, self.work);
+        self.solver.solve_with(simd, 0, self.stranded, self.work);
     }
 }

@@ -8,7 +8,7 @@ use super::bifurcations::MeasuredBifurcation;
 use super::orders::InletWays;
 use super::shape::cones;
 use super::vessel_lines::VesselLine;
-use crate::support::geometry::{Point, distance, lerp};
+use crate::support::geometry::{Point, bounds, distance, lerp};
 use crate::support::statistics::median;
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
@@ -168,22 +168,18 @@ fn densities(lines: &[VesselLine], region: &Region) -> [f64; 3] {
     [sums[0] / region.volume, sums[1] / region.volume, region.volume]
 }
 
-/// The least and the largest coordinates of all points.
-fn bounds(lines: &[VesselLine]) -> Option<[Point; 2]> {
-    let points = lines.iter().flat_map(|line| line.points.iter().copied());
-    points.fold(None, |found, p| {
-        let [low, high] = found.unwrap_or([p, p]);
-        Some([std::array::from_fn(|k| low[k].min(p[k])), std::array::from_fn(|k| high[k].max(p[k]))])
-    })
+/// The lowest and the highest corner of the box around all points; none without one.
+fn box_of(lines: &[VesselLine]) -> Option<[Point; 2]> {
+    Some(bounds(lines.iter().flat_map(|line| line.points.iter().copied()))).filter(|[low, high]| low[0] <= high[0])
 }
 
 fn box_volume(lines: &[VesselLine]) -> f64 {
-    bounds(lines).map_or(f64::NAN, |[low, high]| (0..3).map(|k| high[k] - low[k]).product())
+    box_of(lines).map_or(f64::NAN, |[low, high]| (0..3).map(|k| high[k] - low[k]).product())
 }
 
 /// Minus the slope of ln N over ln of the side of a box, where N boxes hold a part of a line.
 fn box_dimension(lines: &[VesselLine]) -> f64 {
-    let Some([low, high]) = bounds(lines) else { return f64::NAN };
+    let Some([low, high]) = box_of(lines) else { return f64::NAN };
     let side = (0..3).map(|k| high[k] - low[k]).fold(0.0, f64::max);
     if side <= 0.0 {
         return f64::NAN;

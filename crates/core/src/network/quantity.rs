@@ -8,25 +8,6 @@ use crate::support::suggestions::did_you_mean;
 
 type Unit = (&'static str, fn(f64) -> f64);
 
-const LENGTHS: &[Unit] = &[("mm", metres), ("um", |x| x / 1e6), ("µm", |x| x / 1e6), ("cm", |x| x / 1e2), ("m", |x| x)];
-const PRESSURES: &[Unit] =
-    &[("mmHg", pascals), ("Pa", |x| x), ("kPa", |x| x * 1e3), ("dyn/cm2", |x| x / 10.0), ("cmH2O", |x| x * 98.0665)];
-const FLOWS: &[Unit] = &[("mL/min", cubic_metres_per_second), ("mL/s", |x| x / 1e6), ("L/min", |x| x / 6e4), ("m3/s", |x| x)];
-const RESISTANCES: &[Unit] = &[
-    ("mmHg.s/mL", pascal_seconds_per_cubic_metre),
-    ("mmHg·s/mL", pascal_seconds_per_cubic_metre),
-    ("mmHg*s/mL", pascal_seconds_per_cubic_metre),
-    ("Pa.s/m3", |x| x),
-    ("Pa·s/m3", |x| x),
-];
-const VISCOSITIES: &[Unit] = &[("cP", pascal_seconds), ("mPa.s", pascal_seconds), ("Pa.s", |x| x)];
-const TIMES: &[Unit] = &[("s", |x| x), ("ms", |x| x / 1e3)];
-const SPEEDS: &[Unit] = &[("m/s", |x| x), ("cm/s", |x| x / 1e2)];
-const DENSITIES: &[Unit] = &[("kg/m3", |x| x), ("g/cm3", |x| x * 1e3), ("g/mL", |x| x * 1e3)];
-const COMPLIANCES: &[Unit] = &[("mL/mmHg", cubic_metres_per_pascal), ("m3/Pa", |x| x)];
-const STIFFNESSES: &[Unit] = &[("N/m", |x| x), ("Pa.m", |x| x), ("dyn/cm", |x| x / 1e3)];
-const MODULI: &[Unit] = &[("MPa", megapascals), ("kPa", |x| x * 1e3), ("Pa", |x| x), ("dyn/cm2", |x| x / 10.0)];
-
 /// What a quantity measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Dimension {
@@ -55,19 +36,28 @@ pub enum Dimension {
 }
 
 impl Dimension {
+    /// The accepted units, the customary one first, with what makes a number of them an SI value.
     fn units(self) -> &'static [Unit] {
         match self {
-            Self::Length => LENGTHS,
-            Self::Pressure => PRESSURES,
-            Self::Flow => FLOWS,
-            Self::Resistance => RESISTANCES,
-            Self::Viscosity => VISCOSITIES,
-            Self::Time => TIMES,
-            Self::Speed => SPEEDS,
-            Self::Density => DENSITIES,
-            Self::Compliance => COMPLIANCES,
-            Self::Stiffness => STIFFNESSES,
-            Self::Modulus => MODULI,
+            Self::Length => &[("mm", metres), ("um", |x| x / 1e6), ("µm", |x| x / 1e6), ("cm", |x| x / 1e2), ("m", |x| x)],
+            Self::Pressure => {
+                &[("mmHg", pascals), ("Pa", |x| x), ("kPa", |x| x * 1e3), ("dyn/cm2", |x| x / 10.0), ("cmH2O", |x| x * 98.0665)]
+            }
+            Self::Flow => &[("mL/min", cubic_metres_per_second), ("mL/s", |x| x / 1e6), ("L/min", |x| x / 6e4), ("m3/s", |x| x)],
+            Self::Resistance => &[
+                ("mmHg.s/mL", pascal_seconds_per_cubic_metre),
+                ("mmHg·s/mL", pascal_seconds_per_cubic_metre),
+                ("mmHg*s/mL", pascal_seconds_per_cubic_metre),
+                ("Pa.s/m3", |x| x),
+                ("Pa·s/m3", |x| x),
+            ],
+            Self::Viscosity => &[("cP", pascal_seconds), ("mPa.s", pascal_seconds), ("Pa.s", |x| x)],
+            Self::Time => &[("s", |x| x), ("ms", |x| x / 1e3)],
+            Self::Speed => &[("m/s", |x| x), ("cm/s", |x| x / 1e2)],
+            Self::Density => &[("kg/m3", |x| x), ("g/cm3", |x| x * 1e3), ("g/mL", |x| x * 1e3)],
+            Self::Compliance => &[("mL/mmHg", cubic_metres_per_pascal), ("m3/Pa", |x| x)],
+            Self::Stiffness => &[("N/m", |x| x), ("Pa.m", |x| x), ("dyn/cm", |x| x / 1e3)],
+            Self::Modulus => &[("MPa", megapascals), ("kPa", |x| x * 1e3), ("Pa", |x| x), ("dyn/cm2", |x| x / 10.0)],
         }
     }
 

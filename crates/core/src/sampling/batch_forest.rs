@@ -15,10 +15,8 @@ use crate::support::simd::{Lanes, Simd, zip};
 #[derive(Debug, Clone)]
 pub struct ForestProgram {
     program: Elimination,
-    steps: Vec<EliminationStep>,
-    key_slots: Vec<KeySlot>,
-    /// The rays that no vessel lies on.
-    fill: Vec<u32>,
+    /// Per vessel its ray; `NOWHERE` for one that is in no forest.
+    ray_of: Vec<u32>,
 }
 
 /// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
@@ -27,30 +25,6 @@ pub type InForest<const B: usize> = [u8; B];
 /// The mark of a vessel that is in the forest.
 pub const IN_FOREST: u8 = u8::MAX;
 
-/// Where a vessel's keys go.
-#[derive(Debug, Clone, Copy)]
-pub struct KeySlot {
-    /// Its ray; `NOWHERE` for one that is in no forest.
-    ray: u32,
-    /// Whether it is the first of its ray.
-    first: bool,
-}
-
-impl KeySlot {
-    /// A place of its own for each vessel.
-    pub fn one_each(vessels: usize) -> Vec<Self> {
-        (0..vessels as u32).map(|ray| Self { ray, first: true }).collect()
-    }
-
-    /// Puts the keys of the vessel there, one a lane, zero where it is not diffused.
-    #[inline(always)]
-    pub fn put<S: Simd, const B: usize>(self, simd: S, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
-        if let Some(m) = widest.get_mut(self.ray as usize) {
-            *m = if self.first { *keys } else { wider(simd, m, keys) };
-        }
-    }
-}
-
 impl ForestProgram {
     /// Orders and compiles; `None` when it would take more than `limit` joins a sample. `None` among the ends is a vessel
     /// that is in no forest.
@@ -58,14 +32,8 @@ impl ForestProgram {
         let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
         let program = Elimination::compile(nodes, &links, limit)?;
         let ray = |[a, b]: [usize; 2]| program.ray_between(program.place(a), program.place(b));
-        let mut bare = vec![true; program.rays()];
-        let key_slots = ends.iter().map(|e| {
-            let ray = e.filter(|[a, b]| a != b).map_or(NOWHERE, ray);
-            KeySlot { ray, first: bare.get_mut(ray as usize).is_some_and(std::mem::take) }
-        });
-        let key_slots = key_slots.collect();
-        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
-        Some(Self { steps: steps(&program), program, key_slots, fill })
+        let ray_of = ends.iter().map(|e| e.filter(|[a, b]| a != b).map_or(NOWHERE, ray)).collect();
+        Some(Self { program, ray_of })
     }
 
     /// The joins of one sample: the length of the program.
@@ -78,35 +46,37 @@ impl ForestProgram {
         self.program.rays()
     }
 
-    /// Makes ready for the keys of the next group.
-    #[inline(always)]
-    pub fn clear<const B: usize>(&self, widest: &mut [Lanes<B>]) {
-        for ray in &self.fill {
-            widest[*ray as usize] = Lanes::ZERO;
-        }
+    /// Where the keys of each vessel go, which [`ForestProgram::put`] puts there.
+    pub fn ray_of(&self) -> &[u32] {
+        &self.ray_of
     }
 
-    /// Where the keys of each vessel go. All are put there, in order.
-    pub fn key_slots(&self) -> &[KeySlot] {
-        &self.key_slots
+    /// Puts the keys of a vessel, one a lane, zero where it is not diffused, among the keys by ray, all zero before the first.
+    #[inline(always)]
+    pub fn put<S: Simd, const B: usize>(&self, simd: S, ray: u32, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
+        if let Some(m) = widest.get_mut(ray as usize) {
+            *m = wider(simd, m, keys);
+        }
     }
 
     /// Grows the forests of the keys that were put in and marks their vessels.
     #[inline(always)]
     pub fn grow<S: Simd, const B: usize>(&self, simd: S, coins: &Coins, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
-        for step in &self.steps {
-            let k = step.k as usize;
-            if step.twin {
-                self.two(simd, k, widest, coins, taken);
-            } else {
-                self.one(simd, k, widest, coins, taken);
-            }
+        for k in 0..self.program.nodes() {
+            self.eliminate(simd, k, widest, coins, taken);
         }
     }
 
     /// Eliminates the k-th node.
     #[inline(always)]
-    fn one<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], coins: &Coins, taken: &mut [InForest<B>]) {
+    fn eliminate<S: Simd, const B: usize>(
+        &self,
+        simd: S,
+        k: usize,
+        widest: &mut [Lanes<B>],
+        coins: &Coins,
+        taken: &mut [InForest<B>],
+    ) {
         let star = self.program.star(k);
         let (done, later) = widest.split_at_mut(star.end);
         let mut mesh = self.program.mesh(k).iter();
@@ -121,53 +91,6 @@ impl ForestProgram {
         }
         take(simd, coins, &best, taken);
     }
-
-    /// Eliminates the k-th node and the next, its twin, together: the same joins with one pass over their targets.
-    #[inline(always)]
-    fn two<S: Simd, const B: usize>(&self, simd: S, k: usize, widest: &mut [Lanes<B>], coins: &Coins, taken: &mut [InForest<B>]) {
-        let (near, far) = (self.program.star(k), self.program.star(k + 1));
-        let (done, later) = widest.split_at_mut(far.end);
-        let (near, second) = done[near.start..].split_at_mut(near.len());
-        let (between, first) = (near[0], &near[1..]);
-        let (mut best, mut next) = (between, Lanes::ZERO);
-        for (a, b) in first.iter().zip(&mut *second) {
-            best = wider(simd, &best, a);
-            let c = wider(simd, &narrower(simd, &between, a), b);
-            next = wider(simd, &next, &c);
-            *b = c;
-        }
-        take(simd, coins, &best, taken);
-        take(simd, coins, &next, taken);
-        let mut mesh = self.program.mesh(k + 1).iter();
-        for i in 0..second.len() {
-            let (a, c) = (first[i], second[i]);
-            for ((b, d), target) in first[i + 1..].iter().zip(&second[i + 1..]).zip(&mut mesh) {
-                let m = &mut later[*target as usize - far.end];
-                *m = wider(simd, &wider(simd, m, &narrower(simd, &a, b)), &narrower(simd, &c, d));
-            }
-        }
-    }
-}
-
-/// One or two nodes eliminated at a time.
-#[derive(Debug, Clone, Copy)]
-struct EliminationStep {
-    /// The node's place.
-    k: u32,
-    /// Whether the next one has the same neighbours and goes with it.
-    twin: bool,
-}
-
-/// Pairs each node with its next where that is its neighbour and has all its other neighbours.
-fn steps(program: &Elimination) -> Vec<EliminationStep> {
-    let to = |k: usize| &program.ray_to()[program.star(k)];
-    let (mut out, mut k) = (Vec::new(), 0);
-    while k < program.nodes() {
-        let twin = k + 1 < program.nodes() && to(k).first() == Some(&(k as u32 + 1)) && to(k)[1..] == *to(k + 1);
-        out.push(EliminationStep { k: k as u32, twin });
-        k += 1 + usize::from(twin);
-    }
-    out
 }
 
 /// Marks the vessels of the keys, one a lane.

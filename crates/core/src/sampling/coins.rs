@@ -7,7 +7,7 @@ use rand::Rng;
 use super::per_sample::PerSample;
 use crate::support::random;
 use crate::support::random::stream;
-use crate::support::simd::{Lanes, Scalar, Simd, splat};
+use crate::support::simd::{Lanes, Scalar, Simd};
 
 /// The bits of a double that are left out when ρ is rounded.
 const FREE_BITS: u32 = 29;
@@ -97,22 +97,10 @@ impl Coins {
         simd.transmute_f64s_u64s(simd.or_u64s(rounded, simd.or_u64s(coin, simd.splat_u64s(number))))
     }
 
-    /// The keys of a vessel in a group of samples, as doubles; zero where it is not diffused.
+    /// The keys of a vessel of a number in a group of samples, as doubles, zero where it is not diffused; given the figures of both, that of the
+    /// vessel in each sample.
     #[inline(always)]
     pub fn keys_or_zero<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        resilience: &Lanes<B>,
-        vessel: usize,
-        of_samples: &Lanes<B>,
-    ) -> Lanes<B> {
-        let (of_vessel, number) = (splat(simd, self.figure[vessel]), (self.figure.len() - vessel) as u64);
-        self.numbered_keys_or_zero(simd, resilience, &of_vessel, of_samples, number)
-    }
-
-    /// The same for what has another number, and in each sample the figure of another vessel.
-    #[inline(always)]
-    pub fn numbered_keys_or_zero<S: Simd, const B: usize>(
         &self,
         simd: S,
         resilience: &Lanes<B>,

@@ -32,15 +32,8 @@ pub struct ForestEdge {
 #[derive(Debug, Clone, Default)]
 pub struct ExpectedForest {
     parent: Vec<u32>,
-    equal: Vec<Tied>,
-}
-
-/// One of a group of equals, between two parts that larger ones leave.
-#[derive(Debug, Clone, Copy)]
-struct Tied {
-    row: usize,
-    ends: [usize; 2],
-    weakest: usize,
+    /// Those of a group of equals that lie between two parts which larger ones leave; their nodes are these parts.
+    equal: Vec<ForestEdge>,
 }
 
 impl ExpectedForest {
@@ -51,10 +44,10 @@ impl ExpectedForest {
         self.parent.extend(0..nodes as u32);
         for group in all.chunk_by(|a, b| rounded(a.resilience) == rounded(b.resilience)) {
             self.equal.clear();
-            for ForestEdge { row, ends, weakest, .. } in group {
-                let ends = ends.map(|node| root(&mut self.parent, node as u32) as usize);
+            for edge in group {
+                let ends = edge.ends.map(|node| root(&mut self.parent, node as u32) as usize);
                 if ends[0] != ends[1] {
-                    self.equal.push(Tied { row: *row, ends, weakest: *weakest });
+                    self.equal.push(ForestEdge { ends, ..*edge });
                 }
             }
             match &self.equal[..] {
@@ -65,7 +58,7 @@ impl ExpectedForest {
                     }
                 }
             }
-            for Tied { ends, .. } in &self.equal {
+            for ForestEdge { ends, .. } in &self.equal {
                 let [a, b] = ends.map(|node| root(&mut self.parent, node as u32));
                 self.parent[a.max(b) as usize] = a.min(b);
             }
@@ -74,7 +67,7 @@ impl ExpectedForest {
 }
 
 /// The connected parts of a group of equals without the branches that close no loop: those are in every forest, and taken.
-fn loops(equal: &[Tied], take: &mut impl FnMut(usize, f64)) -> Vec<Vec<Tied>> {
+fn loops(equal: &[ForestEdge], take: &mut impl FnMut(usize, f64)) -> Vec<Vec<ForestEdge>> {
     let mut around: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for (at, tied) in equal.iter().enumerate() {
         tied.ends.iter().for_each(|node| around.entry(*node).or_default().push(at));
@@ -107,7 +100,7 @@ fn loops(equal: &[Tied], take: &mut impl FnMut(usize, f64)) -> Vec<Vec<Tied>> {
 
 /// The probability of each of a connected part to be in the forest. Of a ring of n vessels each is left out once in n orders. In other parts
 /// all orders are followed, those that leave the same parts connected together; of a part too large for that, orders are drawn.
-fn shares(part: &[Tied]) -> Vec<f64> {
+fn shares(part: &[ForestEdge]) -> Vec<f64> {
     let mut nodes: Vec<usize> = part.iter().flat_map(|tied| tied.ends).collect();
     nodes.sort_unstable();
     if nodes.chunk_by(|a, b| a == b).all(|same| same.len() == 2) {

@@ -14,9 +14,9 @@ mod partial_run;
 pub mod patterns;
 pub mod per_sample;
 mod reduced_graph;
-mod reduced_graph_kernel;
 pub mod reference;
 mod run;
+mod sampled_graph;
 mod sampler;
 mod ties;
 

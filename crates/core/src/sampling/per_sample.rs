@@ -3,7 +3,7 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use crate::support::random::BLOCK;
-use crate::support::simd::{Lanes, Simd, masked, plus, splat};
+use crate::support::simd::Lanes;
 
 /// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
 pub const SUM_LANES: usize = 8;
@@ -43,44 +43,10 @@ pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
 }
 
 /// The number of words in which the bit of each sample is set.
-#[inline(always)]
-pub fn open_vessels<S: Simd>(simd: S, masks: &[u64]) -> PerSample {
-    let mut planes = [0_u64; 32];
-    let (eights, rest) = masks.as_chunks();
-    for [a, b, c, d, e, f, g, h] in eights {
-        let pairs = [[a, b], [c, d], [e, f], [g, h]].map(|[a, b]| add_bits(&mut planes[0], *a, *b));
-        let fours = [[pairs[0], pairs[1]], [pairs[2], pairs[3]]].map(|[a, b]| add_bits(&mut planes[1], a, b));
-        let carry = add_bits(&mut planes[2], fours[0], fours[1]);
-        count_bits(&mut planes[3..], carry);
-    }
-    for mask in rest {
-        count_bits(&mut planes, *mask);
-    }
-    let (mut open, mut worth) = (PerSample::ZERO, splat(simd, 1.0));
-    let used = planes.iter().rposition(|plane| *plane != 0).map_or(0, |last| last + 1);
-    for plane in &planes[..used] {
-        open = plus(simd, &open, &masked(simd, &worth, *plane, 0));
-        worth = plus(simd, &worth, &worth);
+pub fn open_vessels(masks: &[u64]) -> PerSample {
+    let mut open = PerSample::ZERO;
+    for (sample, open) in open.iter_mut().enumerate() {
+        *open = masks.iter().map(|mask| mask >> sample & 1).sum::<u64>() as f64;
     }
     open
-}
-
-/// Adds two to a plane of bits; returns what is carried to the next one.
-#[inline(always)]
-fn add_bits(plane: &mut u64, a: u64, b: u64) -> u64 {
-    let differ = *plane ^ a;
-    let carry = (*plane & a) | (differ & b);
-    *plane = differ ^ b;
-    carry
-}
-
-/// Adds a word to the planes of a count.
-#[inline(always)]
-fn count_bits(planes: &mut [u64], mut carry: u64) {
-    for plane in planes {
-        if carry == 0 {
-            break;
-        }
-        (*plane, carry) = (*plane ^ carry, *plane & carry);
-    }
 }

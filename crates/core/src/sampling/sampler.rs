@@ -2,15 +2,13 @@
 //! block; only an enumeration of equal vessels does.
 
 use super::block::Block;
-use super::choose_solver::{Method, most_joins_in_full};
+use super::choose_solver::{FULL_GRAPH_LANES, Method, REDUCED_GRAPH_LANES, most_joins_in_full};
 use super::coins::Coins;
-use super::full_graph::{FullGraph, FullWorkspace};
 use super::likelihood::Sums;
 use super::options::{SamplingOptions, Solver};
 use super::patterns::Patterns;
-use super::reduced_graph::ReducedGraph;
-use super::reduced_graph_kernel::ReducedWorkspace;
 use super::reference::Reference;
+use super::sampled_graph::SampledGraph;
 use crate::error::Result;
 use crate::flow::{Boundary, Circuit};
 use crate::network::Network;
@@ -24,26 +22,21 @@ pub struct Sampler {
     plan: SamplingPlan,
 }
 
-/// The memory of one worker.
-pub struct SamplerWorkspace {
+/// One worker and its memory.
+pub struct SamplerWorkspace<'a> {
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
-    of_plan: PlanWorkspace,
-}
-
-enum PlanWorkspace {
-    Full(Box<FullWorkspace>),
-    Reduced(Box<ReducedWorkspace>),
-    Reference,
+    /// Replaces the sums by those of a block.
+    add_up: Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>,
 }
 
 /// A graph made ready for the way in which its samples are computed.
 #[derive(Debug)]
 enum SamplingPlan {
     /// Vessel by vessel.
-    Full(Box<FullGraph>),
+    Full(Box<SampledGraph>),
     /// Reduced first to what samples can change.
-    Reduced(Box<ReducedGraph>),
+    Reduced(Box<SampledGraph>),
     /// By the book.
     Reference(Box<Reference>),
 }
@@ -60,12 +53,12 @@ impl SamplingPlan {
             return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight))));
         }
         let full = match most_joins_in_full(network.vessel_count(), options.solver) {
-            Some(most) => FullGraph::new(network, &circuit, certain, options, most)?,
+            Some(most) => SampledGraph::full(network, &circuit, certain, options, most)?,
             None => None,
         };
         Ok(match full {
             Some(full) => Self::Full(Box::new(full)),
-            None => Self::Reduced(Box::new(ReducedGraph::new(network, &circuit, certain, options)?)),
+            None => Self::Reduced(Box::new(SampledGraph::reduced(network, &circuit, certain, options)?)),
         })
     }
 }
@@ -94,20 +87,22 @@ impl Sampler {
     /// How the samples are computed.
     pub fn method(&self) -> Method {
         match &self.plan {
-            SamplingPlan::Full(graph) => graph.method(),
-            SamplingPlan::Reduced(graph) => graph.method(),
+            SamplingPlan::Full(graph) | SamplingPlan::Reduced(graph) => graph.method(),
             SamplingPlan::Reference(reference) => reference.method(),
         }
     }
 
-    /// Memory for one worker.
-    pub fn workspace(&self) -> SamplerWorkspace {
-        let of_plan = match &self.plan {
-            SamplingPlan::Full(graph) => PlanWorkspace::Full(Box::new(graph.workspace())),
-            SamplingPlan::Reduced(graph) => PlanWorkspace::Reduced(Box::new(graph.workspace())),
-            SamplingPlan::Reference(_) => PlanWorkspace::Reference,
-        };
-        SamplerWorkspace { masks: Vec::new(), probability: [0.0; BLOCK as usize], of_plan }
+    /// A worker.
+    pub fn workspace(&self) -> SamplerWorkspace<'_> {
+        SamplerWorkspace {
+            masks: Vec::new(),
+            probability: [0.0; BLOCK as usize],
+            add_up: match &self.plan {
+                SamplingPlan::Full(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
+                SamplingPlan::Reduced(graph) => side_by_side::<REDUCED_GRAPH_LANES>(graph),
+                SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
+            },
+        }
     }
 
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
@@ -115,7 +110,7 @@ impl Sampler {
     /// # Errors
     ///
     /// The solver breaks down.
-    pub fn block(&self, block: u64, samples: u64, work: &mut SamplerWorkspace, sums: &mut Sums) -> Result<()> {
+    pub fn block(&self, block: u64, samples: u64, work: &mut SamplerWorkspace<'_>, sums: &mut Sums) -> Result<()> {
         let samples = samples.min(BLOCK);
         let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
         let valid = u64::MAX >> (BLOCK - samples);
@@ -124,12 +119,12 @@ impl Sampler {
         }
         let coin = &self.coins.of_block(block);
         let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
-        match (&self.plan, &mut work.of_plan) {
-            (SamplingPlan::Full(graph), PlanWorkspace::Full(work)) => graph.block(&block, work, sums),
-            (SamplingPlan::Reduced(graph), PlanWorkspace::Reduced(work)) => graph.block(block, work, sums)?,
-            (SamplingPlan::Reference(reference), _) => reference.block(&block, sums)?,
-            _ => debug_assert!(false, "the memory of another plan"),
-        }
-        Ok(())
+        (work.add_up)(block, sums)
     }
+}
+
+/// A worker that computes so many samples side by side.
+fn side_by_side<const B: usize>(graph: &SampledGraph) -> Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + '_> {
+    let mut work = graph.workspace::<B>();
+    Box::new(move |block, sums| graph.block(block, &mut work, sums))
 }

@@ -171,40 +171,25 @@ pub fn plus_product<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, w: &Lanes<B>
     plus(simd, a, &product(simd, w, b))
 }
 
-/// The bit of each sample in a word.
+/// The bit of each sample in a word: sample i is bit i.
 #[repr(C, align(64))]
-pub struct SampleBits([u64; 64]);
+struct SampleBits([u64; 64]);
 
-impl SampleBits {
-    /// Sample i is bit i.
-    pub const IN_ORDER: Self = Self::new(1);
-    /// Sample 8 i + j is bit 8 j + i.
-    pub const ACROSS: Self = Self::new(8);
-
-    const fn new(step: usize) -> Self {
-        let (mut out, mut sample) = ([0; 64], 0);
-        while sample < 64 {
-            out[sample] = 1 << (sample * step % 64 + sample * step / 64);
-            sample += 1;
-        }
-        Self(out)
+static SAMPLE_BITS: SampleBits = {
+    let (mut bits, mut sample) = ([0; 64], 0);
+    while sample < 64 {
+        bits[sample] = 1 << sample;
+        sample += 1;
     }
-}
-
-static IN_ORDER: SampleBits = SampleBits::IN_ORDER;
+    SampleBits(bits)
+};
 
 /// `value` in the lanes of the samples from `first` on, a multiple of a vector's lanes, that are set in `word`; zero elsewhere.
 #[inline(always)]
 pub fn masked<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, word: u64, first: usize) -> Lanes<B> {
-    masked_by(simd, value, &IN_ORDER, word, first)
-}
-
-/// [`masked`] with other bits.
-#[inline(always)]
-pub fn masked_by<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, bits: &SampleBits, word: u64, first: usize) -> Lanes<B> {
     let mut out = Lanes::ZERO;
     let (vectors, values) = (out.vectors_mut::<S>(), value.vectors::<S>());
-    let bits = &S::as_simd_u64s(&bits.0).0[first / S::F64_LANES..][..values.len()];
+    let bits = &S::as_simd_u64s(&SAMPLE_BITS.0).0[first / S::F64_LANES..][..values.len()];
     for ((out, value), bits) in vectors.iter_mut().zip(values).zip(bits) {
         let set = simd.greater_than_u64s(simd.and_u64s(simd.splat_u64s(word), *bits), simd.splat_u64s(0));
         *out = simd.select_f64s(set, *value, simd.splat_f64s(0.0));

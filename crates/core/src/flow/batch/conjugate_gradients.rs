@@ -52,34 +52,24 @@ pub struct GradientsWorkspace<const B: usize> {
 impl ConjugateGradients {
     /// Eliminates the nodes of few neighbours of a circuit, and compiles the rest; `None` when indices cannot count its joins.
     pub fn compile(circuit: &Circuit) -> Option<(StarMesh, Self)> {
-        let mesh = StarMesh::compile_partly(circuit, FEW)?;
+        let mesh = StarMesh::compile(circuit, |nodes, links| Elimination::compile_partly(nodes, links, FEW))?;
         let incomplete = Incomplete::compile(mesh.program());
         let largest = circuit.conductance[..circuit.vessel_count()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let dead_ends = DeadEnds::new(circuit);
         Some((mesh, Self { incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest }))
     }
 
-    /// Joins of the incomplete elimination of a sample.
-    pub fn joins(&self) -> usize {
-        self.incomplete.joins()
-    }
-
-    /// Conductances of the incomplete elimination.
-    pub fn rays(&self) -> usize {
-        self.incomplete.rays()
-    }
-
-    /// Nodes of the core.
-    pub fn nodes(&self) -> usize {
-        self.incomplete.nodes()
+    /// The incomplete elimination of the core.
+    pub fn incomplete(&self) -> &Incomplete {
+        &self.incomplete
     }
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> GradientsWorkspace<B> {
-        let core = || vec![Lanes::ZERO; self.nodes()];
+        let core = || vec![Lanes::ZERO; self.incomplete.nodes()];
         GradientsWorkspace {
             weight: vec![[0.0; B]; self.incomplete.rays()],
-            inverse: vec![[0.0; B]; self.nodes()],
+            inverse: vec![[0.0; B]; self.incomplete.nodes()],
             residual: core(),
             direction: core(),
             product: core(),
@@ -107,14 +97,14 @@ impl ConjugateGradients {
         mesh: &StarMesh,
         of_mesh: &mut StarMeshWorkspace<B>,
         work: &mut GradientsWorkspace<B>,
-        open: impl Fn(usize, usize) -> bool,
+        conductance: &[Lanes<B>],
     ) {
         let GradientsWorkspace { pressure, dead_ends, .. } = work;
         for lane in 0..B {
             for (node, p) in pressure.iter_mut().enumerate() {
                 *p = of_mesh.pressure[mesh.slot(node)][lane];
             }
-            self.dead_ends.level(|vessel| open(vessel, lane), dead_ends, pressure, &self.fixed);
+            self.dead_ends.level(|vessel| conductance[vessel][lane] > 0.0, dead_ends, pressure, &self.fixed);
             for (node, p) in pressure.iter().enumerate() {
                 of_mesh.pressure[mesh.slot(node)][lane] = *p;
             }

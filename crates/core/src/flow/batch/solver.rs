@@ -3,10 +3,11 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::conjugate_gradients::{ConjugateGradients, GradientsWorkspace};
-use super::star_mesh::{Conductances, Open, StarMesh, StarMeshWorkspace};
+use super::star_mesh::{StarMesh, StarMeshWorkspace};
 use crate::error::{Error, Result};
 use crate::flow::circuit::Circuit;
-use crate::support::simd::{Lanes, Simd};
+use crate::support::elimination::Elimination;
+use crate::support::simd::{Lanes, Simd, masked, splat};
 
 /// Joins of star-mesh elimination above which conjugate gradients solve a network that is solved few times.
 const MOST_JOINS_ONCE: usize = 2_000_000;
@@ -14,6 +15,8 @@ const MOST_JOINS_ONCE: usize = 2_000_000;
 /// A compiled circuit: star-mesh elimination of all of its nodes, or of those of few neighbours and conjugate gradients for the core that these leave.
 #[derive(Debug)]
 pub struct BatchSolver {
+    /// By row of the circuit.
+    conductance: Vec<f64>,
     mesh: StarMesh,
     core: Option<ConjugateGradients>,
 }
@@ -21,6 +24,8 @@ pub struct BatchSolver {
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct BatchWorkspace<const B: usize> {
+    /// The conductance of each row in each sample, m³/(Pa s); zero where it is closed.
+    pub conductance: Vec<Lanes<B>>,
     mesh: StarMeshWorkspace<B>,
     core: Option<GradientsWorkspace<B>>,
 }
@@ -31,18 +36,13 @@ impl<const B: usize> BatchWorkspace<B> {
     pub fn pressure(&self) -> &[Lanes<B>] {
         &self.mesh.pressure
     }
-
-    /// The pressures, and memory that is free until the next group is solved.
-    #[inline(always)]
-    pub fn pressure_and_spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
-        self.mesh.pressure_and_spare()
-    }
 }
 
 impl BatchSolver {
     /// Star-mesh elimination; `None` when it would take more than `limit` joins a sample.
     pub fn star_mesh(circuit: &Circuit, limit: usize) -> Option<Self> {
-        StarMesh::compile(circuit, limit).map(|mesh| Self { mesh, core: None })
+        let mesh = StarMesh::compile(circuit, |nodes, links| Elimination::compile(nodes, links, limit))?;
+        Some(Self { conductance: circuit.conductance.clone(), mesh, core: None })
     }
 
     /// Conjugate gradients.
@@ -52,7 +52,7 @@ impl BatchSolver {
     /// More joins than indices can count.
     pub fn gradients(circuit: &Circuit) -> Result<Self> {
         let (mesh, core) = ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?;
-        Ok(Self { mesh, core: Some(core) })
+        Ok(Self { conductance: circuit.conductance.clone(), mesh, core: Some(core) })
     }
 
     /// The solver of a network that is solved once or a few hundred times, as in a simulation.
@@ -76,12 +76,12 @@ impl BatchSolver {
 
     /// The joins of one sample, exact and incomplete.
     pub fn joins(&self) -> usize {
-        self.mesh.updates() + self.core.as_ref().map_or(0, ConjugateGradients::joins)
+        self.mesh.program().joins() + self.core.as_ref().map_or(0, |core| core.incomplete().joins())
     }
 
     /// Conductances of the core that a step of conjugate gradients passes over, those of its incomplete elimination twice.
     pub fn rays_in_step(&self) -> usize {
-        self.core.as_ref().map_or(0, |core| 2 * core.rays() + self.mesh.program().core_rays())
+        self.core.as_ref().map_or(0, |core| 2 * core.incomplete().rays() + self.mesh.program().core_rays())
     }
 
     /// Where the pressure of a node stands in a workspace.
@@ -89,12 +89,19 @@ impl BatchSolver {
         self.mesh.slot(node)
     }
 
-    /// The memory for groups of `B` samples, of which without a core at least so many places are [spare](BatchWorkspace::pressure_and_spare).
-    pub fn workspace<const B: usize>(&self, spare: usize) -> BatchWorkspace<B> {
-        BatchWorkspace { mesh: self.mesh.workspace_with(spare), core: self.core.as_ref().map(ConjugateGradients::workspace) }
+    /// The memory for groups of `B` samples.
+    pub fn workspace<const B: usize>(&self) -> BatchWorkspace<B> {
+        BatchWorkspace {
+            conductance: vec![Lanes::ZERO; self.conductance.len()],
+            mesh: self.mesh.workspace(),
+            core: self.core.as_ref().map(ConjugateGradients::workspace),
+        }
     }
 
-    /// Solves the samples `first .. first + B` of a block, as [`StarMesh::solve`] does.
+    /// Solves the samples `first .. first + B` of a block.
+    ///
+    /// Bit i of `masks[e]` says whether row e is open in sample i; `stranded` lists the nodes whose injected flow has nowhere to go, with the
+    /// samples in which that is so.
     #[inline(always)]
     pub fn solve<S: Simd, const B: usize>(
         &self,
@@ -104,41 +111,31 @@ impl BatchSolver {
         stranded: &[(usize, u64)],
         work: &mut BatchWorkspace<B>,
     ) {
-        let is_open = |vessel: usize, lane: usize| masks[vessel] >> (first + lane) & 1 == 1;
-        self.solve_at(simd, (&Open { masks, first }, first), stranded, is_open, work);
+        for ((here, open), mask) in work.conductance.iter_mut().zip(&self.conductance).zip(masks) {
+            *here = masked(simd, &splat(simd, *open), *mask, first);
+        }
+        self.solve_with(simd, first, stranded, work);
     }
 
-    /// Solves a group of samples that differ in the conductances of their vessels, as [`StarMesh::solve_with`] does.
+    /// Solves the samples `first .. first + B` of a block at the conductances in the workspace; `stranded` as in [`BatchSolver::solve`].
     #[inline(always)]
     pub fn solve_with<S: Simd, const B: usize>(
         &self,
         simd: S,
-        conductance: &[Lanes<B>],
+        first: usize,
         stranded: &[(usize, u64)],
         work: &mut BatchWorkspace<B>,
     ) {
-        self.solve_at(simd, (conductance, 0), stranded, |vessel, lane| conductance[vessel][lane] > 0.0, work);
-    }
-
-    #[inline(always)]
-    fn solve_at<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        (conductances, first): (&(impl Conductances<B> + ?Sized), usize),
-        stranded: &[(usize, u64)],
-        is_open: impl Fn(usize, usize) -> bool,
-        work: &mut BatchWorkspace<B>,
-    ) {
-        let BatchWorkspace { mesh: of_mesh, core: of_core } = work;
-        self.mesh.assemble(simd, conductances, first, stranded, of_mesh);
-        self.mesh.eliminate(simd, of_mesh);
-        let mut core = self.core.as_ref().zip(of_core.as_mut());
+        let BatchWorkspace { conductance, mesh, core } = work;
+        self.mesh.assemble(simd, conductance, first, stranded, mesh);
+        self.mesh.eliminate(simd, mesh);
+        let mut core = self.core.as_ref().zip(core.as_mut());
         if let Some((core, work)) = &mut core {
-            core.solve(simd, &self.mesh, of_mesh, work);
+            core.solve(simd, &self.mesh, mesh, work);
         }
-        self.mesh.substitute_back(simd, of_mesh);
+        self.mesh.substitute_back(simd, mesh);
         if let Some((core, work)) = &mut core {
-            core.level_dead_ends(&self.mesh, of_mesh, work, is_open);
+            core.level_dead_ends(&self.mesh, mesh, work, conductance);
         }
     }
 }

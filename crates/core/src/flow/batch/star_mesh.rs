@@ -20,8 +20,6 @@ pub struct StarMesh {
     /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones, each pressure once.
     slot: Vec<u32>,
     rays: Vec<RayStamp>,
-    /// The rays that no vessel lies on.
-    fill: Vec<u32>,
     grounds: Vec<GroundStamp>,
     /// Terminal conductance and inflow by place.
     shunt: Vec<f64>,
@@ -46,9 +44,6 @@ struct Hold {
 struct RayStamp {
     vessel: u32,
     ray: u32,
-    /// Whether it is the first of its ray.
-    first: bool,
-    conductance: f64,
 }
 
 /// A vessel from a free node to one of fixed pressure.
@@ -56,7 +51,6 @@ struct RayStamp {
 struct GroundStamp {
     vessel: u32,
     place: u32,
-    conductance: f64,
     /// Where the fixed pressure stands.
     fixed: u32,
 }
@@ -65,60 +59,17 @@ struct GroundStamp {
 #[derive(Debug, Clone)]
 pub struct StarMeshWorkspace<const B: usize> {
     /// Conductances by ray; once a star is eliminated, the weights of its mean.
-    pub(crate) conductance: Vec<Lanes<B>>,
-    pub(crate) ground: Vec<Lanes<B>>,
+    pub(super) conductance: Vec<Lanes<B>>,
+    pub(super) ground: Vec<Lanes<B>>,
     /// Pressures by slot, Pa above the circuit's level; zero throughout a floating component.
     pub pressure: Vec<Lanes<B>>,
     /// For each pressure that some samples hold, one where it is held.
     held: Vec<Lanes<B>>,
 }
 
-impl<const B: usize> StarMeshWorkspace<B> {
-    /// The pressures, and memory that is free until the next group is solved.
-    pub fn pressure_and_spare(&mut self) -> (&[Lanes<B>], &mut [Lanes<B>]) {
-        (&self.pressure, &mut self.conductance)
-    }
-}
-
-/// The conductance of each vessel in a group of samples. A trait rather than a closure: a closure is not sure to be compiled into the
-/// caller's instruction set.
-pub(crate) trait Conductances<const B: usize> {
-    /// Those of a vessel, given its conductance when open.
-    fn of<S: Simd>(&self, simd: S, vessel: u32, open: f64) -> Lanes<B>;
-}
-
-/// The samples from `first` on, in which the vessels of `masks` are open.
-pub(crate) struct Open<'a> {
-    pub masks: &'a [u64],
-    pub first: usize,
-}
-
-impl<const B: usize> Conductances<B> for Open<'_> {
-    #[inline(always)]
-    fn of<S: Simd>(&self, simd: S, vessel: u32, open: f64) -> Lanes<B> {
-        masked(simd, &splat(simd, open), self.masks[vessel as usize], self.first)
-    }
-}
-
-impl<const B: usize> Conductances<B> for [Lanes<B>] {
-    #[inline(always)]
-    fn of<S: Simd>(&self, _: S, vessel: u32, _: f64) -> Lanes<B> {
-        self[vessel as usize]
-    }
-}
-
 impl StarMesh {
-    /// Orders and compiles the elimination; `None` when it would take more than `limit` mesh updates a sample.
-    pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
-        Self::of(circuit, |nodes, links| Elimination::compile(nodes, links, limit))
-    }
-
-    /// As [`StarMesh::compile`], but eliminates only nodes of at most `most` neighbours: [`StarMesh::solve`] is then not for it.
-    pub(crate) fn compile_partly(circuit: &Circuit, most: usize) -> Option<Self> {
-        Self::of(circuit, |nodes, links| Elimination::compile_partly(nodes, links, most))
-    }
-
-    fn of(circuit: &Circuit, compile: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
+    /// Compiles what `order` makes of the free nodes, by their number, and of the links between them; `None` where it makes nothing.
+    pub(super) fn compile(circuit: &Circuit, order: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
         let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
         let mut index = vec![usize::MAX; circuit.node_count()];
         for (i, node) in free.iter().enumerate() {
@@ -127,7 +78,7 @@ impl StarMesh {
         let is_free = |node: usize| circuit.fixed[node].is_none();
         let links: Vec<[usize; 2]> =
             circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)).map(|e| e.map(|n| index[n])).collect();
-        let program = compile(free.len(), &links)?;
+        let program = order(free.len(), &links)?;
 
         let mut slot = vec![NOWHERE; circuit.node_count()];
         // Outlets of one pressure share its place.
@@ -142,18 +93,13 @@ impl StarMesh {
             };
         }
         let (mut rays, mut grounds) = (Vec::new(), Vec::new());
-        let mut bare = vec![true; program.rays()];
         let fixes = |row: usize| row.checked_sub(circuit.vessel_count()).is_some_and(|at| circuit.terminals[at].fixes);
         for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(row, e)| e[0] != e[1] && !fixes(*row)) {
-            let (vessel, conductance) = (vessel as u32, circuit.conductance[vessel]);
+            let vessel = vessel as u32;
             match (circuit.fixed[a], circuit.fixed[b]) {
-                (None, None) => {
-                    let ray = program.ray_between(slot[a], slot[b]);
-                    let first = std::mem::take(&mut bare[ray as usize]);
-                    rays.push(RayStamp { vessel, ray, first, conductance });
-                }
-                (None, Some(_)) => grounds.push(GroundStamp { vessel, place: slot[a], conductance, fixed: slot[b] }),
-                (Some(_), None) => grounds.push(GroundStamp { vessel, place: slot[b], conductance, fixed: slot[a] }),
+                (None, None) => rays.push(RayStamp { vessel, ray: program.ray_between(slot[a], slot[b]) }),
+                (None, Some(_)) => grounds.push(GroundStamp { vessel, place: slot[a], fixed: slot[b] }),
+                (Some(_), None) => grounds.push(GroundStamp { vessel, place: slot[b], fixed: slot[a] }),
                 (Some(_), Some(_)) => {}
             }
         }
@@ -163,38 +109,18 @@ impl StarMesh {
             by_place[1][slot[node] as usize] = circuit.source[node];
         }
         let [shunt, source] = by_place;
-        let fill = (0..program.rays() as u32).filter(|ray| bare[*ray as usize]).collect();
         let holds = holds(circuit, &slot, &program);
-        Some(Self { program, slot, rays, fill, grounds, shunt, source, fixed, holds })
+        Some(Self { program, slot, rays, grounds, shunt, source, fixed, holds })
     }
 
     /// The compiled elimination.
-    pub(crate) fn program(&self) -> &Elimination {
+    pub(super) fn program(&self) -> &Elimination {
         &self.program
-    }
-
-    /// Mesh updates of one sample: the length of the program.
-    pub fn updates(&self) -> usize {
-        self.program.joins()
-    }
-
-    /// How many conductances there are, fill included.
-    pub fn rays(&self) -> usize {
-        self.program.rays()
     }
 
     /// Where the pressure of a node stands in a workspace.
     pub fn slot(&self, node: usize) -> usize {
         self.slot[node] as usize
-    }
-
-    /// The memory for groups of `B` samples, with at least so many [`StarMeshWorkspace::pressure_and_spare`] places.
-    pub fn workspace_with<const B: usize>(&self, spare: usize) -> StarMeshWorkspace<B> {
-        let mut work = self.workspace();
-        if spare > work.conductance.len() {
-            work.conductance = vec![Lanes::ZERO; spare];
-        }
-        work
     }
 
     /// The memory for groups of `B` samples.
@@ -209,63 +135,38 @@ impl StarMesh {
         }
     }
 
-    /// Solves the samples `first .. first + B` of a block.
-    ///
-    /// Bit i of `masks[e]` says whether vessel e is open in sample i; `stranded` lists the nodes whose injected flow has
-    /// nowhere to go, with the samples in which that is so.
+    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures, from the conductance of each row of the
+    /// circuit in the samples from `first` on.
     #[inline(always)]
-    pub fn solve<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        masks: &[u64],
-        first: usize,
-        stranded: &[(usize, u64)],
-        work: &mut StarMeshWorkspace<B>,
-    ) {
-        self.assemble(simd, &Open { masks, first }, first, stranded, work);
-        self.eliminate(simd, work);
-        self.substitute_back(simd, work);
-    }
-
-    /// Solves a group of samples that differ in the conductances of their vessels (m³/(Pa s)), zero for a closed one,
-    /// rather than in which are open; `stranded` as in [`StarMesh::solve`], for the first samples of a block.
-    #[inline(always)]
-    pub fn solve_with<S: Simd, const B: usize>(
+    pub(super) fn assemble<S: Simd, const B: usize>(
         &self,
         simd: S,
         conductance: &[Lanes<B>],
-        stranded: &[(usize, u64)],
-        work: &mut StarMeshWorkspace<B>,
-    ) {
-        self.assemble(simd, conductance, 0, stranded, work);
-        self.eliminate(simd, work);
-        self.substitute_back(simd, work);
-    }
-
-    /// Conductances by ray, terminal conductances by place, and inflows in the place of the pressures.
-    #[inline(always)]
-    pub(crate) fn assemble<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        conductances: &(impl Conductances<B> + ?Sized),
         first: usize,
         stranded: &[(usize, u64)],
         work: &mut StarMeshWorkspace<B>,
     ) {
-        self.prepare(simd, first, stranded, work);
+        work.conductance.fill(Lanes::ZERO);
+        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
+            work.ground[place] = splat(simd, *shunt);
+            work.pressure[place] = splat(simd, *source);
+        }
+        for (node, samples) in stranded {
+            let source = &mut work.pressure[self.slot[*node] as usize];
+            *source = masked(simd, source, !samples, first);
+        }
         for stamp in &self.rays {
-            let own = conductances.of(simd, stamp.vessel, stamp.conductance);
-            let c = &mut work.conductance[stamp.ray as usize];
-            *c = if stamp.first { own } else { plus(simd, c, &own) };
+            let sum = &mut work.conductance[stamp.ray as usize];
+            *sum = plus(simd, sum, &conductance[stamp.vessel as usize]);
         }
         for stamp in &self.grounds {
-            let own = conductances.of(simd, stamp.vessel, stamp.conductance);
+            let own = &conductance[stamp.vessel as usize];
             let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
-            work.ground[place] = plus(simd, &work.ground[place], &own);
-            work.pressure[place] = plus_product(simd, &work.pressure[place], &own, &pressure);
+            work.ground[place] = plus(simd, &work.ground[place], own);
+            work.pressure[place] = plus_product(simd, &work.pressure[place], own, &pressure);
         }
         for (at, hold) in self.holds.iter().enumerate() {
-            let held = conductances.of(simd, hold.terminal, 1.0);
+            let held = conductance[hold.terminal as usize];
             work.held[at] = held;
             // Products with zero and one are exact.
             let (held_at, place) = (splat(simd, hold.pressure), hold.place as usize);
@@ -281,30 +182,8 @@ impl StarMesh {
         }
     }
 
-    /// What no vessel contributes to.
     #[inline(always)]
-    fn prepare<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        first: usize,
-        stranded: &[(usize, u64)],
-        work: &mut StarMeshWorkspace<B>,
-    ) {
-        for ray in &self.fill {
-            work.conductance[*ray as usize] = Lanes::ZERO;
-        }
-        for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
-            work.ground[place] = splat(simd, *shunt);
-            work.pressure[place] = splat(simd, *source);
-        }
-        for (node, samples) in stranded {
-            let source = &mut work.pressure[self.slot[*node] as usize];
-            *source = masked(simd, source, !samples, first);
-        }
-    }
-
-    #[inline(always)]
-    pub(crate) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
+    pub(super) fn eliminate<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
         let ray_to = self.program.ray_to();
         for k in 0..self.program.eliminated() {
             let star = self.program.star(k);
@@ -334,7 +213,7 @@ impl StarMesh {
     }
 
     #[inline(always)]
-    pub(crate) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
+    pub(super) fn substitute_back<S: Simd, const B: usize>(&self, simd: S, work: &mut StarMeshWorkspace<B>) {
         let ray_to = self.program.ray_to();
         for k in (0..self.program.eliminated()).rev() {
             let mut p = work.pressure[k];
@@ -386,7 +265,7 @@ fn without<S: Simd, const B: usize>(simd: S, values: &Lanes<B>, held: &Lanes<B>)
 
 /// 1/S of a star. A floating remainder has no conductance at all; its weights then are zero.
 #[inline(always)]
-pub(crate) fn inverse<S: Simd, const B: usize>(simd: S, total: &Lanes<B>) -> Lanes<B> {
+pub(super) fn inverse<S: Simd, const B: usize>(simd: S, total: &Lanes<B>) -> Lanes<B> {
     let [zero, one, least] = [0.0, 1.0, f64::MIN_POSITIVE].map(|x| simd.splat_f64s(x));
     map(simd, total, |t| simd.select_f64s(simd.greater_than_or_equal_f64s(t, least), simd.div_f64s(one, t), zero))
 }
