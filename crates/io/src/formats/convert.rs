@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{
-    MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed, write_openbf_with, write_svzerod_with,
-};
+use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
@@ -140,7 +138,7 @@ pub fn is_for_a_solver(format: Format) -> bool {
 pub fn write_into(
     network: &Network,
     target: &Target,
-    mut vessels: impl io::Write + io::Seek,
+    vessels: impl io::Write + io::Seek,
     nodes: impl io::Write,
 ) -> io::Result<Written> {
     let mut written = Written::default();
@@ -155,11 +153,7 @@ pub fn write_into(
     } else {
         network
     };
-    match target.format {
-        Format::SvZeroD => write_svzerod_with(&mut vessels, network, &target.setting)?,
-        Format::OpenBf => written.inlets = write_openbf_with(&mut vessels, network, &target.setting)?,
-        format => written.loops = format.write(network, &mut vessels, nodes)?,
-    }
+    target.format.write(network, &target.setting, vessels, nodes, &mut written)?;
     if !written.loops.is_empty() {
         let path = target.loops();
         written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));

@@ -1,9 +1,11 @@
 //! The fields of a header that is text, each with the line that it stands on.
 
 use std::collections::HashMap;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-use willis_core::error::Fault;
+use crate::formats::input::{beside, bytes_beside};
+use willis_core::error::{Fault, Result};
 
 /// The fields by name.
 pub(super) struct HeaderFields {
@@ -37,7 +39,29 @@ impl HeaderFields {
 
     /// The same of a field that must be there.
     pub(super) fn needed(&self, name: &str) -> Result<(usize, &str), Fault> {
-        self.get(name).ok_or_else(|| Fault::file(format!("no field {name}"), "expected it in the header"))
+        self.get(name).ok_or_else(|| self.wrong(name, "expected it in the header"))
+    }
+
+    /// The file in the folder of `path` that a field names, if it names one.
+    pub(super) fn file(&self, path: &Path, name: &str) -> Option<PathBuf> {
+        let (_, file) = self.get(name)?;
+        let is_list = file.starts_with("LIST") || file.starts_with("SKIPLIST") || file.contains('%');
+        beside(path, file).filter(|_| !is_list)
+    }
+
+    /// The same of a field that has to name one, and its bytes, at most so many; `accepted` describes the field for the error.
+    pub(super) fn file_bytes(&self, path: &Path, name: &str, most: u64, accepted: &str) -> Result<(PathBuf, Vec<u8>)> {
+        let file = self.file(path, name).ok_or_else(|| self.wrong(name, accepted).in_file(path))?;
+        let bytes = bytes_beside(&file, most)?;
+        Ok((file, bytes))
+    }
+
+    /// The fault that a field has another value than `accepted`.
+    pub(super) fn wrong(&self, name: &str, accepted: impl Into<String>) -> Fault {
+        match self.get(name) {
+            Some((line, value)) => Fault::line(line, format!("{name} \"{value}\""), accepted),
+            None => Fault::file(format!("no field {name}"), accepted),
+        }
     }
 
     /// A yes or no; no where it is absent. MetaIO looks at the first letter only.
@@ -47,9 +71,7 @@ impl HeaderFields {
 
     /// A whole number; `None` where the field is absent.
     pub(super) fn whole(&self, name: &str) -> Result<Option<i64>, Fault> {
-        let Some((line, value)) = self.get(name) else { return Ok(None) };
-        let number = value.parse().map_err(|_| Fault::line(line, format!("{name} \"{value}\""), "expected a whole number"))?;
-        Ok(Some(number))
+        self.get(name).map(|(_, value)| value.parse().map_err(|_| self.wrong(name, "expected a whole number"))).transpose()
     }
 
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
@@ -60,9 +82,9 @@ impl HeaderFields {
         accepted: &str,
         admits: fn(&N) -> bool,
     ) -> Result<Option<Vec<N>>, Fault> {
-        let Some((line, value)) = self.get(name) else { return Ok(None) };
+        let Some((_, value)) = self.get(name) else { return Ok(None) };
         let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
-        let wrong = || Fault::line(line, format!("{name} \"{value}\""), format!("expected {count} {accepted}"));
+        let wrong = || self.wrong(name, format!("expected {count} {accepted}"));
         numbers.filter(|numbers| numbers.len() == count).map(Some).ok_or_else(wrong)
     }
 }

@@ -98,32 +98,8 @@ struct NiftiHeader<'a> {
     big: bool,
 }
 
-/// Reads a mask.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    with_voxels(bytes, most, |voxels, stream| voxels.read(stream, level, most))
-}
-
-/// Reads an image, at most `most` bytes of it.
-///
-/// # Errors
-///
-/// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_nifti_image(bytes: &[u8], most: u64) -> Result<Image, Fault> {
-    with_voxels(bytes, most, |voxels, stream| voxels.read_values(stream, most))
-}
-
-/// Reads the header, and hands over how the voxels are stored with their bytes.
-fn with_voxels<T>(
-    bytes: &[u8],
-    most: u64,
-    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
-) -> Result<T, Fault> {
+/// Reads the header, of at most `most` bytes.
+pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
     let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");
@@ -139,7 +115,7 @@ fn with_voxels<T>(
     voxels.bytes(most)?;
     let skipped = offset.saturating_sub(head.len() as u64);
     copy(&mut stream.by_ref().take(skipped), &mut sink()).map_err(cut)?;
-    take(voxels, stream)
+    Ok((voxels, stream))
 }
 
 /// Writes a mask as NIfTI-1, one byte a voxel, with its frame as sform; as qform too where the axes are those of the frame. `packed`

@@ -4,7 +4,7 @@
 //! `ij/io/TiffEncoder.java`; the OME data model.
 
 use std::collections::HashMap;
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Read};
 
 use tiff::ColorType;
 use tiff::decoder::ifd::Value;
@@ -15,7 +15,6 @@ use super::pieces::Pieces;
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
 use crate::formats::xml::{Events, XmlStep};
-use crate::masks::{Image, Mask};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::network::units::LengthUnit;
@@ -36,29 +35,6 @@ pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
     [b"II\x2a\0", b"MM\0\x2a", b"II\x2b\0", b"MM\0\x2b"].iter().any(|signature| bytes.starts_with(*signature))
 }
 
-/// Reads a mask. `spacing` (mm) stands for what the file states; voxel 0,0,0 is at the origin, and
-/// nobody states which way the axes point.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, pages that differ or have several values a pixel, no spacing.
-pub fn read_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    let (voxels, pages) = open(bytes, spacing, most)?;
-    voxels.read(values_of(pages), level, most)
-}
-
-/// Reads an image, at most `most` bytes of it, as [`read_tiff`] reads a mask.
-///
-/// # Errors
-///
-/// Those of [`read_tiff`].
-pub fn read_tiff_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
-    let (voxels, pages) = open(bytes, spacing, most)?;
-    voxels.read_values(values_of(pages), most)
-}
-
 /// A fault of the file from one of the library.
 fn broken(error: &tiff::TiffError) -> Fault {
     Fault::file(
@@ -67,8 +43,9 @@ fn broken(error: &tiff::TiffError) -> Fault {
     )
 }
 
-/// How the voxels are stored, and the pages from the first on.
-fn open(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Pages<'_>), Fault> {
+/// Reads the headers of all pages, and hands over how the voxels are stored with their bytes. `spacing` (mm) stands for what the file states;
+/// voxel 0,0,0 is at the origin, and nobody states which way the axes point. At most `most` bytes are read.
+pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
     let limits = || {
         let mut limits = Limits::default();
         limits.decoding_buffer_size = usize::try_from(most.min(MOST_PAGE)).unwrap_or(usize::MAX);
@@ -113,7 +90,7 @@ fn open(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, P
         let found = format!("pages of {of_page} bytes in a file of {}", bytes.len());
         return Err(Fault::file(found, "expected a whole file, and pages of at most 1 GiB"));
     }
-    Ok((voxels, opened()?))
+    Ok((voxels, Box::new(values_of(opened()?))))
 }
 
 /// The pixels of a page along its two axes, and their type of number with its bytes.
@@ -144,7 +121,7 @@ fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
 }
 
 /// The stored values, page by page.
-fn values_of(mut pages: Pages<'_>) -> impl io::Read {
+fn values_of(mut pages: Pages<'_>) -> impl Read {
     let mut is_first = true;
     Pieces::new(move |piece: &mut Vec<u8>| {
         if !is_first {

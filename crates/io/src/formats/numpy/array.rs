@@ -173,8 +173,8 @@ impl NumpyArray {
     }
 
     /// The values as they are stored.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        &self.data
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
+        self.data
     }
 
     /// A fault of this array.

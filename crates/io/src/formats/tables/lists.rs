@@ -28,12 +28,9 @@ pub struct KnownConnection {
 /// A missing column, a value that is wrong, a table without a correct candidate.
 pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let mut columns = [[0; 3]; 2];
-    for (columns, names) in columns.iter_mut().zip(END_POSITION_COLUMNS) {
-        for (column, name) in columns.iter_mut().zip(names) {
-            *column = rows.column(&[name], "the ends of every correct candidate")?;
-        }
-    }
+    let [a, b] = END_POSITION_COLUMNS;
+    let of_end = |[x, y, z]: [&str; 3]| rows.columns([&[x], &[y], &[z]], "the ends of every correct candidate");
+    let columns = [of_end(a)?, of_end(b)?];
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
     let mut out = Vec::new();
     while let Some(row) = rows.row()? {

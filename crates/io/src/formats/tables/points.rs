@@ -15,14 +15,6 @@ use willis_core::network::units::millimetres;
 
 pub(crate) const HEADER: &str =
     "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
-const FRAGMENT: &[&str] = &["fragment"];
-const X: &[&str] = &["x", "x_mm"];
-const Y: &[&str] = &["y", "y_mm"];
-const Z: &[&str] = &["z", "z_mm"];
-const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
-const LABEL: &[&str] = &["label"];
-const ID: &[&str] = &["id"];
-
 /// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
 /// unit of `scale`.
 ///
@@ -37,7 +29,16 @@ const ID: &[&str] = &["id"];
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let header = rows.header_line();
-    let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
+    let names: [&[&str]; 7] = [
+        &["fragment"],
+        &["x", "x_mm"],
+        &["y", "y_mm"],
+        &["z", "z_mm"],
+        &["radius", "radius_mm", "r", "r_mm"],
+        &["label"],
+        &["id"],
+    ];
+    let columns = names.map(|names| rows.find(names));
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };

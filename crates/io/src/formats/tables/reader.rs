@@ -115,6 +115,15 @@ impl<'a> TableReader<'a> {
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
     }
 
+    /// The same for several columns.
+    pub(crate) fn columns<const N: usize>(&self, names: [&[&str]; N], what: &str) -> Result<[usize; N], Fault> {
+        let mut found = [0; N];
+        for (column, names) in found.iter_mut().zip(names) {
+            *column = self.column(names, what)?;
+        }
+        Ok(found)
+    }
+
     /// The line of the header.
     pub fn header_line(&self) -> usize {
         self.skipped + 1

@@ -31,7 +31,7 @@ pub struct VertexTable {
 pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTable, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of vertices";
-    let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
+    let place = rows.columns([&["X", "pos_x"], &["Y", "pos_y"], &["Z", "pos_z"]], what)?;
     let radius = rows.find(&["radius"]);
     let (mut positions, mut radii) = (Vec::new(), Vec::new());
     while let Some(row) = rows.row()? {
@@ -56,7 +56,7 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of edges";
-    let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
+    let ends = rows.columns([&["Source ID", "source"], &["Target ID", "target"]], what)?;
     let radius = rows.find(&["radius_avg", "radius"]);
     if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
         let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
