@@ -104,10 +104,16 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         lines.links.push([*parent, row as u32]);
         up.push(Some(*parent as usize));
     }
-    lines.strand = trees(&up).map_err(|row| {
+    let order = parents_first(&up).map_err(|row| {
         let found = format!("point {} is its own ancestor", lines.ids[row]);
         Fault::line(line_of[row], found, "expected a tree; links that close loops go into the file of `loops`")
     })?;
+    // The trees are numbered in the order of their first points.
+    let mut trees = 0..;
+    lines.strand = vec![0; up.len()];
+    for row in order {
+        lines.strand[row] = up[row].map_or_else(|| trees.next().unwrap_or_default(), |parent| lines.strand[parent]);
+    }
     let mut roots = lines.ids.iter().zip(&up).filter(|(_, parent)| parent.is_none()).map(|(id, _)| *id);
     lines.root = roots.next().filter(|_| roots.next().is_none());
     name_links(&mut lines, &types, &names);
@@ -115,35 +121,22 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     Ok((lines, notes.into_iter().collect()))
 }
 
-/// The number of each point's tree, in the order of the first points; the row of a point on a cycle where there is one.
-fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
-    const NEW: u32 = u32::MAX;
-    const OPEN: u32 = u32::MAX - 1;
-    let mut tree = vec![NEW; up.len()];
-    let mut count = 0;
+/// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
+pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
+    let mut order = Vec::with_capacity(up.len());
+    let mut reached_from = vec![None; up.len()];
     for start in 0..up.len() {
-        let mut visited = Vec::new();
-        let mut at = Some(start);
-        let number = loop {
-            match at {
-                None => {
-                    count += 1;
-                    break count - 1;
-                }
-                Some(row) if tree[row] == OPEN => return Err(row),
-                Some(row) if tree[row] != NEW => break tree[row],
-                Some(row) => {
-                    tree[row] = OPEN;
-                    visited.push(row);
-                    at = up[row];
-                }
+        let (first, mut at) = (order.len(), Some(start));
+        while let Some(row) = at.filter(|row| reached_from[*row].is_none_or(|from| from == start)) {
+            if reached_from[row].replace(start).is_some() {
+                return Err(row);
             }
-        };
-        for row in visited {
-            tree[row] = number;
+            order.push(row);
+            at = up[row];
         }
+        order[first..].reverse();
     }
-    Ok(tree)
+    Ok(order)
 }
 
 fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {

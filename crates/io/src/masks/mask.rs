@@ -4,10 +4,21 @@ use std::collections::BTreeMap;
 
 use super::partial::Walls;
 use willis_core::network::Frame;
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use willis_core::support::geometry::{Point, cross, dot, norm};
 
 /// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
 pub type Affine = [[f64; 4]; 3];
+
+/// The steps of one voxel along each axis, mm.
+pub fn steps_of(affine: &Affine) -> [Point; 3] {
+    [0, 1, 2].map(|axis| affine.map(|row| row[axis]))
+}
+
+/// The rows that make indices of mm, from the steps of voxels.
+pub fn inverse_of([a, b, c]: [Point; 3]) -> [Point; 3] {
+    let volume = dot(a, cross(b, c));
+    [cross(b, c), cross(c, a), cross(a, b)].map(|row| row.map(|x| x / volume))
+}
 
 /// A class for every voxel of an image; 0 is background.
 #[derive(Debug, Clone)]
@@ -33,16 +44,8 @@ pub struct Mask {
 impl Mask {
     /// A mask in the scanner's frame.
     pub fn new(shape: [usize; 3], classes: Vec<u8>, affine: Affine) -> Self {
-        Self {
-            shape,
-            classes,
-            affine,
-            walls: None,
-            frame: Frame::Ras,
-            reversed: false,
-            names: BTreeMap::new(),
-            notes: Vec::new(),
-        }
+        let (walls, names, notes) = Default::default();
+        Self { shape, classes, affine, walls, frame: Frame::Ras, reversed: false, names, notes }
     }
 
     /// Numbers along the three axes, in the order in which the file counts them.
@@ -55,7 +58,7 @@ impl Mask {
 
     /// The length of a voxel along each axis, mm.
     pub fn spacing(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| norm_squared(self.column(axis)).sqrt())
+        steps_of(&self.affine).map(norm)
     }
 
     /// The volume of a voxel, mm³.
@@ -128,7 +131,7 @@ impl Mask {
 /// cosines.
 fn axes_by_direction(affine: &Affine) -> [usize; 3] {
     const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let length = [0, 1, 2].map(|axis| norm_squared([affine[0][axis], affine[1][axis], affine[2][axis]]).sqrt());
+    let length = steps_of(affine).map(norm);
     let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
     let mut best = WAYS[0];
     for way in &WAYS[1..] {

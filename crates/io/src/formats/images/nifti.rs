@@ -12,7 +12,7 @@ use flate2::write::GzEncoder;
 use super::voxels::Voxels;
 use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
-use crate::masks::{Affine, Image, Mask};
+use crate::masks::{Affine, Image, Mask, steps_of};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::support::geometry::norm;
@@ -172,8 +172,7 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     put(ONE.datatype, &datatype.to_le_bytes());
     put(ONE.datatype + 2, &bits.to_le_bytes());
     put(ONE.pixdim, &real(1.0));
-    let column = |axis: usize| affine.map(|row| row[axis]);
-    for (n, spacing) in [0, 1, 2].map(|axis| norm(column(axis))).into_iter().enumerate() {
+    for (n, spacing) in steps_of(affine).map(norm).into_iter().enumerate() {
         put(ONE.pixdim + 4 * (n + 1), &real(spacing));
     }
     put(ONE.offset, &real(352.0));

@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use super::nrrd::Layers;
 use crate::formats::binary::NumberType;
-use crate::masks::{Affine, Image, Mask, WallFinder};
+use crate::masks::{Affine, Image, Mask, WallFinder, steps_of};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use willis_core::support::geometry::{cross, dot, norm};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
@@ -199,9 +199,8 @@ impl Voxels {
 
     /// Refuses a frame that is flat, or not finite.
     fn check_frame(&self) -> Result<(), Fault> {
-        let column = |axis: usize| -> Point { [0, 1, 2].map(|row| self.affine[row][axis]) };
-        let [a, b, c] = [column(0), column(1), column(2)];
-        let lengths = [a, b, c].map(|column| norm_squared(column).sqrt());
+        let steps = steps_of(&self.affine);
+        let ([a, b, c], lengths) = (steps, steps.map(norm));
         let found = format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
         let is_positive = lengths.iter().all(|length| length.is_finite() && *length > 0.0);
         if !is_positive || !self.affine.iter().flatten().all(|x| x.is_finite()) {

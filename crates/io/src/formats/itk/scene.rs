@@ -1,12 +1,11 @@
 //! Reads a MetaIO scene: objects as their fields, tubes with their points.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::formats::binary::NumberType;
 use crate::formats::header_fields::HeaderFields;
 use willis_core::error::Fault;
-use willis_core::support::geometry::{Point, bounds, distance, sub};
+use willis_core::support::geometry::{Point, distance};
 
 const ENTRY: &str = "expected a line Key = value";
 /// How many characters of a wrong line an error shows.
@@ -62,23 +61,14 @@ pub struct Object {
     pub kind: String,
     /// Its points, of a tube.
     pub points: Vec<Sample>,
-    fields: HeaderFields,
+    /// Its fields.
+    pub(super) fields: HeaderFields,
 }
 
 impl Object {
     /// Whether it is a tube; an object without a type counts as one.
     pub fn is_tube(&self) -> bool {
         self.kind == "Tube" || self.kind.is_empty()
-    }
-
-    /// The line and the text of a field.
-    pub fn field(&self, key: &str) -> Option<(usize, &str)> {
-        self.fields.get(key)
-    }
-
-    /// A yes or no; no where it is absent.
-    pub fn is_true(&self, key: &str) -> bool {
-        self.fields.is_true(key)
     }
 
     /// A whole number; `None` where it is absent or negative.
@@ -93,7 +83,7 @@ impl Object {
 
     /// Its name in errors.
     pub fn name(&self) -> String {
-        self.field("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
+        self.fields.get("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
     }
 }
 
@@ -139,7 +129,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         }
     }
     objects.extend(open.filter(|object| object.kind != "Scene"));
-    let unfinished = objects.iter().find(|object| object.is_tube() && object.field("Points").is_none());
+    let unfinished = objects.iter().find(|object| object.is_tube() && object.fields.get("Points").is_none());
     if let Some(object) = unfinished {
         let accepted = "expected PointDim, NPoints and Points; is the file cut off?";
         return Err(Fault::line(object.line, "a tube without Points", accepted));
@@ -173,42 +163,18 @@ fn shown(text: &[u8]) -> String {
     text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
-/// Tubes whose points have been sorted along their longest axis.
-#[derive(Default)]
-pub struct Nearest {
-    sorted: HashMap<usize, (usize, Vec<usize>)>,
-}
-
-impl Nearest {
-    /// The point of the parent and the end of the child that are closest.
-    pub fn pair(&mut self, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
-        let (axis, sorted) = self.sorted.entry(parent.start).or_insert_with(|| sort(points, parent));
-        let x = |row: usize| points[row][*axis];
-        let mut best = (f64::INFINITY, [sorted[0], ends[0]]);
-        for end in ends {
-            let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
-            let mut consider = |row: &usize| {
-                let gap = distance(points[*row], points[end]);
-                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
-                    best = (gap, [*row, end]);
-                }
-                (x(*row) - x(end)).abs() <= best.0
-            };
-            let _ = left.iter().rev().all(&mut consider);
-            let _ = right.iter().all(consider);
+/// The point of the parent and the end of the child that are closest.
+pub fn nearest_pair(points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
+    let mut best = (f64::INFINITY, [parent.start, ends[0]]);
+    for end in ends {
+        for row in parent.clone() {
+            let gap = distance(points[row], points[end]);
+            if gap < best.0 {
+                best = (gap, [row, end]);
+            }
         }
-        best.1
     }
-}
-
-/// The axis along which points extend the most, and their rows in its order.
-fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
-    let [low, high] = bounds(points[range.clone()].iter().copied());
-    let extent = sub(high, low);
-    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
-    let mut rows: Vec<usize> = range.collect();
-    rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
-    (axis, rows)
+    best.1
 }
 
 /// Names of the radius, as MetaIO knows them.
@@ -237,10 +203,10 @@ struct Columns {
 
 impl Columns {
     fn of(object: &Object, width: Option<usize>) -> Result<Self, Fault> {
-        let (line, names) = object.field("PointDim").unwrap_or((object.line, USUAL));
+        let (line, names) = object.fields.get("PointDim").unwrap_or((object.line, USUAL));
         let names: Vec<&str> = names.split_whitespace().collect();
         let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
-        let flat = object.field("NDims").is_some_and(|(_, n)| n == "2");
+        let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
         let position = [at(&["x", "X"]), at(&["y", "Y"]), at(&["z", "Z"])];
         if position[..if flat { 2 } else { 3 }].contains(&None) {
             let found = format!("PointDim \"{}\"", names.join(" "));
@@ -274,25 +240,23 @@ impl Columns {
 pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
     let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
-    if !object.is_true("BinaryData") {
+    if !object.fields.is_true("BinaryData") {
         return read_text(object, cursor, line, count);
     }
     let columns = Columns::of(object, None)?;
-    if object.is_true("CompressedData") {
+    if object.fields.is_true("CompressedData") {
         return Err(Fault::line(
             line,
             format!("{}: CompressedData = True", object.name()),
             "expected points without compression",
         ));
     }
-    let size = match object.field("ElementType") {
+    let size = match object.fields.get("ElementType") {
         None | Some((_, "MET_FLOAT")) => 4,
         Some((_, "MET_DOUBLE")) => 8,
-        Some((line, other)) => {
-            return Err(Fault::line(line, format!("ElementType {other}"), "expected MET_FLOAT or MET_DOUBLE"));
-        }
+        Some(_) => return Err(object.fields.wrong("ElementType", "expected MET_FLOAT or MET_DOUBLE")),
     };
-    let big = object.is_true("BinaryDataByteOrderMSB") || object.is_true("ElementByteOrderMSB");
+    let big = object.fields.is_true("BinaryDataByteOrderMSB") || object.fields.is_true("ElementByteOrderMSB");
     let needed = count.saturating_mul(columns.width).saturating_mul(size);
     let bytes = cursor.bytes(needed).map_err(|left| {
         let found = format!("{}: {left} bytes of points, {count} points need {needed}", object.name());
@@ -304,7 +268,7 @@ pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -
 
 /// Points as text, one a line.
 fn read_text(object: &Object, cursor: &mut SceneCursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
-    let named = object.field("PointDim").is_some();
+    let named = object.fields.get("PointDim").is_some();
     let mut columns = if named { Some(Columns::of(object, None)?) } else { None };
     let mut samples = Vec::new();
     while samples.len() < count {
