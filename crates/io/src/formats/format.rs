@@ -390,11 +390,31 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     Err(Fault::file("the format is not known", ACCEPTED))
 }
 
+/// Whether a file begins as an archive does.
+fn is_zip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
+}
+
 /// The format of a file that begins with a signature.
 fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-    let starts = |signature: &[u8]| bytes.starts_with(signature);
-    if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
+    type Known = (fn(&[u8]) -> bool, Format);
+    const KNOWN: [Known; 13] = [
+        (|bytes| bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3 MAT-file"), Format::VTrails),
+        (|bytes| bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)), Format::VTrails),
+        (|bytes| bytes.starts_with(b"\x93NUMPY"), Format::Npy),
+        (|bytes| is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
+        (is_zip, Format::Npz),
+        (|bytes| bytes.starts_with(b"# vtk DataFile"), Format::Vtk),
+        (is_metaimage, Format::MetaImage),
+        (is_nrrd, Format::Nrrd),
+        (is_tiff, Format::Tiff),
+        (is_amira, Format::Amira),
+        (|bytes| is_svzerod(bytes.trim_ascii_start()), Format::SvZeroD),
+        (|bytes| is_openbf(bytes.trim_ascii_start()), Format::OpenBf),
+        (|bytes| bytes.trim_ascii_start().starts_with(b"{"), Format::Markups),
+    ];
+    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
         return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
     }
     if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
@@ -403,43 +423,13 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if is_gzip(bytes) {
         return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
     }
-    if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
-        return Ok(Some(Format::VTrails));
-    }
-    if starts(b"MATLAB 5.0 MAT-file") {
+    if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
-    if starts(b"\x93NUMPY") {
-        return Ok(Some(Format::Npy));
-    }
-    if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
-        return Ok(Some(if numpy::is_mask(bytes) { Format::Npy } else { Format::Npz }));
-    }
-    if starts(b"# vtk DataFile") {
-        return Ok(Some(Format::Vtk));
-    }
-    if is_metaimage(bytes) {
-        return Ok(Some(Format::MetaImage));
-    }
-    if is_nrrd(bytes) {
-        return Ok(Some(Format::Nrrd));
-    }
-    if is_tiff(bytes) {
-        return Ok(Some(Format::Tiff));
-    }
-    if is_amira(bytes) {
-        return Ok(Some(Format::Amira));
+    if let Some((_, format)) = KNOWN.into_iter().find(|(is_format, _)| is_format(bytes)) {
+        return Ok(Some(format));
     }
     let text = bytes.trim_ascii_start();
-    if is_svzerod(text) {
-        return Ok(Some(Format::SvZeroD));
-    }
-    if is_openbf(text) {
-        return Ok(Some(Format::OpenBf));
-    }
-    if text.starts_with(b"{") {
-        return Ok(Some(Format::Markups));
-    }
     let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
     let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
     Ok(["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')).then_some(Format::Tre))

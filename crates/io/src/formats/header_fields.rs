@@ -74,6 +74,18 @@ impl HeaderFields {
         self.get(name).map(|(_, value)| value.parse().map_err(|_| self.wrong(name, "expected a whole number"))).transpose()
     }
 
+    /// As many numbers as are asked for, of the first of some fields that is there.
+    pub(super) fn first_numbers(
+        &self,
+        names: &[&str],
+        count: usize,
+        accepted: &str,
+        admits: fn(&f64) -> bool,
+    ) -> Result<Option<Vec<f64>>, Fault> {
+        let name = names.iter().find(|name| self.get(name).is_some());
+        name.map_or(Ok(None), |name| self.numbers(name, count, accepted, admits))
+    }
+
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
     pub(super) fn numbers<N: FromStr>(
         &self,

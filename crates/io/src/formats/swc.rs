@@ -172,10 +172,8 @@ pub fn is_forest(network: &Network) -> bool {
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
     let vessels_at = vessels_at(network, |_| true);
-    title(&mut out, network.frame)?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
-    types.write(&mut out)?;
-    writeln!(out, "# id type x y z radius parent")?;
+    head(&mut out, network.frame, &types)?;
     let mut used = 0_u64;
     let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
         used += 1;
@@ -243,10 +241,8 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
             loops.push([lines.ids[a], lines.ids[b]]);
         }
     }
-    title(&mut out, lines.frame)?;
     let types = TypeCodes::of((0..lines.links.len()).map(|row| lines.labels.of(row)));
-    types.write(&mut out)?;
-    writeln!(out, "# id type x y z radius parent")?;
+    head(&mut out, lines.frame, &types)?;
     for (point, parent) in parent.iter().enumerate() {
         let [x, y, z] = lines.points[point].map(millimetres);
         let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
@@ -262,10 +258,13 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     Ok(loops)
 }
 
-/// The first line: the units, and the frame where it is known.
-fn title(mut out: impl Write, frame: Frame) -> io::Result<()> {
+/// The comments at the top: the units, the frame where it is known, the label of each type in their order, the columns.
+fn head(mut out: impl Write, frame: Frame, types: &TypeCodes) -> io::Result<()> {
     let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
-    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")
+    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")?;
+    let by_code: BTreeMap<u64, &String> = types.0.iter().map(|(label, code)| (*code, label)).collect();
+    by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))?;
+    writeln!(out, "# id type x y z radius parent")
 }
 
 /// The first code for a label that is no whole number; the specification and its users have meanings for those below.
@@ -359,12 +358,6 @@ impl TypeCodes {
     /// The type for a label; 0 for none.
     pub fn code(&self, label: &str) -> u64 {
         self.0.get(&single_line(label)).copied().unwrap_or(0)
-    }
-
-    /// Writes the label of each type, in their order.
-    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let by_code: BTreeMap<u64, &String> = self.0.iter().map(|(label, code)| (*code, label)).collect();
-        by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))
     }
 }
 

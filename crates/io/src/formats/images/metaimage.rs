@@ -91,12 +91,6 @@ impl MetaHeader {
         self.fields.get(DATA).is_some_and(|(_, name)| name.eq_ignore_ascii_case("local"))
     }
 
-    /// The numbers of the first of some fields that is there; so many of them.
-    fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        let name = names.iter().find(|name| self.fields.get(name).is_some());
-        name.map_or(Ok(None), |name| self.fields.numbers(name, count, "numbers", |_| true))
-    }
-
     fn voxels(&self) -> Result<Voxels, Fault> {
         let axes = match self.fields.needed("NDims")? {
             (_, "3") => 3,
@@ -133,11 +127,12 @@ impl MetaHeader {
             return Err(self.fields.wrong("DimSize", "expected three dimensions; take one volume"));
         }
         let shape = [shape[0], shape[1], shape[2]];
+        let numbers = |names: &[&str], count: usize| self.fields.first_numbers(names, count, "numbers", |_| true);
         let three = |all: Vec<f64>| [all[0], all[1], all[2]];
-        let spacing = self.numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
-        let origin = self.numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
+        let spacing = numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
+        let origin = numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
         let identity = |at: usize| if at.is_multiple_of(axes + 1) { 1.0 } else { 0.0 };
-        let directions = self.numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
+        let directions = numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
         let directions = directions.unwrap_or_else(|| (0..axes * axes).map(identity).collect());
         if let Some(bad) = spacing.iter().find(|s| !(s.is_finite() && **s > 0.0)) {
             return Err(Fault::file(format!("ElementSpacing {bad}"), "expected a positive spacing along every axis"));

@@ -173,12 +173,10 @@ impl Stated {
 
     /// Lines such as `spacing=0.5`; the tags hold pixels per unit.
     fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
-        let fields: HashMap<&str, &str> = description.lines().filter_map(|line| line.trim().split_once('=')).collect();
-        let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
+        let lines = description.lines().filter_map(|line| line.trim().split_once('='));
+        let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
         for name in ["channels", "frames"] {
-            if let Some(several) = count(name).filter(|count| *count > 1) {
-                return Err(Fault::file(format!("{several} {name}"), NOT_ONE_VOLUME));
-            }
+            one_of(&fields, name, |several| format!("{several} {name}"))?;
         }
         let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
         let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
@@ -188,8 +186,12 @@ impl Stated {
         let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));
         let z = fields.get("spacing").and_then(|text| text.parse::<f64>().ok());
         // ImageJ states no unit, or pixels, for what is not calibrated.
-        let spacing = [x, y, z].map(|length| Some(length? * unit?).filter(|length| length.is_finite() && *length > 0.0));
-        Ok(Self { spacing, slices: count("images") })
+        let spacing = [x, y, z].map(|length| Some(length? * unit?));
+        Ok(Self::new(spacing, count(&fields, "images")))
+    }
+
+    fn new(spacing: [Option<f64>; 3], slices: Option<usize>) -> Self {
+        Self { spacing: spacing.map(|length| length.filter(|length| length.is_finite() && *length > 0.0)), slices }
     }
 
     /// The attributes of the first element Pixels.
@@ -201,21 +203,27 @@ impl Stated {
                 continue;
             }
             let fields: HashMap<String, String> = events.tag().attributes()?.into_iter().collect();
-            let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
             for name in ["SizeC", "SizeT"] {
-                if let Some(several) = count(name).filter(|count| *count > 1) {
-                    return Err(Fault::file(format!("{name} {several}"), NOT_ONE_VOLUME));
-                }
+                one_of(&fields, name, |several| format!("{name} {several}"))?;
             }
             let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
                 let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
-                let length = fields.get(name)?.parse::<f64>().ok()? * unit?;
-                Some(length).filter(|length| length.is_finite() && *length > 0.0)
+                Some(fields.get(name)?.parse::<f64>().ok()? * unit?)
             });
-            return Ok(Self { spacing, slices: count("SizeZ") });
+            return Ok(Self::new(spacing, count(&fields, "SizeZ")));
         }
         Ok(Self::default())
     }
+}
+
+fn count(fields: &HashMap<String, String>, name: &str) -> Option<usize> {
+    fields.get(name).and_then(|text| text.parse().ok())
+}
+
+/// Refuses more than one of what a field counts.
+fn one_of(fields: &HashMap<String, String>, name: &str, found: impl Fn(usize) -> String) -> Result<(), Fault> {
+    let several = count(fields, name).filter(|count| *count > 1);
+    several.map_or(Ok(()), |several| Err(Fault::file(found(several), NOT_ONE_VOLUME)))
 }
 
 /// Millimetres of a unit of ImageJ or OME; nothing for pixels and for what is no length.

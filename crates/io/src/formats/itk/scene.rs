@@ -76,9 +76,9 @@ impl Object {
         Ok(self.fields.whole(key)?.and_then(|number| u64::try_from(number).ok()))
     }
 
-    /// As many numbers as are asked for; `None` where the field is absent.
-    pub fn numbers(&self, key: &str, count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        self.fields.numbers(key, count, "finite numbers", |x: &f64| x.is_finite())
+    /// As many numbers as are asked for, of the first of some fields that is there.
+    pub fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
+        self.fields.first_numbers(keys, count, "finite numbers", |x| x.is_finite())
     }
 
     /// Its name in errors.

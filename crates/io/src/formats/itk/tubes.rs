@@ -127,7 +127,7 @@ fn frame(objects: &[Object]) -> Frame {
 fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
     let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
     let mut spacing = [1.0; 3];
-    for (axis, x) in object.numbers("ElementSpacing", if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
+    for (axis, x) in object.numbers(&["ElementSpacing"], if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
         if x <= 0.0 {
             return Err(object.fields.wrong("ElementSpacing", "expected positive numbers"));
         }
@@ -190,15 +190,14 @@ impl TubeTransform {
     /// An object's own transform; `None` where it is the identity.
     fn of(object: &Object) -> Result<Option<Self>, Fault> {
         let size = if object.fields.get("NDims").is_some_and(|(_, n)| n == "2") { 2 } else { 3 };
-        let numbers = |keys: [&str; 3], count: usize| {
-            keys.iter().find(|key| object.fields.get(key).is_some()).map_or(Ok(None), |key| object.numbers(key, count))
-        };
         let mut affine = Self { matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset: [0.0; 3] };
         let identity = affine.matrix;
-        for (at, x) in numbers(["TransformMatrix", "Orientation", "Rotation"], size * size)?.into_iter().flatten().enumerate() {
+        for (at, x) in
+            object.numbers(&["TransformMatrix", "Orientation", "Rotation"], size * size)?.into_iter().flatten().enumerate()
+        {
             affine.matrix[at / size][at % size] = x;
         }
-        for (axis, x) in numbers(["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
+        for (axis, x) in object.numbers(&["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
             affine.offset[axis] = x;
         }
         if affine.determinant().abs() <= 0.0 || !affine.determinant().is_finite() {
