@@ -37,9 +37,7 @@ use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 use willis_core::error::{Fault, Result};
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Network};
+use willis_core::network::{Centerlines, Frame, Network, millimetres};
 
 /// A file that has been read.
 #[derive(Debug, Clone)]

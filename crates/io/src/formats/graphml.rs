@@ -316,16 +316,15 @@ pub fn write_graphml(
     if let Some(name) = network.frame.name() {
         writeln!(out, r#"    <data key="frame">{name}</data>"#)?;
     }
-    let (mut of_node, mut of_vessel) = (Data::new("node", node_columns), Data::new("edge", vessel_columns));
     for (row, node) in network.nodes().enumerate() {
         writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
-        of_node.write(&mut out, row)?;
+        data(&mut out, "node", node_columns, row)?;
         writeln!(out, "    </node>")?;
     }
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let [a, b] = ends.map(|end| escape(&network.node(end).id));
         writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
-        of_vessel.write(&mut out, row)?;
+        data(&mut out, "edge", vessel_columns, row)?;
         if with_points && !vessel.path.is_empty() {
             writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
         }
@@ -335,8 +334,13 @@ pub fn write_graphml(
     out.flush()
 }
 
+/// The columns that are written as attributes, by their numbers.
+fn written(columns: &[Column]) -> impl Iterator<Item = (usize, &Column)> {
+    columns.iter().enumerate().filter(|(_, column)| column.name != "id")
+}
+
 fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
-    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
+    for (n, column) in written(columns) {
         let kind = match column.values {
             Values::Real(_) => "double",
             Values::Integer(_) => "long",
@@ -347,28 +351,13 @@ fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
     Ok(())
 }
 
-/// The attributes of one kind of item, with what begins the element of each.
-struct Data<'a> {
-    columns: Vec<(String, &'a Values)>,
-    text: String,
-}
-
-impl<'a> Data<'a> {
-    fn new(on: &str, columns: &'a [Column]) -> Self {
-        let written = columns.iter().enumerate().filter(|(_, c)| c.name != "id");
-        let start = |(n, c): (usize, &'a Column)| (format!(r#"      <data key="{on}{n}">"#), &c.values);
-        Self { columns: written.map(start).collect(), text: String::new() }
-    }
-
-    fn write(&mut self, out: &mut impl Write, row: usize) -> io::Result<()> {
-        for (start, values) in &self.columns {
-            values.put(row, &mut self.text);
-            if !self.text.is_empty() {
-                out.write_all(start.as_bytes())?;
-                out.write_all(escape(&self.text).as_bytes())?;
-                out.write_all(b"</data>\n")?;
-            }
+/// The attributes of one node or edge.
+fn data(out: &mut impl Write, on: &str, columns: &[Column], row: usize) -> io::Result<()> {
+    for (n, column) in written(columns) {
+        let text = column.values.text(row);
+        if !text.is_empty() {
+            writeln!(out, r#"      <data key="{on}{n}">{}</data>"#, escape(&text))?;
         }
-        Ok(())
     }
+    Ok(())
 }

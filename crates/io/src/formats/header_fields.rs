@@ -1,4 +1,4 @@
-//! The fields of a header that is text, each with the line that it stands on.
+//! The lines of a header that is text, and its fields, each with the line that it stands on.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -6,6 +6,68 @@ use std::str::FromStr;
 
 use crate::formats::input::{beside, bytes_beside};
 use willis_core::error::{Fault, Result};
+
+/// How many characters of a wrong line an error shows.
+const SHOWN: usize = 40;
+
+/// A place in a file that mixes lines and binary data.
+pub(super) struct HeaderLines<'a> {
+    rest: &'a [u8],
+    line: usize,
+}
+
+impl<'a> HeaderLines<'a> {
+    /// At the start of a file.
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { rest: bytes, line: 1 }
+    }
+
+    /// How many bytes are left.
+    pub(super) fn left(&self) -> usize {
+        self.rest.len()
+    }
+
+    /// The next line without blanks around it, and its number; the place stays before it.
+    pub(super) fn peek(&self) -> Option<(usize, &'a [u8])> {
+        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
+        (!self.rest.is_empty()).then(|| (self.line, self.rest[..end].trim_ascii()))
+    }
+
+    /// The next line, and its number.
+    pub(super) fn line(&mut self) -> Option<(usize, &'a [u8])> {
+        let line = self.peek()?;
+        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
+        self.rest = &self.rest[end..];
+        self.line += 1;
+        Some(line)
+    }
+
+    /// The next line `key = value` that is not empty, with its number, as MetaIO writes them.
+    pub(super) fn entry(&mut self) -> Result<Option<(usize, String, String)>, Fault> {
+        while let Some((line, text)) = self.line() {
+            let text = String::from_utf8_lossy(text);
+            match text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) {
+                Some((key, value)) if !key.is_empty() => return Ok(Some((line, key.to_owned(), value.to_owned()))),
+                _ if text.is_empty() => {}
+                _ => return Err(Fault::line(line, format!("\"{}\"", shown(&text)), "expected a line Key = value")),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The next bytes, or how many there are when these are fewer.
+    pub(super) fn bytes(&mut self, count: usize) -> Result<&'a [u8], usize> {
+        let (taken, rest) = self.rest.split_at_checked(count).ok_or(self.rest.len())?;
+        self.line += taken.split(|b| *b == b'\n').count() - 1;
+        self.rest = rest;
+        Ok(taken)
+    }
+}
+
+/// The beginning of a text, fit for one line of an error.
+pub(super) fn shown(text: &str) -> String {
+    text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
+}
 
 /// The fields by name.
 pub(super) struct HeaderFields {

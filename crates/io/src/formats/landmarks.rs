@@ -11,8 +11,7 @@ use crate::formats::tables::reader::{Row, TableReader};
 use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
 use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
 use willis_core::error::{Fault, Place};
-use willis_core::network::Frame;
-use willis_core::network::units::{Scale, millimetres};
+use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
 
 /// A landmark in a file.

@@ -6,12 +6,10 @@ use std::io::{self, BufRead, Write};
 
 use crate::formats::polylines::{between, node_points};
 use crate::formats::tables::reader::{is_missing, plural};
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::runs::{other_end, vessels_at};
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Frame, Network, PathPoint, Role, cycles};
+use willis_core::network::{Centerlines, Frame, Network, PathPoint, Role, Scale, cycles, is_radius, millimetres};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -177,12 +175,8 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
     let mut used = 0_u64;
     let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
         used += 1;
-        let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-        let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
-        match parent {
-            None => writeln!(out, "{used} {kind} {x} {y} {z} {radius} -1")?,
-            Some(parent) => writeln!(out, "{used} {kind} {x} {y} {z} {radius} {parent}")?,
-        }
+        let parent = parent.map_or("-1".to_owned(), |parent| parent.to_string());
+        writeln!(out, "{used} {kind} {} {parent}", figures(point, "0").join(" "))?;
         Ok(used)
     };
     let mut id_of = vec![None; network.node_count()];

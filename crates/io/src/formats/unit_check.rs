@@ -2,8 +2,7 @@
 
 use super::content::Content;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
+use willis_core::network::{LengthUnit, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
 use willis_core::support::statistics::median;
 

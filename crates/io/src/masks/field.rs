@@ -3,7 +3,7 @@
 use super::distance::distances;
 use super::foreground::{Foreground, neighbours};
 use super::mask::{inverse_of, steps_of};
-use willis_core::network::units::{metres, millimetres};
+use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, cross, dot, norm, norm_squared};
 
 /// Further outside than the neighbours of the lumen every place has this depth, in voxels.

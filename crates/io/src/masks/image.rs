@@ -3,7 +3,7 @@
 use std::collections::VecDeque;
 
 use super::mask::{Affine, inverse_of, steps_of};
-use willis_core::network::units::{metres, millimetres};
+use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, dot, norm};
 use willis_core::support::in_chunks;
 

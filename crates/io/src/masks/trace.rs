@@ -12,8 +12,7 @@ use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::metres;
+use willis_core::network::{Centerlines, metres};
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.

@@ -7,10 +7,9 @@ use super::records::Records;
 use crate::formats::options::ReadOptions;
 use crate::formats::tables::reader::plural;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
 use willis_core::network::path_places::length_of;
-use willis_core::network::units::{Scale, megapascals, metres, pascal_seconds_per_cubic_metre};
-use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall};
+use willis_core::network::units::{megapascals, pascal_seconds_per_cubic_metre};
+use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Scale, Vessel, Wall, is_radius, metres};
 use willis_core::support::geometry::distance;
 
 /// The attributes of an edge, besides its length and radius.

@@ -5,8 +5,7 @@ use std::fmt;
 use super::records::Record;
 use crate::formats::tables::reader::number;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, metres};
+use willis_core::network::{Scale, is_radius, metres};
 use willis_core::support::geometry::radius_of;
 
 /// A cross-section area.

@@ -9,11 +9,8 @@ use crate::formats::attributes::records::Records;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::reader::number;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{
-    Scale, cubic_metres_per_pascal, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals,
-};
-use willis_core::network::{Condition, Node, Role, Windkessel};
+use willis_core::network::units::{cubic_metres_per_pascal, cubic_metres_per_second, pascal_seconds_per_cubic_metre, pascals};
+use willis_core::network::{Condition, Node, Role, Scale, Windkessel, is_radius, metres};
 use willis_core::support::geometry::Point;
 
 /// The attributes that may give the radius where none has "radius" in its name.

@@ -8,7 +8,7 @@ use flate2::read::ZlibDecoder;
 
 use super::voxels::{StoredImage, Voxels};
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
+use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
 
@@ -66,21 +66,12 @@ pub(crate) fn open_metaimage<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Ve
 
 impl MetaHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut at, mut line) = (HeaderFields::default(), 0, 0);
-        while at < bytes.len().min(MOST_HEADER) {
-            let rest = &bytes[at..];
-            let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
-            let text = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
-            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
-            if text.is_empty() {
-                continue;
-            }
-            let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
-                return Err(Fault::line(line, format!("\"{text}\""), "expected a line Key = value"));
-            };
-            fields.insert(key, line, value);
+        let (mut fields, mut lines) = (HeaderFields::default(), HeaderLines::new(&bytes[..bytes.len().min(MOST_HEADER)]));
+        let head = lines.left();
+        while let Some((line, key, value)) = lines.entry()? {
+            fields.insert(&key, line, &value);
             if key == DATA {
-                return Ok(Self { fields, end: at });
+                return Ok(Self { fields, end: head - lines.left() });
             }
         }
         Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))

@@ -12,12 +12,11 @@ use flate2::read::MultiGzDecoder;
 use super::pieces::Pieces;
 use super::voxels::{StoredImage, Voxels, fill};
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
+use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use crate::formats::tables::reader::plural;
 use crate::masks::{Affine, Mask};
 use willis_core::error::{Fault, Result};
-use willis_core::network::Frame;
-use willis_core::network::units::LengthUnit;
+use willis_core::network::{Frame, LengthUnit};
 
 /// The field that names another file of the voxels.
 const DATA: &str = "data file";
@@ -249,19 +248,19 @@ fn plain(name: &str) -> String {
 
 impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut keys, mut at, mut line) = (HeaderFields::named(plain), BTreeMap::new(), 0, 0);
+        let (mut fields, mut keys) = (HeaderFields::named(plain), BTreeMap::new());
+        let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
+        let mut lines = HeaderLines::new(head);
         loop {
+            let at = head.len() - lines.left();
             if at >= MOST_HEADER {
                 return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
             }
-            let rest = &bytes[at..];
-            let end = rest.iter().take(MOST_HEADER).position(|byte| *byte == b'\n').unwrap_or(rest.len());
-            let text = String::from_utf8_lossy(&rest[..end.min(MOST_HEADER)]).trim().to_owned();
-            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
             // A header whose voxels are in another file may end with the file.
-            if text.is_empty() {
-                return Ok(Self { fields, keys, end: at });
-            }
+            let Some((line, text)) = lines.line().filter(|(_, text)| !text.is_empty()) else {
+                return Ok(Self { fields, keys, end: head.len() - lines.left() });
+            };
+            let text = String::from_utf8_lossy(text);
             if line == 1 || text.starts_with('#') {
                 continue;
             }

@@ -16,8 +16,7 @@ use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
 use crate::formats::xml::{Events, XmlStep};
 use willis_core::error::Fault;
-use willis_core::network::Frame;
-use willis_core::network::units::LengthUnit;
+use willis_core::network::{Frame, LengthUnit};
 
 /// More than the methods of compression can gain: LZW codes up to 4,096 bytes in 12 bits.
 const MOST_GAIN: u64 = 1 << 12;

@@ -3,52 +3,14 @@
 use std::ops::Range;
 
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
+use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
 use willis_core::error::Fault;
 use willis_core::support::geometry::{Point, distance};
 
-const ENTRY: &str = "expected a line Key = value";
-/// How many characters of a wrong line an error shows.
-const SHOWN: usize = 40;
-
-/// A place in a file that mixes lines and binary data.
-pub struct SceneCursor<'a> {
-    rest: &'a [u8],
-    line: usize,
-}
-
-impl<'a> SceneCursor<'a> {
-    /// The next line without blanks around it, and its number; the cursor stays before it.
-    pub fn peek(&self) -> Option<(usize, &'a [u8])> {
-        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
-        (!self.rest.is_empty()).then(|| (self.line, self.rest[..end].trim_ascii()))
-    }
-
-    /// The next line, and its number.
-    pub fn line(&mut self) -> Option<(usize, &'a [u8])> {
-        let line = self.peek()?;
-        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
-        self.rest = &self.rest[end..];
-        self.line += 1;
-        Some(line)
-    }
-
-    /// The next bytes, or how many there are when these are fewer.
-    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], usize> {
-        let (taken, rest) = self.rest.split_at_checked(count).ok_or(self.rest.len())?;
-        self.line += taken.split(|b| *b == b'\n').count() - 1;
-        self.rest = rest;
-        Ok(taken)
-    }
-
-    /// Goes to the next line that begins an object.
-    fn skip_to_object(&mut self) {
-        while let Some((_, line)) = self.peek() {
-            if line.starts_with(b"ObjectType") {
-                return;
-            }
-            self.line();
-        }
+/// Goes to the next line that begins an object.
+fn skip_to_object(lines: &mut HeaderLines) {
+    while lines.peek().is_some_and(|(_, line)| !line.starts_with(b"ObjectType")) {
+        lines.line();
     }
 }
 
@@ -89,16 +51,10 @@ impl Object {
 
 /// The objects of a file in their order, without the scene itself.
 pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
-    let mut cursor = SceneCursor { rest: bytes, line: 1 };
+    let mut cursor = HeaderLines::new(bytes);
     let (mut objects, mut stated) = (Vec::new(), None);
     let mut open: Option<Object> = None;
-    while let Some((line, text)) = cursor.line() {
-        if text.is_empty() {
-            continue;
-        }
-        let Some((key, value)) = entry(text) else {
-            return Err(Fault::line(line, format!("\"{}\"", shown(text)), ENTRY));
-        };
+    while let Some((line, key, value)) = cursor.entry()? {
         let begun = open.as_ref().is_some_and(|object| !object.kind.is_empty());
         if key == "ObjectType" && begun {
             objects.extend(open.take());
@@ -107,7 +63,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         match key.as_str() {
             "ObjectType" if is_kind(&value) => object.kind = value,
             "ObjectType" => {
-                let found = format!("ObjectType \"{}\"", shown(value.as_bytes()));
+                let found = format!("ObjectType \"{}\"", shown(&value));
                 return Err(Fault::line(line, found, "expected Scene, Group, Tube or another type of MetaIO"));
             }
             "NObjects" if object.kind == "Scene" => {
@@ -121,7 +77,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
                 objects.extend(open.take());
             }
             "Points" => {
-                cursor.skip_to_object();
+                skip_to_object(&mut cursor);
                 objects.extend(open.take());
             }
             "EndGroup" => objects.extend(open.take()),
@@ -148,19 +104,6 @@ fn is_kind(name: &str) -> bool {
     let containers = matches!(name, "Scene" | "Group" | "AffineTransform" | "Transform" | "Image");
     let shapes = matches!(name, "Tube" | "TubeGraph" | "Line" | "Contour" | "Surface" | "Mesh" | "FEMObject" | "Landmark");
     containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
-}
-
-fn entry(text: &[u8]) -> Option<(String, String)> {
-    let at = text.iter().position(|b| *b == b'=')?;
-    let word = |part: &[u8]| String::from_utf8_lossy(part.trim_ascii()).into_owned();
-    let key = word(&text[..at]);
-    (!key.is_empty()).then(|| (key, word(&text[at + 1..])))
-}
-
-/// The beginning of a line, fit for one line of an error.
-fn shown(text: &[u8]) -> String {
-    let text = String::from_utf8_lossy(text);
-    text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
 /// The point of the parent and the end of the child that are closest.
@@ -237,7 +180,7 @@ impl Columns {
 }
 
 /// Reads the points that follow the line `Points =` of a tube.
-pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
+pub fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
     let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
     if !object.fields.is_true("BinaryData") {
@@ -267,7 +210,7 @@ pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -
 }
 
 /// Points as text, one a line.
-fn read_text(object: &Object, cursor: &mut SceneCursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
+fn read_text(object: &Object, cursor: &mut HeaderLines<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
     let named = object.fields.get("PointDim").is_some();
     let mut columns = if named { Some(Columns::of(object, None)?) } else { None };
     let mut samples = Vec::new();

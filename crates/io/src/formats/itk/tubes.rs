@@ -7,12 +7,10 @@ use crate::formats::itk::scene::{Object, nearest_pair, read_scene};
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
 use crate::formats::swc::{parents_first, single_line};
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::runs::{other_end, vessels_at};
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
-use willis_core::network::{Frame, Network, PathPoint, Role};
+use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Role, Scale, is_radius};
 use willis_core::support::geometry::{Point, cross, dot};
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
@@ -277,9 +275,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         let root = if links[row].is_none() { "True" } else { "False" };
         writeln!(out, "Root = {root}\nArtery = True\nPointDim = x y z r\nNPoints = {}\nPoints = ", tube.len())?;
         for point in tube {
-            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-            let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
-            writeln!(out, "{x} {y} {z} {radius}")?;
+            writeln!(out, "{}", figures(point, "0").join(" "))?;
         }
     }
     out.flush()

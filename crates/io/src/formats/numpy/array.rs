@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Read};
 
-use ndarray::Array2;
+use ndarray::{Array2, ShapeBuilder};
 use py_literal::Value;
 use zip::ZipArchive;
 
@@ -112,10 +112,13 @@ impl NumpyArray {
         if self.shape.len() != 2 || self.shape[1] != N {
             return Err(self.fault(format!("shape {}", tuple(&self.shape)), format!("expected a row of {N} for each")));
         }
-        let values = self.reals()?;
-        let n = self.shape[0];
-        let at = |row: usize, column: usize| if self.fortran { column * n + row } else { row * N + column };
-        Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
+        let rows = self.table(self.shape[0], N)?;
+        Ok(rows.outer_iter().map(|row| std::array::from_fn(|column| row[column])).collect())
+    }
+
+    /// The values of a table.
+    fn table(&self, rows: usize, columns: usize) -> Result<Array2<f64>, Fault> {
+        Ok(Array2::from_shape_vec((rows, columns).set_f(self.fortran), self.reals()?).unwrap_or_default())
     }
 
     /// Whether the values are whole numbers.
@@ -293,7 +296,5 @@ pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
         let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
         return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
     }
-    let values = array.reals()?;
-    let at = |row: usize, column: usize| if array.fortran { column * n + row } else { row * n + column };
-    Ok(Array2::from_shape_fn((n, n), |(row, column)| values[at(row, column)]))
+    array.table(n, n)
 }

@@ -13,8 +13,10 @@ use crate::formats::tables::points::HEADER as POINTS_HEADER;
 use crate::formats::tables::reader::{TableReader, columns, delimiter};
 use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
 use willis_core::error::Fault;
-use willis_core::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
+use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
+use willis_core::network::{
+    Condition, Evidence, Network, Node, PathPoint, Role, Scale, Wall, Windkessel, fragments, millimetres,
+};
 use willis_core::support::geometry::{Point, box_diagonal, distance};
 
 /// The columns that may hold the names of nodes.

@@ -6,8 +6,7 @@ use std::io::{self, Write};
 use crate::formats::tables::graph::END_POSITION_COLUMNS;
 use crate::formats::tables::reader::{TableReader, uncommented};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::metres;
+use willis_core::network::{Centerlines, metres};
 use willis_core::support::geometry::Point;
 
 /// A candidate that a person lists as correct.

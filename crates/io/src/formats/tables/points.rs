@@ -7,11 +7,9 @@ use super::reader::{TableReader, columns as describe};
 use super::write::escape_formula;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::Network;
-use willis_core::network::centerlines::{Centerlines, is_radius};
-use willis_core::network::units::millimetres;
+use willis_core::network::{Centerlines, Network, is_radius};
 
 pub(crate) const HEADER: &str =
     "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
@@ -100,8 +98,7 @@ pub fn write_points(out: impl Write, network: &Network) -> io::Result<()> {
     for (row, points) in polylines(network)?.into_iter().enumerate() {
         let (fragment, label) = (row.to_string(), escape_formula(&network.vessel(row).label));
         for point in points {
-            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-            let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { String::new() };
+            let [x, y, z, radius] = figures(&point, "");
             csv.write_record([&*fragment, &x, &y, &z, &radius, &label])?;
         }
     }

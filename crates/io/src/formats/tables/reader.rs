@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use crate::formats::input::without_mark;
 use crate::formats::tables::write::unescape_formula;
 use willis_core::error::Fault;
-use willis_core::network::units::Scale;
+use willis_core::network::Scale;
 use willis_core::support::geometry::Point;
 
 /// Whether a text states that there is no value: it is empty, NaN, or what R, pandas and BIDS write.

@@ -8,9 +8,7 @@ use crate::formats::polylines::{add_straight, centerlines, is_straight, position
 use crate::formats::tables::reader::{Row, TableReader, plural};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Network, Node, PathPoint};
+use willis_core::network::{Network, Node, PathPoint, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{Point, area_of, distance};
 
 /// The columns of positions that are written.

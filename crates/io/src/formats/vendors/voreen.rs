@@ -9,9 +9,7 @@ use crate::formats::tables::graph::NodeTable;
 use crate::formats::tables::reader::{TableReader, plural};
 use crate::formats::tables::write::{Column, coordinate_columns, write_table};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Network, Node};
+use willis_core::network::{Network, Node, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{area_of, distance, radius_of};
 
 /// Reads the table of nodes: `id;pos_x;pos_y;pos_z` and whatever else.

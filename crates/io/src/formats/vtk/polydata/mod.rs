@@ -14,7 +14,7 @@ use data::{PolyLine, PolyLines};
 
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
+use willis_core::network::Centerlines;
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
