@@ -12,7 +12,7 @@ use super::images::nrrd::{is_nrrd, open_nrrd};
 use super::images::numpy::{self, open_numpy};
 use super::images::tiff::{is_tiff, open_tiff};
 use super::images::voxels::StoredImage;
-use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
+use super::input::{bytes_within, checksum, is_gzip, refuse_utf16, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::options::ReadOptions;
@@ -412,9 +412,7 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         (|bytes| is_openbf(bytes.trim_ascii_start()), Format::OpenBf),
         (|bytes| bytes.trim_ascii_start().starts_with(b"{"), Format::Markups),
     ];
-    if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
-    }
+    refuse_utf16(bytes)?;
     if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
         return Ok(Some(Format::Nifti));
     }

@@ -336,3 +336,9 @@ impl<R: Read> Read for Checksummed<R> {
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
 }
+
+/// Refuses a text of two bytes a character, which its mark tells.
+pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), Fault> {
+    let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if is_utf16 { Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8")) } else { Ok(()) }
+}

@@ -88,17 +88,21 @@ impl Mask {
             return self;
         }
         let shape = source.map(|axis| self.shape[axis]);
-        let strides = [1, self.shape[0], self.shape[0] * self.shape[1]];
-        // Index into the old voxels: where the new origin is, and a step along each new axis.
-        let step =
-            [0, 1, 2].map(|axis| if flipped[axis] { -(strides[source[axis]] as isize) } else { strides[source[axis]] as isize });
-        let start: usize = (0..3).filter(|axis| flipped[*axis]).map(|axis| (shape[axis] - 1) * strides[source[axis]]).sum();
-        let mut classes = Vec::with_capacity(self.classes.len());
-        for z in 0..shape[2] as isize {
-            for y in 0..shape[1] as isize {
-                let row = start as isize + z * step[2] + y * step[1];
-                classes.extend((0..shape[0] as isize).map(|x| self.classes[(row + x * step[0]) as usize]));
-            }
+        let strides = [1, shape[0], shape[0] * shape[1]].map(|stride: usize| stride as isize);
+        // Index into the new voxels: where the old origin is, and a step along each old axis.
+        let (mut start, mut step) = (0, [0; 3]);
+        for axis in 0..3 {
+            step[source[axis]] = if flipped[axis] { -strides[axis] } else { strides[axis] };
+            start += if flipped[axis] { (shape[axis] as isize - 1) * strides[axis] } else { 0 };
+        }
+        let [x, y, _] = self.shape;
+        let place = |row: usize| {
+            let old = [row % x, row / x % y, row / (x * y)];
+            (start + (0..3).map(|axis| old[axis] as isize * step[axis]).sum::<isize>()) as usize
+        };
+        let mut classes = vec![0; self.classes.len()];
+        for (row, class) in self.classes.iter().enumerate().filter(|(_, class)| **class > 0) {
+            classes[place(row)] = *class;
         }
         let affine = self.affine.map(|row| {
             let sign = [0, 1, 2].map(|axis| if flipped[axis] { -1.0 } else { 1.0 });
@@ -108,17 +112,7 @@ impl Mask {
         });
         let walls = self.walls.map(|mut walls| {
             for (voxel, _) in &mut walls.voxels {
-                let mut row = *voxel as usize;
-                let old = self.shape.map(|length| {
-                    let at = row % length;
-                    row /= length;
-                    at
-                });
-                let new = [0, 1, 2].map(|axis| {
-                    let at = old[source[axis]];
-                    if flipped[axis] { shape[axis] - 1 - at } else { at }
-                });
-                *voxel = ((new[2] * shape[1] + new[1]) * shape[0] + new[0]) as u32;
+                *voxel = place(*voxel as usize) as u32;
             }
             walls.voxels.sort_unstable_by_key(|(voxel, _)| *voxel);
             walls
