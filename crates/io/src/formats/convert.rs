@@ -35,19 +35,14 @@ pub struct Target {
 }
 
 impl Target {
-    /// The words for the formats that can be written.
-    pub fn words() -> impl Iterator<Item = &'static str> {
-        Format::words()
-    }
-
     /// The target for a path and, optionally, a word for its format.
     ///
     /// # Errors
     ///
-    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of
+    /// A word that is none of [`Format::words`], an ending that means no format, a table of vessels with the name of that of
     /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
-        let words = || Self::words().collect::<Vec<_>>().join(", ");
+        let words = || Format::words().collect::<Vec<_>>().join(", ");
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
         let format = found.ok_or_else(|| {
             if let Some(word) = word {

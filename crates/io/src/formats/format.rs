@@ -138,7 +138,7 @@ impl Format {
     }
 
     /// The words for the formats that can be written.
-    pub(crate) fn words() -> impl Iterator<Item = &'static str> {
+    pub fn words() -> impl Iterator<Item = &'static str> {
         NAMES.into_iter().map(|(_, _, word, _)| word).filter(|word| !word.is_empty())
     }
 

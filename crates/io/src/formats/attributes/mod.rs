@@ -19,7 +19,7 @@ const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &edge::WALL, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 

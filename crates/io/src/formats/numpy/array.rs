@@ -45,7 +45,8 @@ pub(crate) struct NumpyArray {
     /// Bytes of one value.
     size: usize,
     big: bool,
-    fortran: bool,
+    /// Whether the first axis runs fastest.
+    pub(crate) fortran: bool,
     data: Vec<u8>,
 }
 
@@ -128,12 +129,11 @@ impl NumpyArray {
 
     /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        let kind = match self.kind {
-            ElementKind::Number(kind) => kind,
-            ElementKind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
-            ElementKind::Utf32 | ElementKind::Ascii => return Err(self.fault("text", "expected numbers")),
-        };
-        Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
+        if self.kind == ElementKind::Truth {
+            return Err(self.fault("values of type |b1", ACCEPTED));
+        }
+        let (kind, size, big) = self.numbers()?;
+        Ok(self.data.chunks_exact(size).map(|bytes| kind.value(bytes, big)).collect())
     }
 
     /// All values as text; whole numbers too, 0 being none.
@@ -168,11 +168,6 @@ impl NumpyArray {
             ElementKind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
             ElementKind::Utf32 | ElementKind::Ascii => Err(self.fault("text", "expected numbers")),
         }
-    }
-
-    /// Whether the first axis runs fastest.
-    pub(crate) fn is_fortran(&self) -> bool {
-        self.fortran
     }
 
     /// The values as they are stored.
