@@ -10,7 +10,8 @@ use std::time::Instant;
 
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
-use willis::internals::formats::{ReadOptions, read_nifti, read_numpy_mask};
+use willis::Scale;
+use willis::internals::formats::{Format, ReadOptions};
 use willis::internals::masks::{Affine, Cavities, Foreground, Mask, RadiusFrom, Traced, distances, thin, trace};
 use willis::internals::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
 use willis::internals::support::random::stream;
@@ -126,7 +127,7 @@ impl Tube {
     /// What is read of a file of probabilities.
     fn read(&self, parts: &[f64], level: f64) -> Option<Mask> {
         let file = npy(self.shape, parts.iter().map(|part| *part as f32));
-        read_numpy_mask(&file, Some(self.spacing), Some(level), u64::MAX).ok()
+        read_npy(&file, self.spacing, level)
     }
 
     /// The median of found over true radius around the middle; none where no line is there.
@@ -206,7 +207,7 @@ fn dense(is_map: bool) {
     let started = Instant::now();
     let mut before = most_memory();
     let mask = if is_map {
-        let Ok(mask) = read_numpy_mask(&file, Some(spacing), Some(0.5), u64::MAX) else { return };
+        let Some(mask) = read_npy(&file, spacing, 0.5) else { return };
         println!("reading a map: {:.1} s", started.elapsed().as_secs_f64());
         before = before.map(|before| before + mask.classes.len() as f64);
         mask
@@ -233,11 +234,18 @@ fn dense(is_map: bool) {
     }
 }
 
+/// The mask in a NumPy file of probabilities.
+fn read_npy(file: &[u8], spacing: [f64; 3], level: f64) -> Option<Mask> {
+    let scale = Scale { spacing: Some(spacing), ..Scale::default() };
+    let options = ReadOptions { scale, level: Some(level), max_input: u64::MAX, ..ReadOptions::default() };
+    Format::Npy.read_mask(Path::new("a.npy"), file, &options).ok()
+}
+
 /// The volume of the lines and of the mask, mm³, and the time for the lines, alone and with reading.
 fn volume(path: &Path) -> Result<()> {
     let started = Instant::now();
     let options = ReadOptions::default();
-    let mask = read_nifti(&fs::read(path)?, None, options.max_input).map_err(|fault| Error::other(fault.in_file(path)))?;
+    let mask = Format::Nifti.read_mask(path, &fs::read(path)?, &options).map_err(Error::other)?;
     let voxels = mask.classes.iter().filter(|class| **class > 0).count() as f64 * mask.voxel_volume();
     let mask = mask.in_scanner_order();
     let drawing = Instant::now();

@@ -1,6 +1,7 @@
 //! Gives bytes to the reader of one format, which the variable WILLIS_FORMAT names: it reads or refuses them.
 #![no_main]
 
+use std::path::Path;
 use std::sync::LazyLock;
 
 use libfuzzer_sys::fuzz_target;
@@ -42,6 +43,12 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
 }
 
 /// Small masks go on to become centerlines: thinning, which the target `masks` searches, is ten times as slow as reading.
+/// How voxels are read.
+fn of_voxels(level: Option<f64>) -> io::ReadOptions {
+    let scale = Scale { spacing: Some([0.5, 0.5, 1.0]), ..Scale::default() };
+    io::ReadOptions { scale, level, max_input: 1 << 24, ..io::ReadOptions::default() }
+}
+
 fn mask<E>(read: Result<Mask, E>) {
     if let Ok(mask) = read.map(|mask| mask.in_scanner_order())
         && mask.classes.len() < 64
@@ -100,12 +107,12 @@ fuzz_target!(|bytes: &[u8]| {
                 let _ = io::read_vesselvio_edges(second, vertices, &optional);
             }
         }
-        "nifti" => mask(io::read_nifti(bytes, None, 1 << 24)),
-        "metaimage" => drop(io::read_metaimage(std::path::Path::new("a.mha"), bytes, Some(1.0), 1 << 24)),
-        "nrrd" => mask(io::read_nrrd(std::path::Path::new("a.nrrd"), bytes, None, 1 << 24)),
-        "tiff" => mask(io::read_tiff(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "nifti" => mask(io::Format::Nifti.read_mask(Path::new("a.nii"), bytes, &of_voxels(None))),
+        "metaimage" => drop(io::Format::MetaImage.read_mask(Path::new("a.mha"), bytes, &of_voxels(Some(1.0)))),
+        "nrrd" => mask(io::Format::Nrrd.read_mask(Path::new("a.nrrd"), bytes, &of_voxels(None))),
+        "tiff" => mask(io::Format::Tiff.read_mask(Path::new("a.tif"), bytes, &of_voxels(None))),
         "amira" => lines(io::read_amira(bytes, &optional)),
-        "npy-mask" => mask(io::read_numpy_mask(bytes, Some([0.5, 0.5, 1.0]), None, 1 << 24)),
+        "npy-mask" => mask(io::Format::Npy.read_mask(Path::new("a.npy"), bytes, &of_voxels(None))),
         "icafe" => drop(io::read_traced_vessels(bytes, &mm)),
         "links" => drop(io::read_links(bytes)),
         "loops" => {

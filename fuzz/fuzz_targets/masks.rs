@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use willis::internals::formats::{read_nifti, write_nifti};
+use willis::internals::formats::{Format, ReadOptions, write_nifti};
 use willis::internals::masks::{Cavities, Foreground, Mask, RadiusFrom, distances, thin, trace};
 use willis::internals::network::{RadiusRule, contract};
 
@@ -73,7 +73,8 @@ fuzz_target!(|bytes: &[u8]| {
 
     let mut file = Vec::new();
     write_nifti(&mut file, &mask, false).expect("written");
-    match read_nifti(&file, None, 1 << 20) {
+    let options = ReadOptions { max_input: 1 << 20, ..ReadOptions::default() };
+    match Format::Nifti.read_mask(std::path::Path::new("a.nii"), &file, &options) {
         Ok(again) => assert!(again.shape == mask.shape && again.classes == mask.classes),
         Err(_) => assert!(mask.classes.iter().all(|class| *class == 0), "a mask with voxels"),
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use crate::error::{Error, Result};
 use crate::internals::formats::{graph_columns, write_graphml};
 use crate::internals::network::Origin;
-use crate::internals::output::StagedFile;
+use crate::internals::output::StagedFiles;
 use crate::{BoundaryOptions, InferOptions, prepare};
 use clap::Args;
 use serde_json::json;
@@ -46,7 +46,7 @@ impl CandidatesArgs {
         if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("graphml")) {
             return Err(Error::parameter("output", self.output.display(), "expected an ending .graphml"));
         }
-        StagedFile::check(&self.output, force)?;
+        StagedFiles::check(&self.output, [], force)?;
         let path = &self.input.input;
         let mut options = InferOptions { boundary: boundary_for(&self.boundary, path), ..InferOptions::default() };
         self.candidates.put(&mut options);
@@ -57,7 +57,7 @@ impl CandidatesArgs {
         let made = prepare(input, &options, &mut Follower::new(terminal))?;
         let graph = made.boundary.stated_in(made.graph.clone());
         let (nodes, vessels) = graph_columns(&graph);
-        StagedFile::write(&self.output, force, |out| write_graphml(out, &graph, &nodes, &vessels))?;
+        StagedFiles::write_one(&self.output, force, |out| write_graphml(out, &graph, &nodes, &vessels))?;
         if self.json {
             let source = &made.provenance;
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();

@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Result};
 use crate::internals::circle_of_willis::{Artery, RING, present_segments};
 use crate::internals::formats::{is_there, write_csv};
-use crate::internals::output::atomic::{StagedFile, StagedFolder};
+use crate::internals::output::atomic::{StagedFiles, StagedFolder};
 use crate::internals::output::names::{ACCURACY, RECORD};
-use crate::internals::output::{read_json, write_file};
+use crate::internals::output::read_json;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, phenotype_figures};
 use crate::internals::report::{Segments, accuracy_columns};
@@ -97,9 +97,7 @@ impl ClassifyArgs {
         };
         let pairs: Vec<(Segments, Segments)> =
             subjects.iter().zip(truths).filter_map(|(subject, truth)| Some(((*truth)?, found(subject)?))).collect();
-        let file = StagedFile::new(&self.output.join(ACCURACY), true)?;
-        write_file(&file.path(), |out| write_csv(out, &accuracy_columns(&pairs)))?;
-        file.commit()?;
+        StagedFiles::write_one(&self.output.join(ACCURACY), true, |out| write_csv(out, &accuracy_columns(&pairs)))?;
         let right = pairs.iter().filter(|(truth, found)| truth == found).count();
         terminal.say("compared", format!("{right} of {} exact", plural(pairs.len(), "variant")));
         Ok(())

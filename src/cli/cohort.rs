@@ -11,7 +11,7 @@ use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
 use crate::internals::output::InProgress;
-use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
+use crate::internals::output::atomic::{StagedFiles, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
@@ -139,9 +139,9 @@ impl Ledger {
 
     /// Writes it into the folder of a cohort, in place of an earlier one.
     fn write(&self, folder: &Path) -> Result<()> {
-        let file = StagedFile::new(&folder.join(COHORT), true)?;
+        let file = StagedFiles::new(&folder.join(COHORT), true)?;
         write_json(&file.path(), self)?;
-        file.commit()
+        file.commit().map(drop)
     }
 
     /// Refuses to resume a cohort of other parameters, or one with a subject that is not among these.

@@ -35,7 +35,7 @@ pub struct ConvertArgs {
     #[arg(value_name = "OUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     output: PathBuf,
     /// The format to write
-    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
+    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Format::words()))]
     to: Option<String>,
     /// Vessels that no inlet feeds [default: drop for svzerod and openbf, which cannot do with them, else keep]
     #[arg(long, value_parser = unfed())]
@@ -86,7 +86,7 @@ pub struct SkeletonArgs {
     #[arg(short, long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help_heading = "Input")]
     output: PathBuf,
     /// The format to write
-    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Target::words()))]
+    #[arg(long, value_name = "FORMAT", value_parser = clap::builder::PossibleValuesParser::new(Format::words()))]
     to: Option<String>,
     /// Print a summary on standard output, as JSON
     #[arg(long)]

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use serde_json::{Value, json};
-use willis::internals::formats::{read_waveform, write_svzerod, write_svzerod_with};
+use willis::internals::formats::{SolverSetting, read_waveform, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Vessel, Windkessel};
 use willis::internals::phantom::{Anatomy, Recipe};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
@@ -52,7 +52,7 @@ fn solved(paths: &[&Path], wave: &Value) -> Option<Vec<Value>> {
 
 fn written(folder: &Path, name: &str, network: &Network) -> std::path::PathBuf {
     let path = folder.join(format!("{name}.json"));
-    write_svzerod(&mut std::fs::File::create(&path).expect("a file"), network).expect("a model");
+    write_svzerod(&mut std::fs::File::create(&path).expect("a file"), network, &SolverSetting::default()).expect("a model");
     path
 }
 
@@ -176,7 +176,7 @@ fn its_waveforms_come_to_those_of_the_linear_theory() {
     let options = FlowOptions { pulse: Some(pulse_of), ..FlowOptions::default() };
     let (model, setting) = solver_model(&willis::Input::from_network(bare), &options, &mut Silent).expect("a model");
     let path = folder.path().join("whole.json");
-    write_svzerod_with(&mut std::fs::File::create(&path).expect("a file"), &model, &setting).expect("a model");
+    write_svzerod(&mut std::fs::File::create(&path).expect("a file"), &model, &setting).expect("a model");
     let by_itself = solved(&[&path], &json!({ "steps": STEPS, "cycles": 15 })).expect("a solution").swap_remove(0);
     let mut worsts = Vec::new();
     let all = fine.iter().zip(&paths).zip(&said).map(|((fine, path), said)| (fine, path, said));

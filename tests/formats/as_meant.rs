@@ -4,7 +4,8 @@
 use std::fs;
 use std::path::Path;
 
-use willis::internals::formats::{read_nifti, write_nifti};
+use willis::Result;
+use willis::internals::formats::{Format, ReadOptions, write_nifti};
 use willis::internals::masks::Mask;
 
 use crate::command::{data, folder, stderr, willis};
@@ -33,10 +34,13 @@ fn nifti(mask: &Mask, stored: impl Fn(u8) -> u8, slope: [f32; 2]) -> Vec<u8> {
     bytes
 }
 
+fn read(bytes: &[u8]) -> Result<Mask> {
+    Format::Nifti.read_mask(Path::new("a.nii"), bytes, &ReadOptions::default())
+}
+
 #[test]
 fn classes_that_went_through_real_numbers_are_whole() {
     let plain = tube(|z| if z < 20 { 1 } else { 3 });
-    let read = |bytes: &[u8]| read_nifti(bytes, None, 1 << 24);
     // Classes of 0 to 3 in steps of a 255th of the largest: 1 is 1.00000006.
     let scaled = read(&nifti(&plain, |class| class * 85, [3.0 / 255.0, 0.0])).expect("a mask");
     assert_eq!((&scaled.classes, scaled.notes.len()), (&plain.classes, 0));
@@ -64,13 +68,12 @@ fn probabilities_and_images_are_no_classes() {
         (Box::new(|class: u8| class), [0.25, 0.0]),
         (Box::new(|class: u8| class), [1.1, 0.1]),
     ] {
-        let refusal = read_nifti(&nifti(&ramp, stored, slope), None, 1 << 24).map(|mask| mask.notes).expect_err("an image");
-        let said = refusal.in_file(Path::new("a.nii")).to_string();
+        let said = read(&nifti(&ramp, stored, slope)).map(|mask| mask.notes).expect_err("an image").to_string();
         assert!(said.contains("looks like an image, not a mask"), "{slope:?}: {said}");
     }
     // Two values of one class are no mask in steps.
     let two = tube(|z| if z < 20 { 9 } else { 10 });
-    assert!(read_nifti(&nifti(&two, |class| class, [0.1, 0.05]), None, 1 << 24).is_err());
+    assert!(read(&nifti(&two, |class| class, [0.1, 0.05])).is_err());
 }
 
 #[test]

@@ -1,10 +1,13 @@
 //! Radii from a map of probabilities: tubes of known radius whose voxels have the part of them that is inside, by points in each; what may
 //! surround the vessels; and masks, which have no partial volume.
 
+use std::path::Path;
+
 use crate::draw::Draw;
 use crate::images::npy;
 use crate::masks::{median, places};
-use willis::internals::formats::read_numpy_mask;
+use willis::Scale;
+use willis::internals::formats::{Format, ReadOptions};
 use willis::internals::masks::{Cavities, Mask, RadiusFrom, Traced, trace};
 use willis::internals::support::geometry::{Point, dot, norm_squared, sub};
 
@@ -36,7 +39,9 @@ impl Map {
         };
         let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
         let file = npy("<f8", !last_fastest, &format!("({x}, {y}, {z})"), &bytes);
-        read_numpy_mask(&file, Some([1.0; 3]), level, 1 << 30).expect("a mask")
+        let scale = Scale { spacing: Some([1.0; 3]), ..Scale::default() };
+        let options = ReadOptions { scale, level, ..ReadOptions::default() };
+        Format::Npy.read_mask(Path::new("a.npy"), &file, &options).expect("a mask")
     }
 }
 

@@ -5,7 +5,7 @@ use std::fs;
 
 use serde_json::Value;
 use willis::internals::formats::convert::Target;
-use willis::internals::formats::{write_openbf, write_svzerod};
+use willis::internals::formats::{SolverSetting, write_openbf, write_svzerod};
 use willis::internals::network::{Condition, Network, Node, Origin, Role, Vessel, Wall, Windkessel, fragments};
 use willis::internals::phantom::{Anatomy, Recipe};
 use willis::{ReadOptions, Unfed};
@@ -40,7 +40,7 @@ fn fork() -> Network {
 #[test]
 fn svzerodsolver_gets_lumped_vessels_in_its_units() {
     let mut written = Vec::new();
-    write_svzerod(&mut written, &fork()).expect("a model");
+    write_svzerod(&mut written, &fork(), &SolverSetting::default()).expect("a model");
     let model: Value = serde_json::from_slice(&written).expect("JSON");
     let near = |value: &Value, expected: f64| {
         let got = value.as_f64().expect("a number");
@@ -71,7 +71,7 @@ fn svzerodsolver_gets_lumped_vessels_in_its_units() {
 #[test]
 fn openbf_gets_tubes_in_si() {
     let mut written = Vec::new();
-    write_openbf(&mut written, &fork()).expect("a model");
+    write_openbf(&mut written, &fork(), &SolverSetting::default()).expect("a model");
     let text = String::from_utf8(written).expect("UTF-8");
     let vessels: Vec<&str> = text.split("  - label: ").skip(1).collect();
     assert_eq!(vessels.len(), 3);
@@ -94,18 +94,19 @@ fn openbf_gets_tubes_in_si() {
 
 #[test]
 fn what_they_cannot_hold_is_refused() {
-    let said = |network: &Network| write_svzerod(&mut Vec::new(), network).expect_err("refused").to_string();
+    let said =
+        |network: &Network| write_svzerod(&mut Vec::new(), network, &SolverSetting::default()).expect_err("refused").to_string();
     let mut inner = fork();
     inner.node_mut(1).condition = Some(Condition::Pressure(1.0));
     assert!(said(&inner).contains("node fork is not at a free end"));
     let mut held = fork();
     held.node_mut(3).condition = Some(Condition::Pressure(-3.0));
-    let why = write_openbf(&mut Vec::new(), &held).expect_err("refused").to_string();
+    let why = write_openbf(&mut Vec::new(), &held, &SolverSetting::default()).expect_err("refused").to_string();
     assert!(why.contains("node thin is an outlet of fixed pressure or flow"), "{why}");
     let mut apart = fork();
     let [a, b] = ["a", "b"].map(|id| apart.add_node(Node { id: id.to_owned(), ..Node::default() }));
     apart.add_vessel([a, b], Vessel::new(0.01, 1e-3, Origin::Observed));
-    let why = write_openbf(&mut Vec::new(), &apart).expect_err("refused").to_string();
+    let why = write_openbf(&mut Vec::new(), &apart, &SolverSetting::default()).expect_err("refused").to_string();
     assert!(why.contains("no inlet leads to"), "{why}");
     let mut closed = fork();
     closed.node_mut(0).condition = None;
@@ -141,7 +142,7 @@ fn a_repaired_network_reaches_a_solver() {
     let halves: Vec<&Vessel> = made.vessels().map(|(_, vessel)| vessel).filter(|v| v.radius == 0.5e-3).collect();
     assert_eq!(halves.iter().map(|v| (v.length, v.resistance)).collect::<Vec<_>>(), [(0.01, Some(3e8)); 2]);
     assert_eq!((made.node_count(), made.vessel_count()), (6, 6));
-    write_svzerod(&mut Vec::new(), &made).expect("a model");
+    write_svzerod(&mut Vec::new(), &made, &SolverSetting::default()).expect("a model");
     // Six vessels meet at the fork: the widest two stay there, beside a link as wide as the widest of 2 mm.
     let (made, notes) = target("a.yaml", None).network(&whole).expect("a network");
     assert_eq!(notes[2], "1 node of more than 3 vessels divided, by 3 vessels one radius long");
@@ -153,10 +154,10 @@ fn a_repaired_network_reaches_a_solver() {
         made.vessels().filter(|(ends, v)| ends.contains(&1) && v.length != v.radius).map(|(_, v)| v.label.as_str()).collect();
     assert_eq!(at_fork, ["ICA", "M1"]);
     assert_eq!(fragments(&made, |_, _| true).count, 1);
-    write_openbf(&mut Vec::new(), &made).expect("a model");
+    write_openbf(&mut Vec::new(), &made, &SolverSetting::default()).expect("a model");
     // As it is said.
     let kept = target("a.yaml", Some(Unfed::Keep)).network(&whole).expect("a network").0;
-    let why = write_openbf(&mut Vec::new(), &kept).expect_err("refused").to_string();
+    let why = write_openbf(&mut Vec::new(), &kept, &SolverSetting::default()).expect_err("refused").to_string();
     assert!(why.contains("no inlet leads to"), "{why}");
     assert!(matches!(target("a.graphml", None).network(&whole).expect("a network").0, Cow::Borrowed(_)));
     assert_eq!(target("a.graphml", Some(Unfed::Drop)).network(&whole).expect("a network").0.vessel_count(), 5);
@@ -175,7 +176,7 @@ fn every_node_between_vessels_has_one_that_comes_and_one_that_goes() {
         network.add_vessel(ends, Vessel::new(0.01, 1e-3, Origin::Observed));
     }
     let mut written = Vec::new();
-    write_svzerod(&mut written, &network).expect("a model");
+    write_svzerod(&mut written, &network, &SolverSetting::default()).expect("a model");
     let model: Value = serde_json::from_slice(&written).expect("JSON");
     let junctions = model["junctions"].as_array().expect("junctions");
     assert_eq!(junctions.len(), 4);
@@ -254,7 +255,7 @@ fn openbf_finds_every_key_that_it_demands() {
     let mut paths = Vec::new();
     for (name, network) in &networks {
         let path = folder.path().join(format!("{name}.yaml"));
-        write_openbf(&mut std::fs::File::create(&path).expect("a file"), network).expect("a model");
+        write_openbf(&mut std::fs::File::create(&path).expect("a file"), network, &SolverSetting::default()).expect("a model");
         paths.push(path);
     }
     let arguments: Vec<&std::path::Path> = paths.iter().map(std::path::PathBuf::as_path).collect();

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
-use crate::internals::output::StagedFile;
+use crate::internals::output::StagedFiles;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
 use crate::internals::output::write_error;
 use crate::internals::output::{relative, replace_file};
@@ -209,10 +209,10 @@ impl Derivative {
         let stands = || regular_bytes_of(&path).is_ok_and(|there| there == bytes);
         if stands() {
             // What a command left that was killed once this was whole; one at work clears its own.
-            let _ = StagedFile::check(&path, true);
+            let _ = StagedFiles::check(&path, [], true);
             return Ok(());
         }
-        let written = StagedFile::write(&path, true, |out| out.write_all(bytes));
+        let written = StagedFiles::write_one(&path, true, |out| out.write_all(bytes));
         written.or_else(|error| if stands() { Ok(()) } else { Err(error) })
     }
 }

@@ -19,7 +19,7 @@ mod vessel;
 mod vessels_from_centerlines;
 pub mod waveform;
 
-pub use centerlines::Labels;
+pub use centerlines::{Centerlines, Labels, is_radius};
 pub use coincident_points::WELD_TOLERANCE;
 pub use dependents::{dependents, if_parted, weakest_of_loops};
 pub use edit::Edit;
@@ -28,6 +28,7 @@ pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_
 pub use frame::Frame;
 pub use merged_vessels::{Merged, merge};
 pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
+pub use units::{LengthUnit, Scale, metres, millimetres};
 pub use vessel::{END_ODDS, Evidence, MOST_ODDS, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
 

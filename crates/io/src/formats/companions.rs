@@ -6,7 +6,7 @@ use crate::formats::format::{Format, format_of};
 use crate::formats::images::{metaimage, nrrd};
 use crate::formats::input::without_mark;
 use crate::formats::tables::pairs::{find_nodes_table, head, other_table};
-use crate::formats::vendors::icafe::{find_image_info, find_table_of_vessels, find_tracing, image_spacing};
+use crate::formats::vendors::icafe::{IMAGE, TABLE_OF_VESSELS, find, find_tracing, image_spacing};
 use willis_core::error::Result;
 
 /// The other files that [`read`](super::read::read) reads for `path`, as the folder is now, sorted by name.
@@ -18,8 +18,8 @@ pub fn companion_files(path: &Path) -> Vec<PathBuf> {
         Ok(Format::Voreen | Format::VesselVio) => {
             other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
         }
-        Ok(Format::Swc) => [find_table_of_vessels(path), find_image_info(path)].into_iter().flatten().collect(),
-        Ok(Format::ICafe) => [find_tracing(path).ok(), find_image_info(path)].into_iter().flatten().collect(),
+        Ok(Format::Swc) => [find(path, TABLE_OF_VESSELS), find(path, IMAGE)].into_iter().flatten().collect(),
+        Ok(Format::ICafe) => [find_tracing(path).ok(), find(path, IMAGE)].into_iter().flatten().collect(),
         Ok(Format::MetaImage) => metaimage::file_of_voxels(path, bytes).into_iter().collect(),
         Ok(Format::Nrrd) => nrrd::file_of_voxels(path, bytes).into_iter().collect(),
         _ => Vec::new(),

@@ -2,9 +2,7 @@
 
 use crate::formats::tables::reader::{is_missing, plural};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, RadiusRule, WELD_TOLERANCE, contract};
+use willis_core::network::{Centerlines, Network, RadiusRule, WELD_TOLERANCE, contract, millimetres};
 
 /// The content of a file.
 #[derive(Debug, Clone)]

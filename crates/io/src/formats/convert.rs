@@ -7,9 +7,7 @@ use std::path::{Path, PathBuf};
 
 use crate::formats::format::Format;
 use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{
-    MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed, write_openbf_with, write_svzerod_with,
-};
+use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::tables::pairs::nodes_table_path;
 use crate::formats::vendors::voreen::has_whole_ids;
 use willis_core::error::{Error, Result};
@@ -37,19 +35,14 @@ pub struct Target {
 }
 
 impl Target {
-    /// The words for the formats that can be written.
-    pub fn words() -> impl Iterator<Item = &'static str> {
-        Format::words()
-    }
-
     /// The target for a path and, optionally, a word for its format.
     ///
     /// # Errors
     ///
-    /// A word that is none of [`Target::words`], an ending that means no format, a table of vessels with the name of that of
+    /// A word that is none of [`Format::words`], an ending that means no format, a table of vessels with the name of that of
     /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
-        let words = || Self::words().collect::<Vec<_>>().join(", ");
+        let words = || Format::words().collect::<Vec<_>>().join(", ");
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
         let format = found.ok_or_else(|| {
             if let Some(word) = word {
@@ -140,7 +133,7 @@ pub fn is_for_a_solver(format: Format) -> bool {
 pub fn write_into(
     network: &Network,
     target: &Target,
-    mut vessels: impl io::Write + io::Seek,
+    vessels: impl io::Write + io::Seek,
     nodes: impl io::Write,
 ) -> io::Result<Written> {
     let mut written = Written::default();
@@ -155,11 +148,7 @@ pub fn write_into(
     } else {
         network
     };
-    match target.format {
-        Format::SvZeroD => write_svzerod_with(&mut vessels, network, &target.setting)?,
-        Format::OpenBf => written.inlets = write_openbf_with(&mut vessels, network, &target.setting)?,
-        format => written.loops = format.write(network, &mut vessels, nodes)?,
-    }
+    target.format.write(network, &target.setting, vessels, nodes, &mut written)?;
     if !written.loops.is_empty() {
         let path = target.loops();
         written.notes.push(format!("the links that close loops are in {}: give it with `loops`", path.display()));

@@ -4,20 +4,22 @@ use std::io;
 use std::path::Path;
 
 use super::content::Content;
+use super::convert::Written;
 use super::graphml::{read_graphml, write_graphml};
-use super::images::metaimage::{is_metaimage, read_metaimage, read_metaimage_image};
-use super::images::nifti::{self, is_nifti, read_nifti, read_nifti_image};
-use super::images::nrrd::{is_nrrd, read_nrrd, read_nrrd_image};
-use super::images::numpy::{self, read_numpy_image, read_numpy_mask};
-use super::images::tiff::{is_tiff, read_tiff, read_tiff_image};
-use super::input::{bytes_within, checksum, is_gzip, unpacked_head, unpacked_name};
+use super::images::metaimage::{is_metaimage, open_metaimage};
+use super::images::nifti::{self, is_nifti, open_nifti};
+use super::images::nrrd::{is_nrrd, open_nrrd};
+use super::images::numpy::{self, open_numpy};
+use super::images::tiff::{is_tiff, open_tiff};
+use super::images::voxels::StoredImage;
+use super::input::{bytes_within, checksum, is_gzip, refuse_utf16, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::options::ReadOptions;
 use super::refused::refused;
 use super::solvers::openbf::is_openbf;
 use super::solvers::svzerod::is_svzerod;
-use super::solvers::{write_openbf, write_svzerod};
+use super::solvers::{SolverSetting, write_openbf, write_svzerod};
 use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
@@ -35,9 +37,7 @@ use super::vtk::write::{write_vtk, write_vtp};
 use super::xml;
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 use willis_core::error::{Fault, Result};
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Network};
+use willis_core::network::{Centerlines, Frame, Network, millimetres};
 
 /// A file that has been read.
 #[derive(Debug, Clone)]
@@ -138,7 +138,7 @@ impl Format {
     }
 
     /// The words for the formats that can be written.
-    pub(crate) fn words() -> impl Iterator<Item = &'static str> {
+    pub fn words() -> impl Iterator<Item = &'static str> {
         NAMES.into_iter().map(|(_, _, word, _)| word).filter(|word| !word.is_empty())
     }
 
@@ -182,7 +182,7 @@ impl Format {
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
             Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
-                let (traced, voxels, notes) = centerlines_of(self.read_voxels(path, bytes, options)?, options).map_err(here)?;
+                let (traced, voxels, notes) = centerlines_of(self.read_mask(path, bytes, options)?, options).map_err(here)?;
                 lumen = Some(voxels);
                 lines((traced, notes))
             }
@@ -193,31 +193,50 @@ impl Format {
         Ok(Document { format, content, notes, sha256, lumen })
     }
 
-    /// Reads the mask in a file of this format.
-    fn read_voxels(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Mask> {
-        let (level, most) = (options.level, options.max_input);
-        match self {
-            Self::Nifti => read_nifti(bytes, level, most),
-            Self::MetaImage => return read_metaimage(path, bytes, level, most),
-            Self::Nrrd => return read_nrrd(path, bytes, level, most),
-            Self::Tiff => read_tiff(bytes, options.scale.spacing, level, most),
-            Self::Npy => read_numpy_mask(bytes, options.scale.spacing, level, most),
-            _ => Err(Fault::file(format!("{}, not a mask", self.name()), VOXELS)),
-        }
-        .map_err(|fault| fault.in_file(path))
+    /// Opens the voxels in a file of this format, which is to be `what`; a second file goes to `other`.
+    fn open_voxels<'a>(
+        self,
+        what: &str,
+        path: &Path,
+        bytes: &'a [u8],
+        other: &'a mut Vec<u8>,
+        options: &ReadOptions,
+    ) -> Result<StoredImage<'a>> {
+        let (spacing, most) = (options.scale.spacing, options.max_input);
+        let opened = match self {
+            Self::MetaImage => return open_metaimage(path, bytes, other, most),
+            Self::Nrrd => return open_nrrd(path, bytes, other, most),
+            Self::Nifti => open_nifti(bytes, most),
+            Self::Tiff => open_tiff(bytes, spacing, most),
+            Self::Npy => open_numpy(bytes, spacing, most, other),
+            _ => Err(Fault::file(format!("{}, not {what}", self.name()), VOXELS)),
+        };
+        let (voxels, stream) = opened.map_err(|fault| fault.in_file(path))?;
+        Ok(StoredImage { file: path.to_owned(), voxels, layers: None, stream })
     }
 
-    /// Writes a network, its nodes into `nodes` where the format has two tables; returns the links that close loops where the
-    /// format cannot hold them.
+    /// Reads the mask in the bytes of a file of this format; `path` tells where a second file is.
+    ///
+    /// # Errors
+    ///
+    /// A format of something else; a file that is cut, no mask of three dimensions, or one without a usable frame.
+    pub fn read_mask(self, path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Mask> {
+        self.open_voxels("a mask", path, bytes, &mut Vec::new(), options)?.mask(options.level, options.max_input)
+    }
+
+    /// Writes a network, its nodes into `nodes` where the format has two tables. The links that close loops where the format cannot hold them, and
+    /// the inlets, are noted in `written`.
     pub(crate) fn write(
         self,
         network: &Network,
+        setting: &SolverSetting,
         mut vessels: impl io::Write + io::Seek,
         nodes: impl io::Write,
-    ) -> io::Result<Vec<[u64; 2]>> {
+        written: &mut Written,
+    ) -> io::Result<()> {
         let out = &mut vessels;
         match self {
-            Self::Swc => return write_swc(out, network),
+            Self::Swc => written.loops = write_swc(out, network)?,
             Self::Vtp => write_vtp(out, network, &graph_columns(network).1)?,
             Self::Vtk => write_vtk(out, network, &graph_columns(network).1)?,
             Self::GraphMl => {
@@ -232,13 +251,13 @@ impl Format {
             Self::Tre => write_tre(out, network)?,
             Self::Amira => write_amira(out, network)?,
             Self::Npz => write_skeleton_npz(out, network)?,
-            Self::SvZeroD => write_svzerod(out, network)?,
-            Self::OpenBf => write_openbf(out, network)?,
+            Self::SvZeroD => write_svzerod(out, network, setting)?,
+            Self::OpenBf => written.inlets = write_openbf(out, network, setting)?,
             Self::ICafe | Self::VTrails | Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
                 return Err(io::Error::new(io::ErrorKind::InvalidInput, "it is only read"));
             }
         }
-        Ok(Vec::new())
+        Ok(())
     }
 }
 
@@ -250,7 +269,7 @@ impl Format {
 pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
     let bytes = bytes_within(path, options.max_input)?;
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
-    let mut mask = format.read_voxels(path, &bytes, options)?;
+    let mut mask = format.read_mask(path, &bytes, options)?;
     if options.cavities == Cavities::Fill {
         mask.fill_cavities();
     }
@@ -264,17 +283,9 @@ pub fn read_mask(path: &Path, options: &ReadOptions) -> Result<Mask> {
 /// A file that cannot be read, holds no image, or has a fault in its content.
 pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)> {
     let bytes = bytes_within(path, options.max_input)?;
-    let most = options.max_input;
-    let here = |fault: Fault| fault.in_file(path);
-    let image = match format_of(path, &bytes).map_err(here)? {
-        Format::Nifti => read_nifti_image(&bytes, most).map_err(here),
-        Format::MetaImage => read_metaimage_image(path, &bytes, most),
-        Format::Nrrd => read_nrrd_image(path, &bytes, most),
-        Format::Tiff => read_tiff_image(&bytes, options.scale.spacing, most).map_err(here),
-        Format::Npy => read_numpy_image(&bytes, options.scale.spacing, most).map_err(here),
-        other => Err(here(Fault::file(format!("{}, not an image", other.name()), VOXELS))),
-    };
-    Ok((image?, checksum(&bytes)))
+    let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
+    let image = format.open_voxels("an image", path, &bytes, &mut Vec::new(), options)?.image(options.max_input)?;
+    Ok((image, checksum(&bytes)))
 }
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.
@@ -377,56 +388,44 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     Err(Fault::file("the format is not known", ACCEPTED))
 }
 
+/// Whether a file begins as an archive does.
+fn is_zip(bytes: &[u8]) -> bool {
+    bytes.starts_with(b"PK\x03\x04") || bytes.starts_with(b"PK\x05\x06")
+}
+
 /// The format of a file that begins with a signature.
 fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-    let starts = |signature: &[u8]| bytes.starts_with(signature);
-    if starts(b"\xff\xfe") || starts(b"\xfe\xff") {
-        return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
-    }
+    type Known = (fn(&[u8]) -> bool, Format);
+    const KNOWN: [Known; 13] = [
+        (|bytes| bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3 MAT-file"), Format::VTrails),
+        (|bytes| bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)), Format::VTrails),
+        (|bytes| bytes.starts_with(b"\x93NUMPY"), Format::Npy),
+        (|bytes| is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
+        (is_zip, Format::Npz),
+        (|bytes| bytes.starts_with(b"# vtk DataFile"), Format::Vtk),
+        (is_metaimage, Format::MetaImage),
+        (is_nrrd, Format::Nrrd),
+        (is_tiff, Format::Tiff),
+        (is_amira, Format::Amira),
+        (|bytes| is_svzerod(bytes.trim_ascii_start()), Format::SvZeroD),
+        (|bytes| is_openbf(bytes.trim_ascii_start()), Format::OpenBf),
+        (|bytes| bytes.trim_ascii_start().starts_with(b"{"), Format::Markups),
+    ];
+    refuse_utf16(bytes)?;
     if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
         return Ok(Some(Format::Nifti));
     }
     if is_gzip(bytes) {
         return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
     }
-    if starts(HDF5) || starts(b"MATLAB 7.3 MAT-file") || bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)) {
-        return Ok(Some(Format::VTrails));
-    }
-    if starts(b"MATLAB 5.0 MAT-file") {
+    if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
-    if starts(b"\x93NUMPY") {
-        return Ok(Some(Format::Npy));
-    }
-    if starts(b"PK\x03\x04") || starts(b"PK\x05\x06") {
-        return Ok(Some(if numpy::is_mask(bytes) { Format::Npy } else { Format::Npz }));
-    }
-    if starts(b"# vtk DataFile") {
-        return Ok(Some(Format::Vtk));
-    }
-    if is_metaimage(bytes) {
-        return Ok(Some(Format::MetaImage));
-    }
-    if is_nrrd(bytes) {
-        return Ok(Some(Format::Nrrd));
-    }
-    if is_tiff(bytes) {
-        return Ok(Some(Format::Tiff));
-    }
-    if is_amira(bytes) {
-        return Ok(Some(Format::Amira));
+    if let Some((_, format)) = KNOWN.into_iter().find(|(is_format, _)| is_format(bytes)) {
+        return Ok(Some(format));
     }
     let text = bytes.trim_ascii_start();
-    if is_svzerod(text) {
-        return Ok(Some(Format::SvZeroD));
-    }
-    if is_openbf(text) {
-        return Ok(Some(Format::OpenBf));
-    }
-    if text.starts_with(b"{") {
-        return Ok(Some(Format::Markups));
-    }
     let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
     let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
     Ok(["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')).then_some(Format::Tre))

@@ -21,20 +21,17 @@ const FRAME: &str = "frame";
 struct Graph {
     keys: Keys,
     ids: Vec<String>,
-    row_of: HashMap<String, usize>,
+    /// The number of each id that was met, of a node or at the end of an edge; by number the row of its node, once that has come.
+    numbers: HashMap<String, usize>,
+    row_of: Vec<Option<usize>>,
     nodes: Records,
-    ends: Vec<[End; 2]>,
+    /// The numbers of the ids at the ends of each edge.
+    ends: Vec<[usize; 2]>,
     edges: Records,
     directed: bool,
     frame: Frame,
     /// The text of an element, kept for the next one.
     text: String,
-}
-
-/// The end of an edge: the row of a node, or the id of one that has not come yet.
-enum End {
-    Row(usize),
-    Id(String),
 }
 
 /// Reads a graph as a stream, nodes and edges in the order of the file; returns also notes for the user.
@@ -89,19 +86,20 @@ impl Graph {
                 "node" => {
                     let missing = || Fault::line(tag.line, format!("node {} has no id", self.ids.len()), "expected an id");
                     let id = tag.attribute("id")?.ok_or_else(missing)?.into_owned();
-                    self.row_of.entry(id.clone()).or_insert(self.ids.len());
+                    let number = self.number(&id);
+                    self.row_of[number].get_or_insert(self.ids.len());
                     self.ids.push(id);
                     item(&mut self.nodes, &mut self.keys, events, &mut self.text)?;
                 }
                 "edge" => {
                     self.directed |= tag.attribute("directed")?.as_deref() == Some("true");
                     let row = self.ends.len();
-                    let end = |side: &str| {
+                    let mut end = |side: &str| {
                         let missing = || Fault::line(tag.line, format!("edge {row} has no {side}"), "expected the id of a node");
-                        let id = tag.attribute(side)?.ok_or_else(missing)?;
-                        Ok(self.row_of.get(&*id).map_or_else(|| End::Id(id.into_owned()), |row| End::Row(*row)))
+                        Ok(self.number(&tag.attribute(side)?.ok_or_else(missing)?))
                     };
-                    self.ends.push([end("source")?, end("target")?]);
+                    let ends = [end("source")?, end("target")?];
+                    self.ends.push(ends);
                     item(&mut self.edges, &mut self.keys, events, &mut self.text)?;
                 }
                 "data" if self.keys.is_frame(&tag.attribute("key")?.unwrap_or_default()) => {
@@ -131,6 +129,7 @@ impl Graph {
         }
         (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
+        (self.ends, self.numbers, self.row_of) = Default::default();
         let mut notes = vessels(&mut network, &ends, &self.edges, options)?;
         notes.extend(unit);
         if self.directed {
@@ -147,24 +146,27 @@ impl Graph {
         (numbered && ids.len() == self.ids.len() && ids.iter().all(|id| seen.insert(id))).then_some(ids)
     }
 
-    /// The rows of the nodes at the ends of each edge.
-    fn rows(&mut self) -> Result<Vec<[usize; 2]>, Fault> {
-        let mut rows = Vec::with_capacity(self.ends.len());
-        let row_of = std::mem::take(&mut self.row_of);
-        for (row, both) in std::mem::take(&mut self.ends).iter().enumerate() {
-            let mut ends = [0; 2];
-            for (place, (end, side)) in ends.iter_mut().zip(both.iter().zip(["source", "target"])) {
-                *place = match end {
-                    End::Row(node) => *node,
-                    End::Id(id) => *row_of.get(id).ok_or_else(|| {
-                        let found = format!("edge {row}: {side} \"{id}\" does not exist");
-                        Fault::line(self.edges.get(row).line, found, "expected the id of a node")
-                    })?,
-                };
-            }
-            rows.push(ends);
+    /// The number of an id.
+    fn number(&mut self, id: &str) -> usize {
+        if let Some(number) = self.numbers.get(id) {
+            return *number;
         }
-        Ok(rows)
+        self.numbers.insert(id.to_owned(), self.row_of.len());
+        self.row_of.push(None);
+        self.row_of.len() - 1
+    }
+
+    /// The rows of the nodes at the ends of each edge.
+    fn rows(&self) -> Result<Vec<[usize; 2]>, Fault> {
+        let node = |edge: usize, side: &str, number: usize| {
+            self.row_of[number].ok_or_else(|| {
+                let id = self.numbers.iter().find(|(_, known)| **known == number).map_or("", |(id, _)| id);
+                let found = format!("edge {edge}: {side} \"{id}\" does not exist");
+                Fault::line(self.edges.get(edge).line, found, "expected the id of a node")
+            })
+        };
+        let ends = self.ends.iter().enumerate();
+        ends.map(|(edge, [a, b])| Ok([node(edge, "source", *a)?, node(edge, "target", *b)?])).collect()
     }
 }
 
@@ -316,16 +318,15 @@ pub fn write_graphml(
     if let Some(name) = network.frame.name() {
         writeln!(out, r#"    <data key="frame">{name}</data>"#)?;
     }
-    let (mut of_node, mut of_vessel) = (Data::new("node", node_columns), Data::new("edge", vessel_columns));
     for (row, node) in network.nodes().enumerate() {
         writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
-        of_node.write(&mut out, row)?;
+        data(&mut out, "node", node_columns, row)?;
         writeln!(out, "    </node>")?;
     }
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let [a, b] = ends.map(|end| escape(&network.node(end).id));
         writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
-        of_vessel.write(&mut out, row)?;
+        data(&mut out, "edge", vessel_columns, row)?;
         if with_points && !vessel.path.is_empty() {
             writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
         }
@@ -335,8 +336,13 @@ pub fn write_graphml(
     out.flush()
 }
 
+/// The columns that are written as attributes, by their numbers.
+fn written(columns: &[Column]) -> impl Iterator<Item = (usize, &Column)> {
+    columns.iter().enumerate().filter(|(_, column)| column.name != "id")
+}
+
 fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
-    for (n, column) in columns.iter().enumerate().filter(|(_, c)| c.name != "id") {
+    for (n, column) in written(columns) {
         let kind = match column.values {
             Values::Real(_) => "double",
             Values::Integer(_) => "long",
@@ -347,28 +353,13 @@ fn keys(out: &mut impl Write, on: &str, columns: &[Column]) -> io::Result<()> {
     Ok(())
 }
 
-/// The attributes of one kind of item, with what begins the element of each.
-struct Data<'a> {
-    columns: Vec<(String, &'a Values)>,
-    text: String,
-}
-
-impl<'a> Data<'a> {
-    fn new(on: &str, columns: &'a [Column]) -> Self {
-        let written = columns.iter().enumerate().filter(|(_, c)| c.name != "id");
-        let start = |(n, c): (usize, &'a Column)| (format!(r#"      <data key="{on}{n}">"#), &c.values);
-        Self { columns: written.map(start).collect(), text: String::new() }
-    }
-
-    fn write(&mut self, out: &mut impl Write, row: usize) -> io::Result<()> {
-        for (start, values) in &self.columns {
-            values.put(row, &mut self.text);
-            if !self.text.is_empty() {
-                out.write_all(start.as_bytes())?;
-                out.write_all(escape(&self.text).as_bytes())?;
-                out.write_all(b"</data>\n")?;
-            }
+/// The attributes of one node or edge.
+fn data(out: &mut impl Write, on: &str, columns: &[Column], row: usize) -> io::Result<()> {
+    for (n, column) in written(columns) {
+        let text = column.values.text(row);
+        if !text.is_empty() {
+            writeln!(out, r#"      <data key="{on}{n}">{}</data>"#, escape(&text))?;
         }
-        Ok(())
     }
+    Ok(())
 }

@@ -88,7 +88,7 @@ fn all_of(file: File, path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
 ///
 /// As [`open_regular`] and [`content_within`].
 pub(crate) fn content_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
-    unpacked(bytes_beside(path, most)?, most).map_err(|fault| fault.in_file(path))
+    unpacked_file(bytes_beside(path, most)?, path, most)
 }
 
 /// All bytes of a file that nobody named; at most `most`.
@@ -100,14 +100,13 @@ pub(crate) fn bytes_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
     all_of(open_regular(path)?, path, most, &format!("; {OPTION}"))
 }
 
-/// As [`bytes_of`](super::read::bytes_of), of a file that nobody named.
+/// As [`bytes_of`], of a file that nobody named.
 ///
 /// # Errors
 ///
 /// As [`open_regular`]; it is damaged, or has more than `MAX_INPUT` bytes.
 pub fn regular_bytes_of(path: &Path) -> Result<Vec<u8>> {
-    let bytes = all_of(open_regular(path)?, path, MAX_INPUT, "")?;
-    unpacked(bytes, MAX_INPUT).map_err(|fault| fault.in_file(path))
+    unpacked_file(all_of(open_regular(path)?, path, MAX_INPUT, "")?, path, MAX_INPUT)
 }
 
 /// A file that counts and hashes what is read of it, up to a limit.
@@ -150,25 +149,16 @@ impl Read for LimitedFile {
 ///
 /// The file cannot be read, or is larger.
 pub(crate) fn bytes_within(path: &Path, most: u64) -> Result<Vec<u8>> {
-    bytes_up_to(path, most, &format!("; {OPTION}"))
+    all_of(open_named(path)?, path, most, &format!("; {OPTION}"))
 }
 
-/// All bytes of a file that has at most `most`; `more` tells how to raise the limit, for the error.
+/// All bytes of a file, without the gzip around them.
 ///
 /// # Errors
 ///
-/// The file cannot be read, or is larger.
-pub(crate) fn bytes_up_to(path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
-    all_of(open_named(path)?, path, most, more)
-}
-
-/// All bytes of a file that has at most `most`, without the gzip around them.
-///
-/// # Errors
-///
-/// The file cannot be read, is larger, or is damaged; it unpacks to too much.
-pub(crate) fn content_within(path: &Path, most: u64) -> Result<Vec<u8>> {
-    unpacked(bytes_within(path, most)?, most).map_err(|fault| fault.in_file(path))
+/// The file cannot be read, is damaged, or has more than `MAX_INPUT` bytes; the error names it.
+pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
+    unpacked_file(all_of(open_named(path)?, path, MAX_INPUT, "")?, path, MAX_INPUT)
 }
 
 /// What a file holds as a stream, without the gzip around it, for those who need its beginning alone; a pipe is not read again.
@@ -186,18 +176,19 @@ pub(crate) fn is_gzip(bytes: &[u8]) -> bool {
     bytes.starts_with(b"\x1f\x8b")
 }
 
-/// The bytes of a file without the gzip around them, of which `most` are allowed.
+/// The bytes of the file `path` without the gzip around them, of which `most` are allowed.
 ///
 /// # Errors
 ///
 /// A damaged file, and one that unpacks to too much.
-pub(crate) fn unpacked(bytes: Vec<u8>, most: u64) -> Result<Vec<u8>, Fault> {
-    if !is_gzip(&bytes) {
-        return Ok(bytes);
-    }
+pub(crate) fn unpacked_file(bytes: Vec<u8>, path: &Path, most: u64) -> Result<Vec<u8>> {
+    if is_gzip(&bytes) { unpacked(&bytes, most).map_err(|fault| fault.in_file(path)) } else { Ok(bytes) }
+}
+
+fn unpacked(bytes: &[u8], most: u64) -> Result<Vec<u8>, Fault> {
     let limit = UnpackLimit::of(bytes.len(), most);
     let mut content = Vec::new();
-    let read = MultiGzDecoder::new(&*bytes).take(limit.left() as u64 + 1).read_to_end(&mut content);
+    let read = MultiGzDecoder::new(bytes).take(limit.left() as u64 + 1).read_to_end(&mut content);
     read.map_err(|error| Fault::file(format!("damaged gzip: {error}"), "expected a whole file"))?;
     limit.take(content.len()).map_err(|(found, accepted)| Fault::file(found, accepted))?;
     Ok(content)
@@ -344,4 +335,10 @@ impl<R: Read> Read for Checksummed<R> {
 /// The bytes after a byte order mark.
 pub(crate) fn without_mark(bytes: &[u8]) -> &[u8] {
     bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+/// Refuses a text of two bytes a character, which its mark tells.
+pub(crate) fn refuse_utf16(bytes: &[u8]) -> Result<(), Fault> {
+    let is_utf16 = bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff");
+    if is_utf16 { Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8")) } else { Ok(()) }
 }

@@ -11,8 +11,7 @@ use crate::formats::tables::reader::{Row, TableReader};
 use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
 use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
 use willis_core::error::{Fault, Place};
-use willis_core::network::Frame;
-use willis_core::network::units::{Scale, millimetres};
+use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
 
 /// A landmark in a file.
@@ -124,12 +123,7 @@ fn read_table(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
     let (place, frame, scale) = if let Some(found) = found.next() {
         found
     } else {
-        let axes = [["x_mm", "x"], ["y_mm", "y"], ["z_mm", "z"]];
-        let mut place = [0; 3];
-        for (at, names) in place.iter_mut().zip(axes) {
-            *at = rows.column(&names, WHAT)?;
-        }
-        (place, Frame::Unknown, *scale)
+        (rows.columns([&["x_mm", "x"], &["y_mm", "y"], &["z_mm", "z"]], WHAT)?, Frame::Unknown, *scale)
     };
     let defined = rows.find(&["defined"]).filter(|_| frame.is_known());
     let probability = rows.find(&["probability"]);
@@ -250,8 +244,8 @@ fn read_fcsv(bytes: &[u8], head: &FcsvHead) -> Result<LandmarkList, Fault> {
     };
     let (mut landmarks, mut undefined) = (Vec::new(), 0);
     let mut rows = TableReader::ragged(&text).map_err(here)?;
-    let column = |name: &str| rows.column(&[name], "an .fcsv file of 3D Slicer").map_err(here);
-    let (place, label) = ([column("x")?, column("y")?, column("z")?], column("label")?);
+    let columns = rows.columns([&["x"], &["y"], &["z"], &["label"]], "an .fcsv file of 3D Slicer").map_err(here)?;
+    let [place @ .., label] = columns;
     // The columns that newer versions write without naming them begin with the status: 2 is defined.
     let status = rows.find(&["associatedNodeID"]).map(|last| last + 1);
     let is_defined = |row: &Row<'_>| status.is_none_or(|column| matches!(row.text(column), "" | "2"));

@@ -7,8 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::formats::input::MAX_INPUT;
 use crate::masks::{Cavities, RadiusFrom};
 use willis_core::error::{Error, Result};
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Frame, RadiusRule};
+use willis_core::network::{Frame, RadiusRule, Scale, millimetres};
 use willis_core::support::geometry::Point;
 
 /// How to read a file.

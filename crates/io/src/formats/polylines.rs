@@ -5,8 +5,7 @@ use std::io;
 
 use petgraph::unionfind::UnionFind;
 
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Network, Node, Origin, PathPoint, Vessel};
+use willis_core::network::{Centerlines, Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::geometry::{Point, distance};
 
 /// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.
@@ -133,7 +132,7 @@ pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], l
 /// The radius of each point from those of its links: their mean over length, which keeps ∫ r dz over the whole skeleton.
 pub(crate) fn radii_of_points(points: &[Point], links: &[[u32; 2]], radii: &[f64]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); points.len()];
-    for ([a, b], radius) in links.iter().zip(radii).filter(|(_, r)| willis_core::network::centerlines::is_radius(**r)) {
+    for ([a, b], radius) in links.iter().zip(radii).filter(|(_, r)| willis_core::network::is_radius(**r)) {
         let length = distance(points[*a as usize], points[*b as usize]);
         for end in [*a, *b] {
             let (sum, of) = &mut sums[end as usize];

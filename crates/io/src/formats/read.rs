@@ -10,9 +10,7 @@ use super::unit_check::{check_extent, unit_check};
 use super::xml;
 use crate::formats::graphml::read_graphml;
 use crate::formats::images::nifti::{self, is_nifti};
-use crate::formats::input::{
-    HEAD, LimitedFile, MAX_INPUT, bytes_up_to, checksum, content_within, unpacked, unpacked_head, without_mark,
-};
+use crate::formats::input::{HEAD, LimitedFile, bytes_within, checksum, unpacked_file, unpacked_head, without_mark};
 use crate::formats::tables::lists::add_loops;
 use crate::formats::tables::reader::plural;
 use willis_core::error::{Error, Fault, Result};
@@ -45,7 +43,7 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
             let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
             return Err(Error::parameter("loops", loops.display(), accepted));
         };
-        let bytes = content_within(loops, options.max_input)?;
+        let bytes = unpacked_file(bytes_within(loops, options.max_input)?, loops, options.max_input)?;
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
@@ -57,7 +55,7 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
 fn read_content(path: &Path, mut bytes: Vec<u8>, sha256: String, options: &ReadOptions) -> Result<Document> {
     let here = |fault: Fault| fault.in_file(path);
     if !is_nifti(&unpacked_head(&bytes, nifti::HEAD)) {
-        bytes = unpacked(bytes, options.max_input).map_err(here)?;
+        bytes = unpacked_file(bytes, path, options.max_input)?;
     }
     let bytes = without_mark(&bytes);
     format_of(path, bytes).map_err(here)?.read(path, bytes, sha256, options)
@@ -78,13 +76,4 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
     file.read_to_end(&mut all).map_err(unread)?;
     let sha256 = file.checksum();
     read_content(path, all, sha256, options)
-}
-
-/// All bytes of a file, without the gzip around them.
-///
-/// # Errors
-///
-/// The file cannot be read, is damaged, or has more than `MAX_INPUT` bytes; the error names it.
-pub fn bytes_of(path: &Path) -> Result<Vec<u8>> {
-    unpacked(bytes_up_to(path, MAX_INPUT, "")?, MAX_INPUT).map_err(|fault| fault.in_file(path))
 }

@@ -6,12 +6,10 @@ use std::io::{self, BufRead, Write};
 
 use crate::formats::polylines::{between, node_points};
 use crate::formats::tables::reader::{is_missing, plural};
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::runs::{other_end, vessels_at};
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Frame, Network, PathPoint, Role, cycles};
+use willis_core::network::{Centerlines, Frame, Network, PathPoint, Role, Scale, cycles, is_radius, millimetres};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -104,10 +102,16 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         lines.links.push([*parent, row as u32]);
         up.push(Some(*parent as usize));
     }
-    lines.strand = trees(&up).map_err(|row| {
+    let order = parents_first(&up).map_err(|row| {
         let found = format!("point {} is its own ancestor", lines.ids[row]);
         Fault::line(line_of[row], found, "expected a tree; links that close loops go into the file of `loops`")
     })?;
+    // The trees are numbered in the order of their first points.
+    let mut trees = 0..;
+    lines.strand = vec![0; up.len()];
+    for row in order {
+        lines.strand[row] = up[row].map_or_else(|| trees.next().unwrap_or_default(), |parent| lines.strand[parent]);
+    }
     let mut roots = lines.ids.iter().zip(&up).filter(|(_, parent)| parent.is_none()).map(|(id, _)| *id);
     lines.root = roots.next().filter(|_| roots.next().is_none());
     name_links(&mut lines, &types, &names);
@@ -115,35 +119,22 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     Ok((lines, notes.into_iter().collect()))
 }
 
-/// The number of each point's tree, in the order of the first points; the row of a point on a cycle where there is one.
-fn trees(up: &[Option<usize>]) -> Result<Vec<u32>, usize> {
-    const NEW: u32 = u32::MAX;
-    const OPEN: u32 = u32::MAX - 1;
-    let mut tree = vec![NEW; up.len()];
-    let mut count = 0;
+/// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
+pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
+    let mut order = Vec::with_capacity(up.len());
+    let mut reached_from = vec![None; up.len()];
     for start in 0..up.len() {
-        let mut visited = Vec::new();
-        let mut at = Some(start);
-        let number = loop {
-            match at {
-                None => {
-                    count += 1;
-                    break count - 1;
-                }
-                Some(row) if tree[row] == OPEN => return Err(row),
-                Some(row) if tree[row] != NEW => break tree[row],
-                Some(row) => {
-                    tree[row] = OPEN;
-                    visited.push(row);
-                    at = up[row];
-                }
+        let (first, mut at) = (order.len(), Some(start));
+        while let Some(row) = at.filter(|row| reached_from[*row].is_none_or(|from| from == start)) {
+            if reached_from[row].replace(start).is_some() {
+                return Err(row);
             }
-        };
-        for row in visited {
-            tree[row] = number;
+            order.push(row);
+            at = up[row];
         }
+        order[first..].reverse();
     }
-    Ok(tree)
+    Ok(order)
 }
 
 fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {
@@ -179,19 +170,13 @@ pub fn is_forest(network: &Network) -> bool {
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
     let vessels_at = vessels_at(network, |_| true);
-    title(&mut out, network.frame)?;
     let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
-    types.write(&mut out)?;
-    writeln!(out, "# id type x y z radius parent")?;
+    head(&mut out, network.frame, &types)?;
     let mut used = 0_u64;
     let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
         used += 1;
-        let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-        let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
-        match parent {
-            None => writeln!(out, "{used} {kind} {x} {y} {z} {radius} -1")?,
-            Some(parent) => writeln!(out, "{used} {kind} {x} {y} {z} {radius} {parent}")?,
-        }
+        let parent = parent.map_or("-1".to_owned(), |parent| parent.to_string());
+        writeln!(out, "{used} {kind} {} {parent}", figures(point, "0").join(" "))?;
         Ok(used)
     };
     let mut id_of = vec![None; network.node_count()];
@@ -250,10 +235,8 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
             loops.push([lines.ids[a], lines.ids[b]]);
         }
     }
-    title(&mut out, lines.frame)?;
     let types = TypeCodes::of((0..lines.links.len()).map(|row| lines.labels.of(row)));
-    types.write(&mut out)?;
-    writeln!(out, "# id type x y z radius parent")?;
+    head(&mut out, lines.frame, &types)?;
     for (point, parent) in parent.iter().enumerate() {
         let [x, y, z] = lines.points[point].map(millimetres);
         let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
@@ -269,10 +252,13 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     Ok(loops)
 }
 
-/// The first line: the units, and the frame where it is known.
-fn title(mut out: impl Write, frame: Frame) -> io::Result<()> {
+/// The comments at the top: the units, the frame where it is known, the label of each type in their order, the columns.
+fn head(mut out: impl Write, frame: Frame, types: &TypeCodes) -> io::Result<()> {
     let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
-    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")
+    writeln!(out, "# centerlines; coordinates and radii in mm{frame}")?;
+    let by_code: BTreeMap<u64, &String> = types.0.iter().map(|(label, code)| (*code, label)).collect();
+    by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))?;
+    writeln!(out, "# id type x y z radius parent")
 }
 
 /// The first code for a label that is no whole number; the specification and its users have meanings for those below.
@@ -366,12 +352,6 @@ impl TypeCodes {
     /// The type for a label; 0 for none.
     pub fn code(&self, label: &str) -> u64 {
         self.0.get(&single_line(label)).copied().unwrap_or(0)
-    }
-
-    /// Writes the label of each type, in their order.
-    pub fn write(&self, mut out: impl Write) -> io::Result<()> {
-        let by_code: BTreeMap<u64, &String> = self.0.iter().map(|(label, code)| (*code, label)).collect();
-        by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))
     }
 }
 

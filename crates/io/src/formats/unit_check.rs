@@ -2,8 +2,7 @@
 
 use super::content::Content;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
+use willis_core::network::{LengthUnit, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
 use willis_core::support::statistics::median;
 
@@ -66,7 +65,13 @@ pub fn unit_check(content: &Content, scale: &Scale, is_mask: bool) -> Vec<String
             notes.push(format!("the extent is {extent:.0} mm, more than a head has: {VOXELS}"));
         }
     }
-    notes.extend(centimetres(&points, &radii, scale).filter(|_| !is_mask));
+    // Radii and extent are some ten times too small for the arteries of a brain.
+    let as_of_cm = |radius: &f64| RADIUS_OF_CM.contains(radius) && EXTENT_OF_CM.contains(&extent);
+    if let Some(radius) = found.filter(|radius| !is_mask && scale.unit == LengthUnit::Millimetre && as_of_cm(radius)) {
+        notes.push(format!(
+            "the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give `units=cm`"
+        ));
+    }
     let Some(found) = found.filter(|_| !fits) else { return notes };
     let per_unit = |unit: LengthUnit| Scale { unit, spacing: None }.axes()[0];
     let raw = found / scale.axes()[0];
@@ -85,15 +90,6 @@ pub fn unit_check(content: &Content, scale: &Scale, is_mask: bool) -> Vec<String
         scale.unit.symbol()
     ));
     notes
-}
-
-/// Warns if lengths read as mm may be cm: radii and extent are some ten times too small for the arteries of a brain.
-fn centimetres(points: &[Point], radii: &[f64], scale: &Scale) -> Option<String> {
-    let (radius, extent) = (millimetres(median(radii)?), millimetres(box_diagonal(points.iter().copied())));
-    let is_small = scale.unit == LengthUnit::Millimetre && RADIUS_OF_CM.contains(&radius) && EXTENT_OF_CM.contains(&extent);
-    is_small.then(|| {
-        format!("the median radius is {radius:.3} mm and the extent {extent:.3} mm: if the lengths are cm, give `units=cm`")
-    })
 }
 
 const VOXELS: &str = "if lengths are in voxels, give `units=voxel` `spacing=S`";

@@ -2,9 +2,9 @@
 
 use super::distance::distances;
 use super::foreground::{Foreground, neighbours};
-use super::mask::Affine;
-use willis_core::network::units::{metres, millimetres};
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use super::mask::{inverse_of, steps_of};
+use willis_core::network::{metres, millimetres};
+use willis_core::support::geometry::{Point, cross, dot, norm, norm_squared};
 
 /// Further outside than the neighbours of the lumen every place has this depth, in voxels.
 const OUTSIDE: f64 = -1.5;
@@ -34,8 +34,8 @@ pub struct Field {
 impl Field {
     /// The field around the voxels of a mask.
     pub fn of(vessels: &Foreground) -> Self {
-        let steps: [Point; 3] = [0, 1, 2].map(|axis| vessels.affine().map(|row| row[axis]));
-        let spacing = steps.map(|step| norm_squared(step).sqrt());
+        let steps = steps_of(vessels.affine());
+        let spacing = steps.map(norm);
         let voxel = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let mut depth = vec![(OUTSIDE * voxel) as f32; vessels.box_size()];
         let inside = distances(vessels, spacing);
@@ -52,21 +52,9 @@ impl Field {
         for (place, distance) in vessels.places().zip(inside) {
             depth[place] = (distance.min(DEEPEST * voxel) - 0.5 * voxel) as f32;
         }
-        let volume = dot(steps[0], cross(steps[1], steps[2]));
-        let inverse = [
-            cross(steps[1], steps[2]).map(|x| x / volume),
-            cross(steps[2], steps[0]).map(|x| x / volume),
-            cross(steps[0], steps[1]).map(|x| x / volume),
-        ];
-        Self {
-            shape: vessels.box_shape(),
-            origin: vessels.box_origin(),
-            inverse,
-            at: position(vessels.affine()),
-            voxel,
-            depth,
-            steps,
-        }
+        let (shape, origin) = (vessels.box_shape(), vessels.box_origin());
+        let at = vessels.affine().map(|row| row[3]);
+        Self { shape, origin, inverse: inverse_of(steps), at, voxel, depth, steps }
     }
 
     /// The least side of a voxel, m.
@@ -158,9 +146,4 @@ impl Field {
 fn floor(x: f64) -> f64 {
     let whole = x as isize as f64;
     if whole > x { whole - 1.0 } else { whole }
-}
-
-/// The position of the first voxel, mm.
-fn position(affine: &Affine) -> Point {
-    affine.map(|row| row[3])
 }

@@ -22,8 +22,6 @@ pub struct Foreground {
     words: Vec<u64>,
     /// How many voxels come before each word, and all of them last.
     before: Vec<u32>,
-    /// The word of every 64th voxel.
-    landmarks: Vec<u32>,
 }
 
 impl Foreground {
@@ -58,24 +56,14 @@ impl Foreground {
                 }
             }
         }
-        let (mut before, mut landmarks, mut count) = (Vec::with_capacity(words.len() + 1), Vec::new(), 0);
-        for (row, word) in words.iter().enumerate() {
-            before.push(count as u32);
-            count += word.count_ones() as usize;
-            while landmarks.len() * BITS < count {
-                landmarks.push(row as u32);
-            }
-        }
-        before.push(count as u32);
-        Some(Self {
-            shape,
-            origin: low.map(|index| index as isize - 1),
-            image: mask.shape,
-            affine: mask.affine,
-            words,
-            before,
-            landmarks,
-        })
+        let mut before = Vec::with_capacity(words.len() + 1);
+        before.push(0);
+        before.extend(words.iter().scan(0, |count, word| {
+            *count += word.count_ones();
+            Some(*count)
+        }));
+        let origin = low.map(|index| index as isize - 1);
+        Some(Self { shape, origin, image: mask.shape, affine: mask.affine, words, before })
     }
 
     /// How many voxels there are.
@@ -128,10 +116,8 @@ impl Foreground {
 
     /// The place of a row.
     pub fn place(&self, row: usize) -> usize {
-        let first = self.landmarks[row / BITS] as usize;
-        let last = self.landmarks.get(row / BITS + 1).map_or(self.words.len(), |word| *word as usize + 1);
         // The last word that not more than `row` voxels come before.
-        let at = first + self.before[first..last].partition_point(|before| *before as usize <= row) - 1;
+        let at = self.before.partition_point(|before| *before as usize <= row) - 1;
         let mut word = self.words[at];
         for _ in self.before[at] as usize..row {
             word &= word - 1;

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use super::mask::Affine;
-use willis_core::network::units::{metres, millimetres};
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use super::mask::{Affine, inverse_of, steps_of};
+use willis_core::network::{metres, millimetres};
+use willis_core::support::geometry::{Point, dot, norm};
 use willis_core::support::in_chunks;
 
 /// A kernel reaches so many standard deviations to either side.
@@ -61,13 +61,8 @@ impl Picture {
     /// The part of an image in the box from `low` to `high` (m), averaged with a Gaussian of this standard deviation (m); `None` where the image
     /// does not reach into the box.
     pub fn of(image: Image, [low, high]: [Point; 2], sigma: f64) -> Option<Self> {
-        let steps: [Point; 3] = [0, 1, 2].map(|axis| image.affine.map(|row| row[axis]));
-        let volume = dot(steps[0], cross(steps[1], steps[2]));
-        let inverse = [
-            cross(steps[1], steps[2]).map(|x| x / volume),
-            cross(steps[2], steps[0]).map(|x| x / volume),
-            cross(steps[0], steps[1]).map(|x| x / volume),
-        ];
+        let steps = steps_of(&image.affine);
+        let inverse = inverse_of(steps);
         let mut at = image.affine.map(|row| row[3]);
         let index = |corner: usize| {
             let place = [0, 1, 2].map(|k| millimetres(if corner >> k & 1 == 0 { low[k] } else { high[k] }) - at[k]);
@@ -99,7 +94,7 @@ impl Picture {
             at[k] += (0..3).map(|axis| steps[axis][k] * range[axis][0] as f64).sum::<f64>();
         }
         for (axis, step) in steps.iter().enumerate() {
-            smooth_along(&mut values, shape, axis, millimetres(sigma) / norm_squared(*step).sqrt());
+            smooth_along(&mut values, shape, axis, millimetres(sigma) / norm(*step));
         }
         Some(Self { shape, values, inverse, at, steps })
     }
@@ -196,7 +191,7 @@ const LEAST_SHARE: f32 = 0.02;
 impl LocalMean {
     fn of(picture: &Picture, sigma: f64, counts: impl Fn(usize) -> bool + Sync) -> Self {
         let voxels = picture.shape;
-        let along = picture.steps.map(|step| norm_squared(step).sqrt());
+        let along = picture.steps.map(norm);
         let size = [0, 1, 2].map(|axis| (BLOCK * sigma / along[axis]).round().max(1.0) as usize);
         let shape = [0, 1, 2].map(|axis| voxels[axis].div_ceil(size[axis]));
         let whole = (size[0] * size[1] * size[2]) as f32;

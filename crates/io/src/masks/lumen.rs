@@ -4,18 +4,13 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::foreground::{Foreground, neighbours};
-use super::mask::Mask;
+use super::mask::{Mask, steps_of};
 use willis_core::support::geometry::{Point, norm_squared};
 
 /// A voxel that belongs to no seed.
 pub const NONE: u32 = u32::MAX;
 /// The bit of a voxel whose seed is settled.
 const SETTLED: u32 = 1 << 31;
-
-/// The vectors of one voxel along each axis, mm.
-fn steps_of(mask: &Mask) -> [Point; 3] {
-    [0, 1, 2].map(|axis| mask.column(axis))
-}
 
 /// Between voxels given by their indices, mm².
 fn squared_distance(steps: [Point; 3], at: [f64; 3], from: [f64; 3]) -> f64 {
@@ -26,7 +21,7 @@ fn squared_distance(steps: [Point; 3], at: [f64; 3], from: [f64; 3]) -> f64 {
 /// For each voxel of the vessels the seed that is nearest, among those that its neighbours belong to: the row in `seeds`; [`NONE`] where
 /// no seed is in the same component. Ties go to the earlier seed.
 pub fn nearest_seeds(mask: &Mask, vessels: &Foreground, seeds: &[u32]) -> Vec<u32> {
-    let steps = steps_of(mask);
+    let steps = steps_of(&mask.affine);
     let around = neighbours(vessels.strides());
     let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
     let seeds: Vec<(usize, [f64; 3])> =
@@ -68,7 +63,7 @@ pub fn nearest_seeds(mask: &Mask, vessels: &Foreground, seeds: &[u32]) -> Vec<u3
 /// take away from one before it: a voxel of a vessel counts as a whole first, then less what its wall leaves outside. A voxel beside a
 /// vessel belongs to the nearest of the seeds that its neighbours belong to.
 pub fn volumes(mask: &Mask, vessels: &Foreground, seeds: &[u32], nearest: &[u32]) -> impl Iterator<Item = (usize, u32, f64)> {
-    let (cell, steps, around) = (mask.voxel_volume(), steps_of(mask), neighbours(vessels.strides()));
+    let (cell, steps, around) = (mask.voxel_volume(), steps_of(&mask.affine), neighbours(vessels.strides()));
     let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
     let nearest_beside = move |place: usize| {
         let touched = around.iter().filter_map(|(step, _)| vessels.row((place as isize + step) as usize)).map(|row| nearest[row]);

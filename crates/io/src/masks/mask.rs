@@ -4,10 +4,21 @@ use std::collections::BTreeMap;
 
 use super::partial::Walls;
 use willis_core::network::Frame;
-use willis_core::support::geometry::{Point, cross, dot, norm_squared};
+use willis_core::support::geometry::{Point, cross, dot, norm};
 
 /// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
 pub type Affine = [[f64; 4]; 3];
+
+/// The steps of one voxel along each axis, mm.
+pub fn steps_of(affine: &Affine) -> [Point; 3] {
+    [0, 1, 2].map(|axis| affine.map(|row| row[axis]))
+}
+
+/// The rows that make indices of mm, from the steps of voxels.
+pub fn inverse_of([a, b, c]: [Point; 3]) -> [Point; 3] {
+    let volume = dot(a, cross(b, c));
+    [cross(b, c), cross(c, a), cross(a, b)].map(|row| row.map(|x| x / volume))
+}
 
 /// A class for every voxel of an image; 0 is background.
 #[derive(Debug, Clone)]
@@ -33,16 +44,8 @@ pub struct Mask {
 impl Mask {
     /// A mask in the scanner's frame.
     pub fn new(shape: [usize; 3], classes: Vec<u8>, affine: Affine) -> Self {
-        Self {
-            shape,
-            classes,
-            affine,
-            walls: None,
-            frame: Frame::Ras,
-            reversed: false,
-            names: BTreeMap::new(),
-            notes: Vec::new(),
-        }
+        let (walls, names, notes) = Default::default();
+        Self { shape, classes, affine, walls, frame: Frame::Ras, reversed: false, names, notes }
     }
 
     /// Numbers along the three axes, in the order in which the file counts them.
@@ -55,7 +58,7 @@ impl Mask {
 
     /// The length of a voxel along each axis, mm.
     pub fn spacing(&self) -> [f64; 3] {
-        [0, 1, 2].map(|axis| norm_squared(self.column(axis)).sqrt())
+        steps_of(&self.affine).map(norm)
     }
 
     /// The volume of a voxel, mm³.
@@ -85,17 +88,21 @@ impl Mask {
             return self;
         }
         let shape = source.map(|axis| self.shape[axis]);
-        let strides = [1, self.shape[0], self.shape[0] * self.shape[1]];
-        // Index into the old voxels: where the new origin is, and a step along each new axis.
-        let step =
-            [0, 1, 2].map(|axis| if flipped[axis] { -(strides[source[axis]] as isize) } else { strides[source[axis]] as isize });
-        let start: usize = (0..3).filter(|axis| flipped[*axis]).map(|axis| (shape[axis] - 1) * strides[source[axis]]).sum();
-        let mut classes = Vec::with_capacity(self.classes.len());
-        for z in 0..shape[2] as isize {
-            for y in 0..shape[1] as isize {
-                let row = start as isize + z * step[2] + y * step[1];
-                classes.extend((0..shape[0] as isize).map(|x| self.classes[(row + x * step[0]) as usize]));
-            }
+        let strides = [1, shape[0], shape[0] * shape[1]].map(|stride: usize| stride as isize);
+        // Index into the new voxels: where the old origin is, and a step along each old axis.
+        let (mut start, mut step) = (0, [0; 3]);
+        for axis in 0..3 {
+            step[source[axis]] = if flipped[axis] { -strides[axis] } else { strides[axis] };
+            start += if flipped[axis] { (shape[axis] as isize - 1) * strides[axis] } else { 0 };
+        }
+        let [x, y, _] = self.shape;
+        let place = |row: usize| {
+            let old = [row % x, row / x % y, row / (x * y)];
+            (start + (0..3).map(|axis| old[axis] as isize * step[axis]).sum::<isize>()) as usize
+        };
+        let mut classes = vec![0; self.classes.len()];
+        for (row, class) in self.classes.iter().enumerate().filter(|(_, class)| **class > 0) {
+            classes[place(row)] = *class;
         }
         let affine = self.affine.map(|row| {
             let sign = [0, 1, 2].map(|axis| if flipped[axis] { -1.0 } else { 1.0 });
@@ -105,17 +112,7 @@ impl Mask {
         });
         let walls = self.walls.map(|mut walls| {
             for (voxel, _) in &mut walls.voxels {
-                let mut row = *voxel as usize;
-                let old = self.shape.map(|length| {
-                    let at = row % length;
-                    row /= length;
-                    at
-                });
-                let new = [0, 1, 2].map(|axis| {
-                    let at = old[source[axis]];
-                    if flipped[axis] { shape[axis] - 1 - at } else { at }
-                });
-                *voxel = ((new[2] * shape[1] + new[1]) * shape[0] + new[0]) as u32;
+                *voxel = place(*voxel as usize) as u32;
             }
             walls.voxels.sort_unstable_by_key(|(voxel, _)| *voxel);
             walls
@@ -128,7 +125,7 @@ impl Mask {
 /// cosines.
 fn axes_by_direction(affine: &Affine) -> [usize; 3] {
     const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let length = [0, 1, 2].map(|axis| norm_squared([affine[0][axis], affine[1][axis], affine[2][axis]]).sqrt());
+    let length = steps_of(affine).map(norm);
     let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
     let mut best = WAYS[0];
     for way in &WAYS[1..] {

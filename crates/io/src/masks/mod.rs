@@ -38,7 +38,7 @@ pub use distance::distances;
 pub use field::Field;
 pub use foreground::Foreground;
 pub use image::{Image, Picture};
-pub use mask::{Affine, Mask};
+pub use mask::{Affine, Mask, steps_of};
 pub use no_vessels::{why_no_centerlines, why_no_vessels};
 pub use partial::{WallFinder, Walls};
 pub use run_lengths::RunLengths;

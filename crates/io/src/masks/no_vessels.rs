@@ -3,7 +3,7 @@
 use petgraph::unionfind::UnionFind;
 
 use super::mask::Mask;
-use willis_core::network::centerlines::Centerlines;
+use willis_core::network::Centerlines;
 
 /// Fewer voxels are quick in any case.
 const FEW: usize = 20_000;

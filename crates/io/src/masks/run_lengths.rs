@@ -40,19 +40,16 @@ impl RunLengths {
         if shape.iter().product::<usize>() > cells && !is_one {
             return None;
         }
-        if block == 1 {
+        let (count, bytes) = if block == 1 {
             let count = faces_of(vessels.places(), vessels.strides(), |place| vessels.contains(place), faces);
-            return (count <= faces || is_one).then(|| Self::whole(vessels));
-        }
-        let blocks = blocks_of(vessels, block, shape);
-        let strides = [1, shape[0], shape[0] * shape[1]];
-        let count = faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces);
-        (count <= faces || is_one).then(|| Self { bytes: runs(blocks.into_iter()), ..Self::frame(vessels, block, shape) })
-    }
-
-    /// Every voxel.
-    fn whole(vessels: &Foreground) -> Self {
-        Self { bytes: runs(vessels.places()), ..Self::frame(vessels, 1, vessels.box_shape()) }
+            (count, runs(vessels.places()))
+        } else {
+            let blocks = blocks_of(vessels, block, shape);
+            let strides = [1, shape[0], shape[0] * shape[1]];
+            let count = faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces);
+            (count, runs(blocks.into_iter()))
+        };
+        (count <= faces || is_one).then(|| Self { bytes, ..Self::frame(vessels, block, shape) })
     }
 
     /// The place in space of blocks of this size, without content.

@@ -5,7 +5,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::image::{Image, Picture};
-use willis_core::network::units::millimetres;
+use willis_core::network::millimetres;
 use willis_core::support::geometry::{Point, dot, norm, norm_squared};
 use willis_core::support::statistics::median;
 

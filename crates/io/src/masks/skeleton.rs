@@ -102,29 +102,25 @@ impl Skeleton {
                     }
                 }
             }
-            let mut spurs: Vec<usize> = least.values().filter(|(reach, _)| *reach < SPUR).map(|(_, row)| *row).collect();
-            if spurs.is_empty() {
+            let mut gone = vec![false; self.branches.len()];
+            least.values().filter(|(reach, _)| *reach < SPUR).for_each(|(_, row)| gone[*row] = true);
+            if !gone.contains(&true) {
                 return removed;
             }
-            removed += spurs.len();
-            spurs.sort_unstable();
-            let mut row = 0;
-            self.branches.retain(|_| {
-                row += 1;
-                spurs.binary_search(&(row - 1)).is_err()
-            });
-            self.join_through();
+            removed += gone.iter().filter(|is| **is).count();
+            self.remove(&gone);
         }
     }
 
     /// Removes branches, given by row, and joins those that they leave behind.
     pub fn remove(&mut self, gone: &[bool]) {
-        let mut row = 0;
-        self.branches.retain(|_| {
-            row += 1;
-            !gone[row - 1]
-        });
+        self.leave_out(gone);
         self.join_through();
+    }
+
+    fn leave_out(&mut self, gone: &[bool]) {
+        let mut gone = gone.iter();
+        self.branches.retain(|_| gone.next() == Some(&false));
     }
 
     /// Makes one branch of the two that meet at a node where no other does.
@@ -157,11 +153,7 @@ impl Skeleton {
             at[second.ends[1]].iter_mut().filter(|row| **row == b).for_each(|row| *row = a);
             at[node].clear();
         }
-        let mut row = 0;
-        self.branches.retain(|_| {
-            row += 1;
-            !gone[row - 1]
-        });
+        self.leave_out(&gone);
     }
 }
 

@@ -12,8 +12,7 @@ use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::metres;
+use willis_core::network::{Centerlines, metres};
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
@@ -172,17 +171,11 @@ impl Tracer<'_> {
     /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.
     fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
         let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
-        let mut length = 0.0;
-        let mut line: Vec<Point> = branch.voxels.iter().map(|voxel| self.at(*voxel)).collect();
+        let mut line = self.line(graph, branch).points;
         if branch.ends[0] != junction {
             line.reverse();
         }
-        let ends = [self.middle(&graph.nodes[junction]), self.middle(&graph.nodes[tip])];
-        let mut before = ends[0];
-        for point in line.iter().chain([&ends[1]]) {
-            length += distance(before, *point);
-            before = *point;
-        }
+        let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let own = self.widest(&graph.nodes[tip]);
         (length + own - self.widest(&graph.nodes[junction])) / (2.0 * own)
     }

@@ -1,7 +1,7 @@
 //! Output that appears complete or not at all: written next to its place, flushed to the disk, then renamed.
 
 use std::fs;
-use std::io::BufWriter;
+use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -131,21 +131,32 @@ fn sync_all(folder: &Path) -> Result<()> {
     sync_folder(folder)
 }
 
-/// An output file being written; no other process can write it at the same time.
+/// The output files of one command, such as a table and the one beside it; no other process can write them at the same time. All are staged before
+/// the first is moved to its place, and the main one, which was named, is moved last. Where that is there all are there; where a kill left some
+/// without it, the same command replaces them without `force`.
 #[derive(Debug)]
-pub struct StagedFile {
-    in_progress: InProgress,
+pub struct StagedFiles {
+    /// By their targets; the main file first.
+    files: Vec<(PathBuf, InProgress)>,
+    /// What a killed command put beside the main file.
+    partial: PartialSet,
+    force: bool,
 }
 
-impl StagedFile {
-    /// Checks, before the work begins, that a run may write to `target`. Removes what a killed run left of it.
+impl StagedFiles {
+    /// Checks, before the work begins, that a command may write to `main` and to `others` beside it. Removes what a killed run left of them.
     ///
     /// # Errors
     ///
-    /// It exists and `force` is off, it is a folder, or another process is writing it.
-    pub fn check(target: &Path, force: bool) -> Result<()> {
-        let (vacant, left) = (Self::check_target(target, force), InProgress::check(target));
-        vacant.and(left)
+    /// One of them exists and `force` is off, it is a folder, or another process is writing it.
+    pub fn check<'a>(main: &Path, others: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<()> {
+        let partial = PartialSet::of(main);
+        let check = |path: &Path, force: bool| {
+            let (vacant, left) = (Self::check_target(path, force), InProgress::check(path));
+            vacant.and(left)
+        };
+        check(main, force)?;
+        others.into_iter().try_for_each(|path| check(path, force || partial.holds(path)))
     }
 
     fn check_target(target: &Path, force: bool) -> Result<()> {
@@ -155,91 +166,49 @@ impl StagedFile {
         check_vacant(target, force)
     }
 
-    /// Starts a file that will replace `target`.
-    ///
-    /// # Errors
-    ///
-    /// As [`StagedFile::check`], or the file cannot be made.
-    pub fn new(target: &Path, force: bool) -> Result<Self> {
-        Self::check_target(target, force)?;
-        let in_progress = InProgress::new(target)?;
-        Self::check_target(target, force)?;
-        Ok(Self { in_progress })
-    }
-
-    /// Writes a file that appears complete or not at all; an earlier one is replaced with `force`.
-    ///
-    /// # Errors
-    ///
-    /// As [`StagedFile::new`] and [`write_file`].
-    pub fn write(target: &Path, force: bool, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-        let file = Self::new(target, force)?;
-        write_file(&file.path(), fill)?;
-        file.commit()
-    }
-
-    /// Where to write until then.
-    pub fn path(&self) -> PathBuf {
-        self.in_progress.new_path()
-    }
-
-    /// Moves the file to its place.
-    ///
-    /// # Errors
-    ///
-    /// The system refuses; an earlier file then stays as it was.
-    pub fn commit(self) -> Result<()> {
-        self.in_progress.put()
-    }
-}
-
-/// Several output files of one command, such as a table and the one beside it: all are staged before the first is moved to its place, and the
-/// main one, which was named, is moved last. Where that is there all are there; where a kill left some without it, the same command replaces
-/// them without `force`.
-#[derive(Debug)]
-pub struct StagedFiles {
-    /// By their targets; the main file first.
-    files: Vec<(PathBuf, StagedFile)>,
-    /// What a killed command put beside the main file.
-    partial: PartialSet,
-    force: bool,
-}
-
-impl StagedFiles {
-    /// Checks, before the work begins, that a command may write to `main` and to `others` beside it.
-    ///
-    /// # Errors
-    ///
-    /// As [`StagedFile::check`] for each of them.
-    pub fn check<'a>(main: &Path, others: impl IntoIterator<Item = &'a PathBuf>, force: bool) -> Result<()> {
-        let partial = PartialSet::of(main);
-        StagedFile::check(main, force)?;
-        others.into_iter().try_for_each(|path| StagedFile::check(path, force || partial.holds(path)))
-    }
-
     /// Starts a set with its main file.
     ///
     /// # Errors
     ///
-    /// As [`StagedFile::new`].
+    /// As [`StagedFiles::check`], or the file cannot be made.
     pub fn new(main: &Path, force: bool) -> Result<Self> {
-        let file = StagedFile::new(main, force)?;
-        Ok(Self { partial: PartialSet::of(main), files: vec![(main.to_owned(), file)], force })
+        let file = Self::stage(main, force)?;
+        Ok(Self { files: vec![(main.to_owned(), file)], partial: PartialSet::of(main), force })
     }
 
-    /// The file that was named.
-    pub fn main(&self) -> &StagedFile {
-        &self.files[0].1
+    /// Starts a file that will replace `target`.
+    fn stage(target: &Path, force: bool) -> Result<InProgress> {
+        Self::check_target(target, force)?;
+        let file = InProgress::new(target)?;
+        // Another process may have written it before it released the lock.
+        Self::check_target(target, force)?;
+        Ok(file)
+    }
+
+    /// Writes one file that appears complete or not at all; an earlier one is replaced with `force`.
+    ///
+    /// # Errors
+    ///
+    /// As [`StagedFiles::new`] and [`write_file`].
+    pub fn write_one(target: &Path, force: bool, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> io::Result<()>) -> Result<()> {
+        let file = Self::new(target, force)?;
+        file.write_main(fill)?;
+        file.commit().map(drop)
+    }
+
+    /// Where to write the main file.
+    pub fn path(&self) -> PathBuf {
+        self.files[0].1.new_path()
     }
 
     /// Starts one more file; where to write it.
     ///
     /// # Errors
     ///
-    /// As [`StagedFile::new`].
+    /// As [`StagedFiles::new`].
     pub fn add(&mut self, path: &Path) -> Result<PathBuf> {
-        let file = StagedFile::new(path, self.force || self.partial.holds(path))?;
-        let place = file.path();
+        let file = Self::stage(path, self.force || self.partial.holds(path))?;
+        let place = file.new_path();
         self.files.push((path.to_owned(), file));
         Ok(place)
     }
@@ -249,7 +218,7 @@ impl StagedFiles {
     /// # Errors
     ///
     /// As [`StagedFiles::add`] and [`write_file`].
-    pub fn write(&mut self, path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
+    pub fn write(&mut self, path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> io::Result<()>) -> Result<()> {
         write_file(&self.add(path)?, fill)
     }
 
@@ -258,8 +227,8 @@ impl StagedFiles {
     /// # Errors
     ///
     /// As [`write_file`].
-    pub fn write_main(&self, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-        write_file(&self.main().path(), fill)
+    pub fn write_main(&self, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> io::Result<()>) -> Result<()> {
+        write_file(&self.path(), fill)
     }
 
     /// Moves the files to their places, the main one last; their paths, the main one first.
@@ -269,12 +238,12 @@ impl StagedFiles {
     /// The system refuses; the main file then stays as it was, and the same command can be given again.
     pub fn commit(mut self) -> Result<Vec<PathBuf>> {
         let paths = self.files.iter().map(|(path, _)| path.clone()).collect();
-        let others = self.files.split_off(1);
-        if !others.is_empty() {
-            self.partial.record(others.iter().map(|(path, file)| (path.as_path(), file.path())))?;
+        if self.files.len() > 1 {
+            self.partial.record(self.files[1..].iter().map(|(path, file)| (path.as_path(), file.new_path())))?;
         }
-        others.into_iter().try_for_each(|(_, file)| file.commit())?;
-        self.files.into_iter().try_for_each(|(_, file)| file.commit())?;
+        // Each gives its lock back before the next is moved.
+        self.files.rotate_left(1);
+        self.files.into_iter().try_for_each(|(_, file)| file.put())?;
         Ok(paths)
     }
 }

@@ -35,19 +35,13 @@ pub struct DiskFile {
 }
 
 impl DiskFile {
-    /// A new empty file in place of one that is there, or of a link, which is not followed.
-    pub fn create_new(path: &Path) -> io::Result<Self> {
+    /// A new empty file in place of one that is there, or of a link, which is not followed; whether it is given up when the process is asked to stop.
+    pub fn create_new(path: &Path, stops: bool) -> io::Result<Self> {
         match std::fs::remove_file(path) {
             Err(e) if e.kind() != io::ErrorKind::NotFound => return Err(e),
             _ => {}
         }
-        Ok(Self { file: File::create_new(path)?, fault: None, stops: true, at: 0, length: 0 })
-    }
-
-    /// The same, written to its end whoever asks to stop.
-    #[must_use]
-    pub fn unstoppable(self) -> Self {
-        Self { stops: false, ..self }
+        Ok(Self { file: File::create_new(path)?, fault: None, stops, at: 0, length: 0 })
     }
 
     /// Flushes the file to the disk, or returns the first error.
@@ -140,8 +134,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
     let unfinished = path.with_extension(UNFINISHED);
     // What a killed run left of it, or a link that somebody put there.
     let _ = fs::remove_file(&unfinished);
-    let written = write_with(&unfinished, fill, DiskFile::unstoppable)
-        .and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
+    let written = write_with(&unfinished, fill, false).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
     if written.is_err() {
         // It may be the file that filled the disk.
         let _ = fs::remove_file(&unfinished);
@@ -156,16 +149,12 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
 ///
 /// The error of the system or of `fill`, with the path.
 pub fn write_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-    write_with(path, fill, |file| file)
+    write_with(path, fill, true)
 }
 
-fn write_with(
-    path: &Path,
-    fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>,
-    how: impl FnOnce(DiskFile) -> DiskFile,
-) -> Result<()> {
+fn write_with(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>, stops: bool) -> Result<()> {
     let write = || -> std::io::Result<()> {
-        let mut out = BufWriter::new(how(DiskFile::create_new(path)?));
+        let mut out = BufWriter::new(DiskFile::create_new(path, stops)?);
         fill(&mut out)?;
         out.into_inner()?.finish()
     };

@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::lock::{LOCK, LockError, TRIES, is_own_folder, lock};
+use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock};
 use super::names::SET;
 use super::target::followed;
 use crate::formats::checksum;
@@ -54,7 +54,7 @@ impl InProgress {
         let parents = place.ancestors().skip(1).take_while(missing).map(Path::to_owned).collect();
         let folder = folder_of(&place);
         let mut started = Self { target: place, folder, parents, lock: None };
-        started.lock = Some(lock(&started.folder, TRIES).map_err(|refused| refused.of(target))?);
+        started.lock = Some(lock(&started.folder, target, TRIES)?);
         clear(&started.folder, Some(&started.target));
         Ok(started)
     }
@@ -71,9 +71,9 @@ impl InProgress {
             return Ok(());
         }
         if !is_own_folder(&folder) {
-            return Err(LockError::Foreign(folder).of(target));
+            return Err(foreign(&folder, target));
         }
-        let _lock = lock(&folder, TRIES).map_err(|refused| refused.of(target))?;
+        let _lock = lock(&folder, target, TRIES)?;
         clear(&folder, Some(&place));
         discard(&folder);
         Ok(())
@@ -199,7 +199,7 @@ pub fn clear_dead_runs(folder: &Path) {
         if fs::symlink_metadata(path.join(LOCK)).is_err() {
             // Only if it is empty.
             let _ = fs::remove_dir(&path);
-        } else if let Ok(_lock) = lock(&path, 1) {
+        } else if let Ok(_lock) = lock(&path, &path, 1) {
             let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
             clear(&path, name.filter(|name| !is_checksum(name)).map(|name| folder.join(name)).as_deref());
             discard(&path);

@@ -2,11 +2,11 @@
 
 use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
 use std::io::{self, Read, Seek, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::thread::sleep;
 use std::time::Duration;
 
-use willis_core::error::Error;
+use willis_core::error::{Error, Result};
 
 /// The name of the file that is locked.
 pub const LOCK: &str = "lock";
@@ -16,49 +16,33 @@ const BETWEEN: Duration = Duration::from_millis(20);
 /// The longest number of a process.
 const DIGITS: u64 = 20;
 
-/// Why a lock was not taken.
-pub enum LockError {
-    /// Another process holds it; its number where that is known.
-    Busy(String),
-    /// A path that this user did not make: a link, a device, another user's file.
-    Foreign(PathBuf),
-    /// The error of the system.
-    System(io::Error),
-}
-
-impl LockError {
-    /// The error for an output.
-    pub fn of(self, target: &Path) -> Error {
-        match self {
-            Self::Busy(process) => {
-                let accepted = format!("another willis{process} is writing there; wait for it, or choose another `output`");
-                Error::parameter("output", target.display(), accepted)
-            }
-            Self::Foreign(path) => {
-                let path = path.display();
-                let accepted = format!("{path} is a link, a device or another user's; remove it, or choose another `output`");
-                Error::parameter("output", target.display(), accepted)
-            }
-            Self::System(source) => Error::Write { path: target.to_owned(), source },
-        }
-    }
+/// The error for an output that a path is there which this user did not make: a link, a device, another user's file.
+pub fn foreign(path: &Path, target: &Path) -> Error {
+    let path = path.display();
+    let accepted = format!("{path} is a link, a device or another user's; remove it, or choose another `output`");
+    Error::parameter("output", target.display(), accepted)
 }
 
 /// Creates a folder that only this user may look into, and takes its lock, which ends with the process, however that ends.
-pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
+///
+/// # Errors
+///
+/// Those for the output `target`: another process holds the lock, a path is not this user's, or the system refuses.
+pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
+    let refused = |source| Error::Write { path: target.to_owned(), source };
     let path = folder.join(LOCK);
     let mut process = String::new();
     for at in 0..tries {
-        make_own(folder)?;
+        make_own(folder, target)?;
         let mut file = match open(&path) {
             // The folder was removed in this moment.
             Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
             // A link, or a pipe that nobody reads.
-            Err(_) if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) => return Err(LockError::Foreign(path)),
-            opened => opened.map_err(LockError::System)?,
+            Err(_) if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) => return Err(foreign(&path, target)),
+            opened => opened.map_err(refused)?,
         };
         if !file.metadata().is_ok_and(|about| about.is_file() && is_only_name(&about)) || !is_of_one_user(&file, folder) {
-            return Err(LockError::Foreign(path));
+            return Err(foreign(&path, target));
         }
         match file.try_lock() {
             Ok(()) if is_at(&file, &path) => {
@@ -77,7 +61,9 @@ pub fn lock(folder: &Path, tries: usize) -> Result<File, LockError> {
         }
     }
     let is_number = !process.is_empty() && process.bytes().all(|b| b.is_ascii_digit());
-    Err(LockError::Busy(if is_number { format!(" (process {process})") } else { String::new() }))
+    let process = if is_number { format!(" (process {process})") } else { String::new() };
+    let accepted = format!("another willis{process} is writing there; wait for it, or choose another `output`");
+    Err(Error::parameter("output", target.display(), accepted))
 }
 
 /// Whether a path is a folder that this user made, and not a link to one.
@@ -86,20 +72,21 @@ pub fn is_own_folder(path: &Path) -> bool {
 }
 
 /// Creates a folder for this user alone, with the folders above it as they are usually made; one that is there must be this user's.
-fn make_own(folder: &Path) -> Result<(), LockError> {
+fn make_own(folder: &Path, target: &Path) -> Result<()> {
+    let refused = |source| Error::Write { path: target.to_owned(), source };
     if let Some(parent) = folder.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-        fs::create_dir_all(parent).map_err(LockError::System)?;
+        fs::create_dir_all(parent).map_err(refused)?;
     }
     match private().create(folder) {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => match fs::symlink_metadata(folder) {
             // It was removed in this moment, and is made by the next try.
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
             _ if is_own_folder(folder) => Ok(()),
-            _ => Err(LockError::Foreign(folder.to_owned())),
+            _ => Err(foreign(folder, target)),
         },
         // The parent was removed in this moment, by the run that had made it.
         Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
-        made => made.map_err(LockError::System),
+        made => made.map_err(refused),
     }
 }
 

@@ -10,7 +10,7 @@ pub mod partial_run_file;
 mod partial_set;
 mod target;
 
-pub use atomic::{StagedFile, StagedFiles, StagedFolder};
+pub use atomic::{StagedFiles, StagedFolder};
 pub use files::{give_up_when, plain, read_json, relative, replace_file, write_file, write_json, write_record};
 pub use in_progress::{InProgress, final_path, write_error};
 pub use own_files::is_cohort_file;

@@ -8,60 +8,10 @@ use serde::de::IgnoredAny;
 
 use super::in_progress::{entries, is_in_progress};
 use super::names::{
-    ACCURACY, AGREEMENT, BESIDE_LABELLED, BIFURCATIONS, CLASSES, COHORT, COHORT_PAGE, COHORT_TABLE, COLLATERAL, COMPARISON,
-    CONVERGENCE_PICTURE, DENSE_LIKELIHOOD, EDGES, ENDS, FAILURE, FLOW_PICTURE, GRAPH, HARMONICS, HYPERTENSION,
-    HYPERTENSION_PICTURE, INSTANCES, INTERVALS, LABELLED, LANDMARKS, LEDGER, LIKELIHOOD, LIKELIHOOD_PICTURE, MEDIAN_TOPOLOGY,
-    MODULATION_PICTURE, NODES, OCCLUSIONS, PAGE, PAIRINGS, PHENOTYPE, PHENOTYPE_TABLE, RECORD, REVIEW, SUBJECTS, SUGGESTED_CUTS,
-    SUMMARY_PICTURE, SUPPLY, TERRITORIES, TERRITORY_PICTURE, TOPOLOGY, TRANSIT, VESSELS, WAVEFORM_PICTURE, WAVEFORM_TABLE,
-    WAVEFORMS,
+    AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, LANDMARKS, MEDIAN_TOPOLOGY, PICTURES, RECORD,
+    TOPOLOGY,
 };
 use crate::output::files::read_json;
-
-/// The files that the folder of a run may hold besides pictures and topologies; --force replaces no folder with others.
-const FILES: [&str; 30] = [
-    RECORD,
-    COMPARISON,
-    OCCLUSIONS,
-    VESSELS,
-    BIFURCATIONS,
-    ENDS,
-    INTERVALS,
-    SUBJECTS,
-    LEDGER,
-    EDGES,
-    NODES,
-    SUGGESTED_CUTS,
-    PAIRINGS,
-    REVIEW,
-    DENSE_LIKELIHOOD,
-    LIKELIHOOD,
-    PAGE,
-    GRAPH,
-    CLASSES,
-    HYPERTENSION,
-    INSTANCES,
-    PHENOTYPE,
-    PHENOTYPE_TABLE,
-    COLLATERAL,
-    TERRITORIES,
-    TRANSIT,
-    WAVEFORMS,
-    WAVEFORM_TABLE,
-    HARMONICS,
-    SUPPLY,
-];
-const PICTURES: [&str; 8] = [
-    SUMMARY_PICTURE,
-    TERRITORY_PICTURE,
-    WAVEFORM_PICTURE,
-    LIKELIHOOD_PICTURE,
-    CONVERGENCE_PICTURE,
-    FLOW_PICTURE,
-    MODULATION_PICTURE,
-    HYPERTENSION_PICTURE,
-];
-/// The files in the folder of a cohort besides the folders of its subjects.
-const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE, ACCURACY];
 
 /// Whether a path has the name of a file of a cohort.
 pub fn is_cohort_file(path: &Path) -> bool {
@@ -100,22 +50,18 @@ struct OwnRecord {
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
     let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
     let is_written_by_willis = |mark| folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok();
-    if folder.join(RECORD).exists() {
-        return if is_written_by_willis(RECORD) {
-            paths.into_iter().find(|p| !is_run_file(p))
-        } else {
-            Some(folder.join(RECORD))
-        };
-    }
-    if folder.join(FAILURE).exists() {
-        let rest = paths.into_iter().find(|p| !is_named(p, &[FAILURE]));
-        return if is_written_by_willis(FAILURE) { rest } else { Some(folder.join(FAILURE)) };
-    }
-    if folder.join(COHORT).exists() {
+    if let Some(mark) = [RECORD, FAILURE, COHORT].into_iter().find(|mark| folder.join(mark).exists()) {
+        if !is_written_by_willis(mark) {
+            return Some(folder.join(mark));
+        }
         let of_cohort =
             |path: PathBuf| if path.is_dir() { foreign_file(&path) } else { (!is_named(&path, COHORT_FILES)).then_some(path) };
-        let mut rest = paths.into_iter().filter(|path| !is_in_progress(path));
-        return if is_written_by_willis(COHORT) { rest.find_map(of_cohort) } else { Some(folder.join(COHORT)) };
+        let mut paths = paths.into_iter();
+        return match mark {
+            RECORD => paths.find(|path| !is_run_file(path)),
+            FAILURE => paths.find(|path| !is_named(path, &[FAILURE])),
+            _ => paths.filter(|path| !is_in_progress(path)).find_map(of_cohort),
+        };
     }
     paths.into_iter().find_map(|path| {
         if path.is_dir() && path.join(RECORD).exists() {

@@ -6,11 +6,21 @@ use crate::formats::{NamedArray, read_arrays, write_arrays};
 use willis_core::error::Fault;
 use willis_core::sampling::{PartialRun, Sums};
 
-/// The vectors of a node, in the order in which they are written.
+/// The figures of a node, and its vectors, in the order in which they are written.
+const FIGURES: [&str; 4] = ["samples", "rho_G", "perfused", "residual"];
 const VECTORS: [&str; 3] = ["likelihood", "square", "count"];
 const WRITTEN_BY: &str = "expected the file as willis wrote it";
 /// No run has more samples.
 const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
+
+fn figure(sums: &Sums, name: &str) -> f64 {
+    match name {
+        "samples" => sums.samples as f64,
+        "rho_G" => sums.network_resilience,
+        "perfused" => sums.perfused,
+        _ => sums.residual,
+    }
+}
 
 fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
     match name {
@@ -40,11 +50,8 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
     let small = [
         array("run", &[2], vec![part.samples() as f64, part.step() as f64]),
         array("blocks", &[m, 2], part.nodes().flat_map(|(first, blocks, _)| [first as f64, blocks as f64]).collect()),
-        array("samples", &[m], part.nodes().map(|(_, _, sums)| sums.samples as f64).collect()),
-        array("rho_G", &[m], part.nodes().map(|(_, _, sums)| sums.network_resilience).collect()),
-        array("perfused", &[m], part.nodes().map(|(_, _, sums)| sums.perfused).collect()),
-        array("residual", &[m], part.nodes().map(|(_, _, sums)| sums.residual).collect()),
     ];
+    let figures = FIGURES.map(|name| array(name, &[m], part.nodes().map(|(_, _, sums)| figure(sums, name)).collect()));
     let large = VECTORS.iter().map(|name| {
         array(name, &[m, vessels], part.nodes().flat_map(|(_, _, sums)| vector(sums, name).iter().copied()).collect())
     });
@@ -52,7 +59,7 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
     let trace = std::iter::once_with(|| {
         array("trace", &[k, uncertain_count], part.steps().flat_map(|(_, likelihood)| likelihood.iter().copied()).collect())
     });
-    write_arrays(out, small.into_iter().chain(large).chain([steps]).chain(trace))
+    write_arrays(out, small.into_iter().chain(figures).chain(large).chain([steps]).chain(trace))
 }
 
 /// Reads what [`write_part`] wrote of a run with these vessels uncertain.
@@ -82,25 +89,21 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
     if whole(step) != Some(part.step()) {
         return Err(wrong("run"));
     }
-    let (blocks, samples, residual) = (take("blocks", 2)?, take("samples", 1)?, take("residual", 1)?);
-    let (rho, perfused) = (take("rho_G", 1)?, take("perfused", 1)?);
+    let blocks = take("blocks", 2)?;
+    let [samples, rho, perfused, residual] = FIGURES.map(|name| take(name, 1));
+    let figures = [samples?, rho?, perfused?, residual?];
     let vectors = [take(VECTORS[0], vessels)?, take(VECTORS[1], vessels)?, take(VECTORS[2], vessels)?];
-    let m = samples.len();
-    if blocks.len() != 2 * m
-        || rho.len() != m
-        || perfused.len() != m
-        || residual.len() != m
-        || vectors.iter().any(|v| v.len() != m * vessels)
-    {
+    let m = figures[0].len();
+    if blocks.len() != 2 * m || figures.iter().any(|f| f.len() != m) || vectors.iter().any(|v| v.len() != m * vessels) {
         return Err(wrong("blocks"));
     }
     for at in 0..m {
         let ends = whole(blocks[2 * at]).zip(whole(blocks[2 * at + 1]));
         let (first, blocks) = ends.filter(|(first, blocks)| part.takes(*first, *blocks)).ok_or_else(|| wrong("blocks"))?;
-        let samples = whole(samples[at]).filter(|n| *n == part.samples_in(&(first..first + blocks)));
+        let [samples, network_resilience, perfused, residual] = figures.each_ref().map(|figure| figure[at]);
+        let samples = whole(samples).filter(|n| *n == part.samples_in(&(first..first + blocks)));
         let [likelihood, square, count] = vectors.each_ref().map(|v| v[at * vessels..(at + 1) * vessels].to_vec());
         let samples = samples.ok_or_else(|| wrong("samples"))?;
-        let (network_resilience, perfused, residual) = (rho[at], perfused[at], residual[at]);
         let sums = Sums { likelihood, square, count, network_resilience, perfused, residual, samples };
         if !sums.are_possible() {
             return Err(Fault::item(format!("sums of blocks {first}.."), "no samples can have them", WRITTEN_BY));

@@ -9,7 +9,7 @@ use std::path::Path;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::write_csv;
-use willis_io::output::atomic::StagedFile;
+use willis_io::output::StagedFiles;
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
 use willis_io::output::write_file;
 
@@ -23,12 +23,12 @@ pub use table::{CohortRow, CohortRun, cohort_columns, uncertainty};
 ///
 /// A file that cannot be written.
 pub fn write_cohort(folder: &Path, rows: &[CohortRow], about: &CohortRun<'_>) -> Result<()> {
-    let [table, page] = [COHORT_TABLE, COHORT_PAGE].map(|name| StagedFile::new(&folder.join(name), true));
+    let [table, page] = [COHORT_TABLE, COHORT_PAGE].map(|name| StagedFiles::new(&folder.join(name), true));
     let (table, page) = (table?, page?);
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<CohortRow> = rows.to_vec();
     first.sort_by(|a, b| uncertainty(b).total_cmp(&uncertainty(a)));
     write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about, folder))?;
     table.commit()?;
-    page.commit()
+    page.commit().map(drop)
 }

@@ -13,7 +13,7 @@ use willis_core::simulation::pulse::fourier::samples;
 use willis_core::simulation::pulse::indices::Indices;
 use willis_core::simulation::pulse::womersley::womersley_number;
 use willis_core::simulation::pulse::{Pulse, Pulses};
-use willis_io::formats::{Column, NamedArray, NamedComplexArray, write_arrays, write_complex_arrays, write_csv};
+use willis_io::formats::{Column, NamedArray, write_arrays, write_csv};
 use willis_io::output::names::{HARMONICS, WAVEFORM_TABLE, WAVEFORMS};
 use willis_io::output::write_file;
 
@@ -138,14 +138,14 @@ pub fn waveform_arrays(simulated: &Simulated<'_>, pulses: &Pulses) -> Vec<NamedA
     arrays
 }
 
-fn harmonics(pulses: &Pulses) -> Vec<NamedComplexArray> {
+fn harmonics(pulses: &Pulses) -> Vec<NamedArray<Complex64>> {
     let mut arrays = Vec::new();
     for (pulse, suffix) in pulses.states() {
         let count = pulse.harmonics + 1;
         let undefined = vec![Complex64::new(f64::NAN, f64::NAN); count];
         let mut push = |name: &str, rows: usize, of: &dyn Fn(usize) -> Vec<Complex64>| {
             let values = (0..rows).flat_map(of).collect();
-            arrays.push(NamedComplexArray { name: format!("{name}{suffix}"), shape: vec![rows, count], values });
+            arrays.push(NamedArray { name: format!("{name}{suffix}"), shape: vec![rows, count], values });
         };
         push("P", pulse.pressure.len(), &|node| pulse.pressure[node].clone().unwrap_or_else(|| undefined.clone()));
         push("Pm", pulse.vessels.len(), &|row| pulse.vessels[row].pressure.clone().unwrap_or_else(|| undefined.clone()));
@@ -200,7 +200,7 @@ fn picture(simulated: &Simulated<'_>, pulses: &Pulses) -> Figure {
 /// A file that cannot be written.
 pub fn write_pulses(folder: &Path, simulated: &Simulated<'_>, pulses: &Pulses) -> Result<Figure> {
     write_file(&folder.join(WAVEFORMS), |out| write_arrays(out, waveform_arrays(simulated, pulses)))?;
-    write_file(&folder.join(HARMONICS), |out| write_complex_arrays(out, harmonics(pulses)))?;
+    write_file(&folder.join(HARMONICS), |out| write_arrays(out, harmonics(pulses)))?;
     if simulated.network.vessel_count() <= MOST_IN_TABLE {
         let table = table(pulses);
         write_file(&folder.join(WAVEFORM_TABLE), |out| write_csv(out, &table))?;

@@ -7,33 +7,19 @@ use super::records::Records;
 use crate::formats::options::ReadOptions;
 use crate::formats::tables::reader::plural;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
 use willis_core::network::path_places::length_of;
-use willis_core::network::units::{Scale, megapascals, metres, pascal_seconds_per_cubic_metre};
-use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall};
+use willis_core::network::units::{megapascals, pascal_seconds_per_cubic_metre};
+use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Scale, Vessel, Wall, is_radius, metres};
 use willis_core::support::geometry::distance;
 
 /// The attributes of an edge, besides its length and radius.
-pub(crate) const ATTRIBUTES: [&str; 14] = [
-    "label",
-    "origin",
-    "prior",
-    "certain",
-    "probability",
-    "hangs_a",
-    "hangs_b",
-    "continues_a",
-    "continues_b",
-    "kept",
-    "points",
-    SPEED,
-    YOUNG,
-    THICKNESS,
-];
+pub(crate) const ATTRIBUTES: [&str; 11] =
+    ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
 /// The wall: the speed of a pulse wave, or Young's modulus and the thickness.
 pub(crate) const SPEED: &str = "pwv_m_per_s";
 pub(crate) const YOUNG: &str = "young_MPa";
 pub(crate) const THICKNESS: &str = "wall_mm";
+pub(crate) const WALL: [&str; 3] = [SPEED, YOUNG, THICKNESS];
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
 /// should know. A radius that is missing, where it may, is NaN.
@@ -82,18 +68,13 @@ pub(in crate::formats) fn vessels(
             }
             None => RadiusRule::Mean.radius(&path),
         };
-        let origin = match item.text("origin") {
-            None => None,
-            Some("observed") => Some(Origin::Observed),
-            Some("candidate") => Some(Origin::Candidate),
-            Some("contact") => Some(Origin::Contact),
-            Some(other) => return Err(item.fault(format!("origin \"{other}\""), "expected observed, candidate or contact")),
-        };
+        let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
+        let origin = item.word("origin", known)?;
         origins += usize::from(origin.is_some());
         let vessel = Vessel {
             length,
             radius,
-            resistance: resistance(&item)?,
+            resistance: item.positive(RESISTANCE)?.map(pascal_seconds_per_cubic_metre),
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
             prior: item.share("prior")?.unwrap_or(1.0),
@@ -146,21 +127,9 @@ fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
     }
 }
 
-/// The resistance that the edge states in the place of Poiseuille's law, Pa s/m³.
-fn resistance(item: &Item) -> Result<Option<f64>, Fault> {
-    match item.real(RESISTANCE)? {
-        Some(r) if r <= 0.0 => Err(item.fault(format!("{RESISTANCE} {r}"), "expected a positive number")),
-        stated => Ok(stated.map(pascal_seconds_per_cubic_metre)),
-    }
-}
-
 /// The wall that the edge states.
 fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
-    let positive = |key: &'static str| match item.real(key)? {
-        Some(x) if x <= 0.0 => Err(item.fault(format!("{key} {x}"), "expected a positive number")),
-        x => Ok(x),
-    };
-    match (positive(SPEED)?, positive(YOUNG)?, positive(THICKNESS)?) {
+    match (item.positive(SPEED)?, item.positive(YOUNG)?, item.positive(THICKNESS)?) {
         (Some(speed), None, None) => Ok(Some(Wall::Speed(speed))),
         (None, Some(young), Some(mm)) => Ok(Some(Wall::Elastic { young: megapascals(young), thickness: metres(mm) })),
         (None, None, None) => Ok(None),
@@ -178,7 +147,8 @@ fn evidence(item: &Item) -> Result<Option<Evidence>, Fault> {
         let is_whole = (a + b - probability).abs() <= 1e-12 * probability;
         evidence = if is_whole { Evidence { attached: [a, b], ..evidence } } else { evidence.divided([a, b]) };
     }
-    if let [Some(a), Some(b)] = [item.odds("continues_a")?, item.odds("continues_b")?] {
+    let odds = |key: &str| item.checked(key, |x| x >= 0.0, "expected odds, zero or more");
+    if let [Some(a), Some(b)] = [odds("continues_a")?, odds("continues_b")?] {
         evidence.continuation_odds = [a, b];
     }
     Ok(Some(evidence))

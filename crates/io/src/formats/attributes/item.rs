@@ -5,8 +5,7 @@ use std::fmt;
 use super::records::Record;
 use crate::formats::tables::reader::number;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, metres};
+use willis_core::network::{Scale, is_radius, metres};
 use willis_core::support::geometry::radius_of;
 
 /// A cross-section area.
@@ -62,20 +61,32 @@ impl<'a> Item<'a> {
         }
     }
 
-    /// A number from 0 to 1.
-    pub(super) fn share(&self, key: &str) -> Result<Option<f64>, Fault> {
+    /// A finite number that is as it has to be, which `accepted` describes for the error.
+    pub(super) fn checked(&self, key: &str, is_right: impl Fn(f64) -> bool, accepted: &str) -> Result<Option<f64>, Fault> {
         match self.real(key)? {
-            Some(x) if !(0.0..=1.0).contains(&x) => Err(self.fault(format!("{key} {x}"), "expected a number from 0 to 1")),
-            share => Ok(share),
+            Some(x) if !is_right(x) => Err(self.fault(format!("{key} {x}"), accepted)),
+            right => Ok(right),
         }
     }
 
-    /// A number that is not negative.
-    pub(super) fn odds(&self, key: &str) -> Result<Option<f64>, Fault> {
-        match self.real(key)? {
-            Some(x) if x < 0.0 => Err(self.fault(format!("{key} {x}"), "expected odds, zero or more")),
-            odds => Ok(odds),
-        }
+    /// A number above zero.
+    pub(super) fn positive(&self, key: &str) -> Result<Option<f64>, Fault> {
+        self.checked(key, |x| x > 0.0, "expected a positive number")
+    }
+
+    /// A number from 0 to 1.
+    pub(super) fn share(&self, key: &str) -> Result<Option<f64>, Fault> {
+        self.checked(key, |x| (0.0..=1.0).contains(&x), "expected a number from 0 to 1")
+    }
+
+    /// One of some words, with what it means.
+    pub(super) fn word<T: Copy>(&self, key: &str, words: [(&str, T); 3]) -> Result<Option<T>, Fault> {
+        let Some(text) = self.text(key) else { return Ok(None) };
+        let wrong = || {
+            let [a, b, c] = words.map(|(word, _)| word);
+            self.fault(format!("{key} \"{text}\""), format!("expected {a}, {b} or {c}"))
+        };
+        words.iter().find(|(word, _)| *word == text).map(|(_, meant)| Some(*meant)).ok_or_else(wrong)
     }
 
     /// The length in millimetres (`length_mm`) or in the unit of the file (`length`): its key and value in m.

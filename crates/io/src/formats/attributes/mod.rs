@@ -9,11 +9,8 @@ use crate::formats::attributes::records::Records;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::reader::number;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{
-    Scale, cubic_metres_per_pascal, cubic_metres_per_second, metres, pascal_seconds_per_cubic_metre, pascals,
-};
-use willis_core::network::{Condition, Node, Role, Windkessel};
+use willis_core::network::units::{cubic_metres_per_pascal, cubic_metres_per_second, pascal_seconds_per_cubic_metre, pascals};
+use willis_core::network::{Condition, Node, Role, Scale, Windkessel, is_radius, metres};
 use willis_core::support::geometry::Point;
 
 /// The attributes that may give the radius where none has "radius" in its name.
@@ -22,7 +19,7 @@ const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &edge::WALL, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
@@ -64,13 +61,7 @@ pub(in crate::formats) fn nodes(ids: &[impl AsRef<str>], records: &Records, scal
         if !seen.insert(id) {
             return Err(item.fault("the id comes twice", "expected every node id once"));
         }
-        let role = match item.text("role") {
-            None => None,
-            Some("inlet") => Some(Role::Inlet),
-            Some("outlet") => Some(Role::Outlet),
-            Some("inner") => Some(Role::Inner),
-            Some(other) => return Err(item.fault(format!("role \"{other}\""), "expected inlet, outlet or inner")),
-        };
+        let role = item.word("role", [Role::Inlet, Role::Outlet, Role::Inner].map(|role| (role.name(), role)))?;
         nodes.push(Node {
             id: id.to_owned(),
             position: position(&item, scale)?,
@@ -121,9 +112,7 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
     if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
         return Ok(None);
     }
-    if let Some(resistance) = resistance.filter(|r| *r <= 0.0) {
-        return Err(item.fault(format!("{RESISTANCE} {resistance}"), "expected a positive number"));
-    }
+    item.positive(RESISTANCE)?;
     Ok(match (resistance, flow, pressure) {
         (Some(_), Some(_), _) => {
             return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
@@ -144,10 +133,11 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
 
 /// The parts of a Windkessel that a node states.
 fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
-    let (proximal, compliance) = (item.real(PROXIMAL)?, item.real(COMPLIANCE)?);
-    if let Some(r) = proximal.filter(|r| *r < 0.0) {
-        return Err(item.fault(format!("{PROXIMAL} {r}"), "expected zero or a positive number"));
-    }
+    const POSITIVE: &str =
+        "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel=none`)";
+    // What is no number is said of either before what is out of range.
+    item.real(PROXIMAL).and(item.real(COMPLIANCE))?;
+    let proximal = item.checked(PROXIMAL, |r| r >= 0.0, "expected zero or a positive number")?;
     if let (Some(r), Some(total)) = (proximal, item.real(RESISTANCE)?) {
         // Where both are printed with a few digits they may be equal but for the last one.
         if r > total * (1.0 + 1e-9) {
@@ -156,10 +146,6 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
             );
         }
     }
-    if let Some(c) = compliance.filter(|c| *c <= 0.0) {
-        let accepted =
-            "expected a positive number; an outlet without compliance is a resistance, which states none (`windkessel=none`)";
-        return Err(item.fault(format!("{COMPLIANCE} {c}"), accepted));
-    }
+    let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?;
     Ok(Windkessel { proximal: proximal.map(pascal_seconds_per_cubic_metre), compliance: compliance.map(cubic_metres_per_pascal) })
 }

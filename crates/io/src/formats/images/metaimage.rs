@@ -2,19 +2,18 @@
 //!
 //! ITK's frame has x to the patient's left and y backward; both are turned. Source: the documentation of MetaIO.
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::ZlibDecoder;
 
-use super::voxels::Voxels;
+use super::voxels::{StoredImage, Voxels};
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
-use crate::formats::input::{beside, bytes_beside};
-use crate::masks::{Image, Mask};
+use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Frame;
 
+/// The field that names the file of the voxels.
+const DATA: &str = "ElementDataFile";
 /// No header is longer; some list the tags of every slice.
 const MOST_HEADER: usize = 1 << 22;
 
@@ -36,108 +35,58 @@ pub(crate) fn is_metaimage(bytes: &[u8]) -> bool {
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
     let header = MetaHeader::read(bytes).ok()?;
-    let (_, name) = header.fields.needed("ElementDataFile").ok()?;
-    if is_local(name) { None } else { beside(path, name) }
+    header.fields.file(path, DATA).filter(|_| !header.is_local())
 }
 
-/// Reads a mask; `path` tells where a second file is.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_metaimage(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
-    with_voxels(path, bytes, most, |voxels, stream| voxels.read(stream, level, most))
-}
-
-/// Reads an image, at most `most` bytes of it; `path` tells where a second file is.
-///
-/// # Errors
-///
-/// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_metaimage_image(path: &Path, bytes: &[u8], most: u64) -> Result<Image> {
-    with_voxels(path, bytes, most, |voxels, stream| voxels.read_values(stream, most))
-}
-
-/// Reads the header, and hands over how the voxels are stored with their bytes.
-fn with_voxels<T>(
-    path: &Path,
-    bytes: &[u8],
-    most: u64,
-    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
-) -> Result<T> {
+/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. At most `most` bytes are read.
+pub(crate) fn open_metaimage<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>, most: u64) -> Result<StoredImage<'a>> {
     let here = |fault: Fault| fault.in_file(path);
     let header = MetaHeader::read(bytes).map_err(here)?;
     let voxels = header.voxels().map_err(here)?;
     let needed = voxels.bytes(most).map_err(here)?;
-    let (line, name) = header.fields.needed("ElementDataFile").map_err(here)?;
-    let other;
-    let (file, data) = if is_local(name) {
+    let (file, data) = if header.is_local() {
         (path.to_owned(), &bytes[header.end..])
     } else {
-        let is_list = name.starts_with("LIST") || name.contains('%');
-        let file = beside(path, name).filter(|_| !is_list).ok_or_else(|| {
-            let accepted = "expected LOCAL, or the name of one file in the same folder";
-            here(Fault::line(line, format!("ElementDataFile \"{name}\""), accepted))
-        })?;
-        other = bytes_beside(&file, most)?;
+        let file;
+        let accepted = "expected LOCAL, or the name of one file in the same folder";
+        (file, *other) = header.fields.file_bytes(path, DATA, most, accepted)?;
         (file, other.as_slice())
     };
-    let there = |fault: Fault| fault.in_file(&file);
     if header.fields.is_true("CompressedData") {
-        return take(voxels, Box::new(ZlibDecoder::new(data))).map_err(there);
+        return Ok(StoredImage { file, voxels, layers: None, stream: Box::new(ZlibDecoder::new(data)) });
     }
     // HeaderSize -1: the voxels are the last bytes of the file.
     let skipped = match header.fields.get("HeaderSize") {
         Some((_, "-1")) => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
-        Some((line, size)) => {
-            size.parse().map_err(|_| here(Fault::line(line, format!("HeaderSize \"{size}\""), "expected a whole number")))?
-        }
+        Some((_, size)) => size.parse().map_err(|_| here(header.fields.wrong("HeaderSize", "expected a whole number")))?,
         None => 0,
     };
-    take(voxels, Box::new(data.get(skipped..).unwrap_or_default())).map_err(there)
-}
-
-/// Whether the voxels are in the file of the header.
-fn is_local(name: &str) -> bool {
-    name.eq_ignore_ascii_case("local")
+    Ok(StoredImage { file, voxels, layers: None, stream: Box::new(data.get(skipped..).unwrap_or_default()) })
 }
 
 impl MetaHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut at, mut line) = (HeaderFields::default(), 0, 0);
-        while at < bytes.len().min(MOST_HEADER) {
-            let rest = &bytes[at..];
-            let end = rest.iter().position(|byte| *byte == b'\n').unwrap_or(rest.len());
-            let text = String::from_utf8_lossy(&rest[..end]).trim().to_owned();
-            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
-            if text.is_empty() {
-                continue;
-            }
-            let Some((key, value)) = text.split_once('=').map(|(key, value)| (key.trim(), value.trim())) else {
-                return Err(Fault::line(line, format!("\"{text}\""), "expected a line Key = value"));
-            };
-            fields.insert(key, line, value);
-            if key == "ElementDataFile" {
-                return Ok(Self { fields, end: at });
+        let (mut fields, mut lines) = (HeaderFields::default(), HeaderLines::new(&bytes[..bytes.len().min(MOST_HEADER)]));
+        let head = lines.left();
+        while let Some((line, key, value)) = lines.entry()? {
+            fields.insert(&key, line, &value);
+            if key == DATA {
+                return Ok(Self { fields, end: head - lines.left() });
             }
         }
         Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))
     }
 
-    /// The numbers of the first of some fields that is there; so many of them.
-    fn numbers(&self, names: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        let name = names.iter().find(|name| self.fields.get(name).is_some());
-        name.map_or(Ok(None), |name| self.fields.numbers(name, count, "numbers", |_| true))
+    /// Whether the voxels are in the file of the header.
+    fn is_local(&self) -> bool {
+        self.fields.get(DATA).is_some_and(|(_, name)| name.eq_ignore_ascii_case("local"))
     }
 
     fn voxels(&self) -> Result<Voxels, Fault> {
-        let (line, dimensions) = self.fields.needed("NDims")?;
-        let axes = match dimensions {
-            "3" => 3,
-            "4" => 4,
-            _ => return Err(Fault::line(line, format!("NDims \"{dimensions}\""), "expected three dimensions; take one volume")),
+        let axes = match self.fields.needed("NDims")? {
+            (_, "3") => 3,
+            (_, "4") => 4,
+            _ => return Err(self.fields.wrong("NDims", "expected three dimensions; take one volume")),
         };
         if let Some((line, channels)) = self.fields.get("ElementNumberOfChannels").filter(|(_, channels)| *channels != "1") {
             return Err(Fault::line(line, format!("{channels} values a voxel"), "expected one"));
@@ -145,7 +94,7 @@ impl MetaHeader {
         if self.fields.get("BinaryData").is_some() && !self.fields.is_true("BinaryData") {
             return Err(Fault::file("voxels as text", "expected BinaryData = True"));
         }
-        let (line, kind) = self.fields.needed("ElementType")?;
+        let (_, kind) = self.fields.needed("ElementType")?;
         let (kind, size) = match kind {
             "MET_UCHAR" => (NumberType::Unsigned, 1),
             "MET_USHORT" => (NumberType::Unsigned, 2),
@@ -158,22 +107,23 @@ impl MetaHeader {
             "MET_LONG_LONG" => (NumberType::Signed, 8),
             "MET_FLOAT" => (NumberType::Real, 4),
             "MET_DOUBLE" => (NumberType::Real, 8),
-            other => {
+            _ => {
                 let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
-                return Err(Fault::line(line, format!("ElementType \"{other}\""), accepted));
+                return Err(self.fields.wrong("ElementType", accepted));
             }
         };
-        let (line, size_text) = self.fields.needed("DimSize")?;
+        self.fields.needed("DimSize")?;
         let shape: Vec<usize> = self.fields.numbers("DimSize", axes, "whole numbers", |_| true)?.unwrap_or_default();
         if shape.get(3).is_some_and(|volumes| *volumes != 1) {
-            return Err(Fault::line(line, format!("DimSize \"{size_text}\""), "expected three dimensions; take one volume"));
+            return Err(self.fields.wrong("DimSize", "expected three dimensions; take one volume"));
         }
         let shape = [shape[0], shape[1], shape[2]];
+        let numbers = |names: &[&str], count: usize| self.fields.first_numbers(names, count, "numbers", |_| true);
         let three = |all: Vec<f64>| [all[0], all[1], all[2]];
-        let spacing = self.numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
-        let origin = self.numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
+        let spacing = numbers(&["ElementSpacing", "ElementSize"], axes)?.map_or([1.0; 3], three);
+        let origin = numbers(&["Offset", "Position", "Origin"], axes)?.map_or([0.0; 3], three);
         let identity = |at: usize| if at.is_multiple_of(axes + 1) { 1.0 } else { 0.0 };
-        let directions = self.numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
+        let directions = numbers(&["TransformMatrix", "Rotation", "Orientation"], axes * axes)?;
         let directions = directions.unwrap_or_else(|| (0..axes * axes).map(identity).collect());
         if let Some(bad) = spacing.iter().find(|s| !(s.is_finite() && **s > 0.0)) {
             return Err(Fault::file(format!("ElementSpacing {bad}"), "expected a positive spacing along every axis"));

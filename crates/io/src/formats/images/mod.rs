@@ -6,4 +6,4 @@ pub(crate) mod nrrd;
 pub(crate) mod numpy;
 mod pieces;
 pub(crate) mod tiff;
-mod voxels;
+pub(crate) mod voxels;

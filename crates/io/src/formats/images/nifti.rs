@@ -12,7 +12,7 @@ use flate2::write::GzEncoder;
 use super::voxels::Voxels;
 use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
-use crate::masks::{Affine, Image, Mask};
+use crate::masks::{Affine, Image, Mask, steps_of};
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::support::geometry::norm;
@@ -98,32 +98,8 @@ struct NiftiHeader<'a> {
     big: bool,
 }
 
-/// Reads a mask.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_nifti(bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    with_voxels(bytes, most, |voxels, stream| voxels.read(stream, level, most))
-}
-
-/// Reads an image, at most `most` bytes of it.
-///
-/// # Errors
-///
-/// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_nifti_image(bytes: &[u8], most: u64) -> Result<Image, Fault> {
-    with_voxels(bytes, most, |voxels, stream| voxels.read_values(stream, most))
-}
-
-/// Reads the header, and hands over how the voxels are stored with their bytes.
-fn with_voxels<T>(
-    bytes: &[u8],
-    most: u64,
-    take: impl FnOnce(Voxels, Box<dyn Read + '_>) -> Result<T, Fault>,
-) -> Result<T, Fault> {
+/// Reads the header, of at most `most` bytes.
+pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
     let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");
@@ -139,7 +115,7 @@ fn with_voxels<T>(
     voxels.bytes(most)?;
     let skipped = offset.saturating_sub(head.len() as u64);
     copy(&mut stream.by_ref().take(skipped), &mut sink()).map_err(cut)?;
-    take(voxels, stream)
+    Ok((voxels, stream))
 }
 
 /// Writes a mask as NIfTI-1, one byte a voxel, with its frame as sform; as qform too where the axes are those of the frame. `packed`
@@ -196,8 +172,7 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     put(ONE.datatype, &datatype.to_le_bytes());
     put(ONE.datatype + 2, &bits.to_le_bytes());
     put(ONE.pixdim, &real(1.0));
-    let column = |axis: usize| affine.map(|row| row[axis]);
-    for (n, spacing) in [0, 1, 2].map(|axis| norm(column(axis))).into_iter().enumerate() {
+    for (n, spacing) in steps_of(affine).map(norm).into_iter().enumerate() {
         put(ONE.pixdim + 4 * (n + 1), &real(spacing));
     }
     put(ONE.offset, &real(352.0));

@@ -10,16 +10,17 @@ use std::path::{Path, PathBuf};
 use flate2::read::MultiGzDecoder;
 
 use super::pieces::Pieces;
-use super::voxels::{Voxels, fill};
+use super::voxels::{StoredImage, Voxels, fill};
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
-use crate::formats::input::{beside, bytes_beside};
+use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use crate::formats::tables::reader::plural;
-use crate::masks::{Affine, Image, Mask};
+use crate::masks::{Affine, Mask};
 use willis_core::error::{Fault, Result};
-use willis_core::network::Frame;
-use willis_core::network::units::LengthUnit;
+use willis_core::network::{Frame, LengthUnit};
 
+/// The field that names another file of the voxels.
+const DATA: &str = "data file";
+const ONE_VOLUME: &str = "expected three dimensions; take one volume";
 /// No header is longer; that of a hundred segments has a tenth of it.
 const MOST_HEADER: usize = 1 << 20;
 /// Classes are numbered by one byte.
@@ -68,28 +69,66 @@ pub(crate) fn is_nrrd(bytes: &[u8]) -> bool {
 
 /// The file beside `path` that holds its voxels, if they are not in the same file.
 pub(crate) fn file_of_voxels(path: &Path, bytes: &[u8]) -> Option<PathBuf> {
-    let header = NrrdHeader::read(bytes).ok()?;
-    let (_, name) = header.fields.get("data file")?;
-    beside(path, name)
+    NrrdHeader::read(bytes).ok()?.fields.file(path, DATA)
 }
 
-/// Reads a mask; `path` tells where a second file is. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where
-/// several layers overlap, the last segment has the voxel, as when Slicer exports a label map.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_nrrd(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Result<Mask> {
-    with_voxels(path, bytes, most, |header, voxels, layers, stream| {
-        let segments = header.segments(layers)?;
-        if segments.is_empty() || (layers == 1 && level.is_some()) {
-            header.one_layer(layers)?;
+/// Reads the header, of which `path` tells where a second file is; the bytes of that go to `other`. At most `most` bytes are read.
+pub(crate) fn open_nrrd<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>, most: u64) -> Result<StoredImage<'a>> {
+    let here = |fault: Fault| fault.in_file(path);
+    let header = NrrdHeader::read(bytes).map_err(here)?;
+    let encoding = header.encoding().map_err(here)?;
+    let (voxels, layers) = header.voxels(encoding).map_err(here)?;
+    let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
+    let (file, mut data) = if header.fields.get(DATA).is_none() {
+        (path.to_owned(), bytes.get(header.end..).unwrap_or_default())
+    } else {
+        let file;
+        (file, *other) = header.fields.file_bytes(path, DATA, most, "expected the name of one file in the same folder")?;
+        (file, other.as_slice())
+    };
+    for _ in 0..header.fields.whole("line skip").map_err(here)?.unwrap_or(0).max(0) {
+        let Some(end) = data.iter().position(|byte| *byte == b'\n') else {
+            return Err(Fault::file("fewer lines than are to be skipped", "expected a whole file").in_file(&file));
+        };
+        data = &data[end + 1..];
+    }
+    let skipped = header.fields.whole("byte skip").map_err(here)?.unwrap_or(0);
+    let stream: Box<dyn Read + 'a> = if encoding == Encoding::Gzip {
+        let mut stream = MultiGzDecoder::new(data);
+        let skip = copy(&mut stream.by_ref().take(u64::try_from(skipped).unwrap_or(0)), &mut sink());
+        skip.map_err(|error| Fault::file(format!("unreadable: {error}"), "expected a whole file").in_file(&file))?;
+        Box::new(stream)
+    } else {
+        // Byte skip -1: the voxels are the last bytes of the file.
+        let skipped = match usize::try_from(skipped) {
+            Ok(skipped) => skipped,
+            Err(_) if encoding == Encoding::Raw => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
+            Err(_) => 0,
+        };
+        let data = data.get(skipped..).unwrap_or_default();
+        if encoding == Encoding::Text { Box::new(written_numbers(data)) } else { Box::new(data) }
+    };
+    Ok(StoredImage { file, voxels, layers: Some(Layers { header, count: layers }), stream })
+}
+
+/// The values of each voxel, which follow one another: one, or those of the layers of a segmentation of 3D Slicer.
+pub(crate) struct Layers {
+    header: NrrdHeader,
+    count: usize,
+}
+
+impl Layers {
+    /// Reads a mask. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where several layers overlap, the last
+    /// segment has the voxel, as when Slicer exports a label map.
+    pub(super) fn mask(&self, voxels: Voxels, stream: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+        let segments = self.segments()?;
+        if segments.is_empty() || (self.count == 1 && level.is_some()) {
+            self.one()?;
             return voxels.read(stream, level, most);
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
-        let classes = ClassesOfLayers { segments: &segments, layers, voxels: &voxels, unnamed: &unnamed, shared: &shared };
+        let classes =
+            ClassesOfLayers { segments: &segments, layers: self.count, voxels: &voxels, unnamed: &unnamed, shared: &shared };
         let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
         let mut mask = as_bytes.read(classes.of(stream), level, most)?;
         if unnamed.get() > 0 {
@@ -101,68 +140,45 @@ pub fn read_nrrd(path: &Path, bytes: &[u8], level: Option<f64>, most: u64) -> Re
         let names = (1..).zip(segments).filter(|(_, segment)| !segment.name.is_empty());
         mask.names = names.map(|(class, segment)| (class, segment.name)).collect();
         Ok(mask)
-    })
-}
+    }
 
-/// Reads an image, at most `most` bytes of it; `path` tells where a second file is.
-///
-/// # Errors
-///
-/// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_nrrd_image(path: &Path, bytes: &[u8], most: u64) -> Result<Image> {
-    with_voxels(path, bytes, most, |header, voxels, layers, stream| {
-        header.one_layer(layers)?;
-        voxels.read_values(stream, most)
-    })
-}
+    /// Refuses several layers.
+    pub(super) fn one(&self) -> Result<(), Fault> {
+        if self.count == 1 { Ok(()) } else { Err(self.header.fields.wrong("sizes", ONE_VOLUME)) }
+    }
 
-/// Reads the header, and hands over how the voxels are stored, in how many layers, with their bytes.
-fn with_voxels<T>(
-    path: &Path,
-    bytes: &[u8],
-    most: u64,
-    take: impl FnOnce(&NrrdHeader, Voxels, usize, Box<dyn Read + '_>) -> Result<T, Fault>,
-) -> Result<T> {
-    let here = |fault: Fault| fault.in_file(path);
-    let header = NrrdHeader::read(bytes).map_err(here)?;
-    let encoding = header.encoding().map_err(here)?;
-    let (voxels, layers) = header.voxels(encoding).map_err(here)?;
-    let needed = Voxels { size: voxels.size.saturating_mul(layers), ..voxels.clone() }.bytes(most).map_err(here)?;
-    let other;
-    let (file, mut data) = match header.fields.get("data file") {
-        None => (path.to_owned(), bytes.get(header.end..).unwrap_or_default()),
-        Some((line, name)) => {
-            let is_list = name.starts_with("LIST") || name.starts_with("SKIPLIST") || name.contains('%');
-            let file = beside(path, name).filter(|_| !is_list).ok_or_else(|| {
-                here(Fault::line(line, format!("data file \"{name}\""), "expected the name of one file in the same folder"))
-            })?;
-            other = bytes_beside(&file, most)?;
-            (file, other.as_slice())
+    /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
+    /// ones.
+    fn segments(&self) -> Result<Vec<SlicerSegment>, Fault> {
+        let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
+        let mut rows: Vec<usize> = self.header.keys.keys().filter_map(|key| number(key)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        if rows.len() > MOST_SEGMENTS {
+            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
         }
-    };
-    let there = |fault: Fault| fault.in_file(&file);
-    for _ in 0..header.fields.whole("line skip").map_err(here)?.unwrap_or(0).max(0) {
-        let Some(end) = data.iter().position(|byte| *byte == b'\n') else {
-            return Err(there(Fault::file("fewer lines than are to be skipped", "expected a whole file")));
+        let segment = |row: usize| {
+            let text = |what: &str| self.header.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
+            let wrong = |what: &str, text: &str, accepted: String| {
+                Fault::item(format!("Segment{row}_{what}"), format!("\"{text}\""), accepted)
+            };
+            let layer = match text("Layer") {
+                None => Some(if self.count == 1 { 0 } else { row }),
+                Some(text) => text.parse().ok(),
+            };
+            let layer = layer.filter(|layer| *layer < self.count);
+            let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
+            let layer = layer
+                .ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(self.count, "layer"))))?;
+            let value = match text("LabelValue") {
+                None => 1.0,
+                Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
+            };
+            let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
+            Ok(SlicerSegment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
         };
-        data = &data[end + 1..];
+        rows.into_iter().map(segment).collect()
     }
-    let skipped = header.fields.whole("byte skip").map_err(here)?.unwrap_or(0);
-    if encoding == Encoding::Gzip {
-        let mut stream = MultiGzDecoder::new(data);
-        let skip = copy(&mut stream.by_ref().take(u64::try_from(skipped).unwrap_or(0)), &mut sink());
-        skip.map_err(|error| there(Fault::file(format!("unreadable: {error}"), "expected a whole file")))?;
-        return take(&header, voxels, layers, Box::new(stream)).map_err(there);
-    }
-    // Byte skip -1: the voxels are the last bytes of the file.
-    let skipped = match usize::try_from(skipped) {
-        Ok(skipped) => skipped,
-        Err(_) if encoding == Encoding::Raw => data.len().saturating_sub(usize::try_from(needed).unwrap_or(usize::MAX)),
-        Err(_) => 0,
-    };
-    let data = data.get(skipped..).unwrap_or_default();
-    let stream: Box<dyn Read> = if encoding == Encoding::Text { Box::new(written_numbers(data)) } else { Box::new(data) };
-    take(&header, voxels, layers, stream).map_err(there)
 }
 
 /// Numbers that are written as text, as reals of 8 bytes.
@@ -232,19 +248,19 @@ fn plain(name: &str) -> String {
 
 impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut keys, mut at, mut line) = (HeaderFields::named(plain), BTreeMap::new(), 0, 0);
+        let (mut fields, mut keys) = (HeaderFields::named(plain), BTreeMap::new());
+        let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
+        let mut lines = HeaderLines::new(head);
         loop {
+            let at = head.len() - lines.left();
             if at >= MOST_HEADER {
                 return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
             }
-            let rest = &bytes[at..];
-            let end = rest.iter().take(MOST_HEADER).position(|byte| *byte == b'\n').unwrap_or(rest.len());
-            let text = String::from_utf8_lossy(&rest[..end.min(MOST_HEADER)]).trim().to_owned();
-            (at, line) = (at + (end + 1).min(rest.len()), line + 1);
             // A header whose voxels are in another file may end with the file.
-            if text.is_empty() {
-                return Ok(Self { fields, keys, end: at });
-            }
+            let Some((line, text)) = lines.line().filter(|(_, text)| !text.is_empty()) else {
+                return Ok(Self { fields, keys, end: head.len() - lines.left() });
+            };
+            let text = String::from_utf8_lossy(text);
             if line == 1 || text.starts_with('#') {
                 continue;
             }
@@ -266,22 +282,20 @@ impl NrrdHeader {
     }
 
     fn encoding(&self) -> Result<Encoding, Fault> {
-        let (line, word) = self.fields.needed("encoding")?;
+        let (_, word) = self.fields.needed("encoding")?;
         match word.to_ascii_lowercase().as_str() {
             "raw" => Ok(Encoding::Raw),
             "gzip" | "gz" => Ok(Encoding::Gzip),
             "text" | "txt" | "ascii" => Ok(Encoding::Text),
-            _ => Err(Fault::line(line, format!("encoding \"{word}\""), "expected raw, gzip or ascii")),
+            _ => Err(self.fields.wrong("encoding", "expected raw, gzip or ascii")),
         }
     }
 
     /// How the voxels are stored, and in how many layers.
     fn voxels(&self, encoding: Encoding) -> Result<(Voxels, usize), Fault> {
-        let (line, word) = self.fields.needed("type")?;
-        let (kind, size) = number_type(word).ok_or_else(|| {
-            let accepted = "expected uchar, short, float or another type of number";
-            Fault::line(line, format!("type \"{word}\""), accepted)
-        })?;
+        let (_, word) = self.fields.needed("type")?;
+        let wrong = || self.fields.wrong("type", "expected uchar, short, float or another type of number");
+        let (kind, size) = number_type(word).ok_or_else(wrong)?;
         let axes = self.axes()?;
         let affine = self.affine(&axes)?;
         let Axes { shape, layers, .. } = axes;
@@ -290,25 +304,24 @@ impl NrrdHeader {
         if encoding == Encoding::Text {
             return Ok((Voxels { kind: NumberType::Real, size: 8, ..as_stored }, layers));
         }
-        let big = match self.fields.get("endian").map(|(line, word)| (line, word.to_ascii_lowercase())) {
-            Some((_, word)) if word == "little" => false,
-            Some((_, word)) if word == "big" => true,
+        let big = match self.fields.get("endian").map(|(_, word)| word.to_ascii_lowercase()).as_deref() {
+            Some("little") => false,
+            Some("big") => true,
             None if size == 1 => false,
-            None => return Err(Fault::file("no field endian", "expected little or big")),
-            Some((line, word)) => return Err(Fault::line(line, format!("endian \"{word}\""), "expected little or big")),
+            _ => return Err(self.fields.wrong("endian", "expected little or big")),
         };
         Ok((Voxels { big, ..as_stored }, layers))
     }
 
     /// The axes, three of which are those of space.
     fn axes(&self) -> Result<Axes, Fault> {
-        let (line, text) = self.fields.needed("sizes")?;
+        self.fields.needed("sizes")?;
         self.fields.needed("dimension")?;
         let dimension = self.fields.whole("dimension")?.unwrap_or_default();
-        let wrong = || Fault::line(line, format!("sizes \"{text}\""), format!("expected {dimension} whole numbers"));
-        let count = usize::try_from(dimension).map_err(|_| wrong())?;
+        let wrong = |_| self.fields.wrong("sizes", format!("expected {dimension} whole numbers"));
+        let count = usize::try_from(dimension).map_err(wrong)?;
         let sizes: Vec<usize> = self.fields.numbers("sizes", count, "whole numbers", |_| true)?.unwrap_or_default();
-        let not_three = || Fault::line(line, format!("sizes \"{text}\""), "expected three dimensions; take one volume");
+        let not_three = || self.fields.wrong("sizes", ONE_VOLUME);
         let (layers, of_space) = match sizes.len() {
             3 => (1, [0, 1, 2]),
             4 => {
@@ -321,8 +334,7 @@ impl NrrdHeader {
             _ => return Err(not_three()),
         };
         if layers == 0 || layers > MOST_SEGMENTS {
-            let accepted = format!("expected from 1 to {MOST_SEGMENTS} layers");
-            return Err(Fault::line(line, format!("sizes \"{text}\""), accepted));
+            return Err(self.fields.wrong("sizes", format!("expected from 1 to {MOST_SEGMENTS} layers")));
         }
         Ok(Axes { of_space, shape: of_space.map(|axis| sizes[axis]), layers, count: sizes.len() })
     }
@@ -352,10 +364,10 @@ impl NrrdHeader {
 
     /// The step along each axis; `None` for one that is not of space.
     fn directions(&self, axes: usize) -> Result<Option<Vec<Option<[f64; 3]>>>, Fault> {
-        let Some((line, text)) = self.fields.get("space directions") else { return Ok(None) };
+        let Some((_, text)) = self.fields.get("space directions") else { return Ok(None) };
         let steps = vectors(text).filter(|steps| steps.len() == axes);
         let accepted = || format!("expected {axes} vectors of three numbers, or none for an axis");
-        steps.map(Some).ok_or_else(|| Fault::line(line, format!("space directions \"{text}\""), accepted()))
+        steps.map(Some).ok_or_else(|| self.fields.wrong("space directions", accepted()))
     }
 
     /// The scanner's frame in mm from voxels.
@@ -379,10 +391,9 @@ impl NrrdHeader {
                 return Err(Fault::file(format!("spacing {bad}"), "expected a positive spacing along every axis"));
             }
         }
-        if let Some((line, text)) = self.fields.get("space origin") {
+        if let Some((_, text)) = self.fields.get("space origin") {
             let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
-            let wrong = || Fault::line(line, format!("space origin \"{text}\""), "expected a vector of three numbers");
-            origin = found.ok_or_else(wrong)?;
+            origin = found.ok_or_else(|| self.fields.wrong("space origin", "expected a vector of three numbers"))?;
         }
         let unit = self.unit();
         Ok(std::array::from_fn(|row| {
@@ -392,7 +403,7 @@ impl NrrdHeader {
 
     /// What turns each axis of the file's space to the scanner's, where it states one.
     fn turn(&self) -> Result<Option<[f64; 3]>, Fault> {
-        let Some((line, space)) = self.fields.get("space") else { return Ok(None) };
+        let Some((_, space)) = self.fields.get("space") else { return Ok(None) };
         match space.to_ascii_lowercase().as_str() {
             "right-anterior-superior" | "ras" => Ok(Some([1.0, 1.0, 1.0])),
             "left-anterior-superior" | "las" => Ok(Some([-1.0, 1.0, 1.0])),
@@ -400,7 +411,7 @@ impl NrrdHeader {
             "scanner-xyz" | "3d-right-handed" | "3d-left-handed" => Ok(None),
             _ => {
                 let accepted = "expected right-anterior-superior, left-anterior-superior or left-posterior-superior";
-                Err(Fault::line(line, format!("space \"{space}\""), accepted))
+                Err(self.fields.wrong("space", accepted))
             }
         }
     }
@@ -411,48 +422,6 @@ impl NrrdHeader {
         // The axis of layers has no unit.
         let word = words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???");
         word.and_then(LengthUnit::named).unwrap_or_default().mm()
-    }
-
-    /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
-    /// ones.
-    fn segments(&self, layers: usize) -> Result<Vec<SlicerSegment>, Fault> {
-        let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
-        let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
-        rows.sort_unstable();
-        rows.dedup();
-        if rows.len() > MOST_SEGMENTS {
-            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
-        }
-        let segment = |row: usize| {
-            let text = |what: &str| self.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
-            let wrong = |what: &str, text: &str, accepted: String| {
-                Fault::item(format!("Segment{row}_{what}"), format!("\"{text}\""), accepted)
-            };
-            let layer = match text("Layer") {
-                None => Some(if layers == 1 { 0 } else { row }),
-                Some(text) => text.parse().ok(),
-            };
-            let layer = layer.filter(|layer| *layer < layers);
-            let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
-            let layer =
-                layer.ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(layers, "layer"))))?;
-            let value = match text("LabelValue") {
-                None => 1.0,
-                Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
-            };
-            let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
-            Ok(SlicerSegment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
-        };
-        rows.into_iter().map(segment).collect()
-    }
-
-    /// Refuses several layers.
-    fn one_layer(&self, layers: usize) -> Result<(), Fault> {
-        if layers == 1 {
-            return Ok(());
-        }
-        let (line, sizes) = self.fields.needed("sizes")?;
-        Err(Fault::line(line, format!("sizes \"{sizes}\""), "expected three dimensions; take one volume"))
     }
 }
 

@@ -1,8 +1,10 @@
 //! Reads masks and images saved by NumPy: an array of three axes, x, y and z, in a file of its own or beside its frame in an archive.
 
+use std::io::Read;
+
 use crate::formats::input::UnpackLimit;
 use crate::formats::numpy::array::{Archive, NumpyArray};
-use crate::masks::{Affine, Image, Mask};
+use crate::masks::Affine;
 use willis_core::error::Fault;
 use willis_core::network::Frame;
 
@@ -20,36 +22,17 @@ pub(crate) fn is_mask(bytes: &[u8]) -> bool {
     })
 }
 
-/// Reads a mask, of an `.npy` file or of an archive whose array is called `mask` or another usual name. The first axis of the array is x;
-/// axes of one before and after three say nothing.
+/// Reads the header, of an `.npy` file or of an archive whose array is called `mask` or another usual name, and hands over how the voxels are
+/// stored with their bytes. The first axis of the array is x; axes of one before and after three say nothing.
 ///
 /// The arrays `affine` (4, 4), nibabel's, and `spacing` (3) of an archive state the frame; else voxel 0,0,0 is at the origin, the spacing
-/// is the one given, and nobody states which way the axes point. From `level` on a voxel is a vessel; without it the values are classes.
-/// At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, no mask of three dimensions, or one without a usable frame.
-pub fn read_numpy_mask(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    with_voxels(bytes, spacing, most, |voxels, stream| voxels.read(stream, level, most))
-}
-
-/// Reads an image as [`read_numpy_mask`] reads a mask, at most `most` bytes of it.
-///
-/// # Errors
-///
-/// A file that is cut, no image of three dimensions, or one without a usable frame.
-pub fn read_numpy_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
-    with_voxels(bytes, spacing, most, |voxels, stream| voxels.read_values(stream, most))
-}
-
-/// Reads the header, and hands over how the voxels are stored with their bytes.
-fn with_voxels<T>(
+/// is the one given, and nobody states which way the axes point. At most `most` bytes are read, which go to `other`.
+pub(crate) fn open_numpy<'a>(
     bytes: &[u8],
     spacing: Option<[f64; 3]>,
     most: u64,
-    take: impl FnOnce(Voxels, &[u8]) -> Result<T, Fault>,
-) -> Result<T, Fault> {
+    other: &'a mut Vec<u8>,
+) -> Result<(Voxels, Box<dyn Read + 'a>), Fault> {
     let room = UnpackLimit::of(bytes.len(), most);
     let (array, stated) = if bytes.starts_with(b"PK") {
         let mut archive = Archive::open(bytes, &room)?;
@@ -80,9 +63,10 @@ fn with_voxels<T>(
     };
     let (kind, size, big) = array.numbers()?;
     // In C order the last axis runs fastest.
-    let reversed = !array.is_fortran();
+    let reversed = !array.fortran;
     let (shape, affine) = if reversed { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) } else { ([x, y, z], rows) };
-    take(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame, reversed }, array.bytes())
+    *other = array.into_bytes();
+    Ok((Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame, reversed }, Box::new(other.as_slice())))
 }
 
 /// What an archive states beside its voxels.

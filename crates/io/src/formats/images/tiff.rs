@@ -4,7 +4,7 @@
 //! `ij/io/TiffEncoder.java`; the OME data model.
 
 use std::collections::HashMap;
-use std::io::{self, Cursor};
+use std::io::{self, Cursor, Read};
 
 use tiff::ColorType;
 use tiff::decoder::ifd::Value;
@@ -15,10 +15,8 @@ use super::pieces::Pieces;
 use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
 use crate::formats::xml::{Events, XmlStep};
-use crate::masks::{Image, Mask};
 use willis_core::error::Fault;
-use willis_core::network::Frame;
-use willis_core::network::units::LengthUnit;
+use willis_core::network::{Frame, LengthUnit};
 
 /// More than the methods of compression can gain: LZW codes up to 4,096 bytes in 12 bits.
 const MOST_GAIN: u64 = 1 << 12;
@@ -36,29 +34,6 @@ pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
     [b"II\x2a\0", b"MM\0\x2a", b"II\x2b\0", b"MM\0\x2b"].iter().any(|signature| bytes.starts_with(*signature))
 }
 
-/// Reads a mask. `spacing` (mm) stands for what the file states; voxel 0,0,0 is at the origin, and
-/// nobody states which way the axes point.
-///
-/// From `level` on a voxel is a vessel; without it the values are classes. At most `most` bytes are read.
-///
-/// # Errors
-///
-/// A file that is cut, pages that differ or have several values a pixel, no spacing.
-pub fn read_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-    let (voxels, pages) = open(bytes, spacing, most)?;
-    voxels.read(values_of(pages), level, most)
-}
-
-/// Reads an image, at most `most` bytes of it, as [`read_tiff`] reads a mask.
-///
-/// # Errors
-///
-/// Those of [`read_tiff`].
-pub fn read_tiff_image(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<Image, Fault> {
-    let (voxels, pages) = open(bytes, spacing, most)?;
-    voxels.read_values(values_of(pages), most)
-}
-
 /// A fault of the file from one of the library.
 fn broken(error: &tiff::TiffError) -> Fault {
     Fault::file(
@@ -67,8 +42,9 @@ fn broken(error: &tiff::TiffError) -> Fault {
     )
 }
 
-/// How the voxels are stored, and the pages from the first on.
-fn open(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Pages<'_>), Fault> {
+/// Reads the headers of all pages, and hands over how the voxels are stored with their bytes. `spacing` (mm) stands for what the file states;
+/// voxel 0,0,0 is at the origin, and nobody states which way the axes point. At most `most` bytes are read.
+pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
     let limits = || {
         let mut limits = Limits::default();
         limits.decoding_buffer_size = usize::try_from(most.min(MOST_PAGE)).unwrap_or(usize::MAX);
@@ -113,7 +89,7 @@ fn open(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, P
         let found = format!("pages of {of_page} bytes in a file of {}", bytes.len());
         return Err(Fault::file(found, "expected a whole file, and pages of at most 1 GiB"));
     }
-    Ok((voxels, opened()?))
+    Ok((voxels, Box::new(values_of(opened()?))))
 }
 
 /// The pixels of a page along its two axes, and their type of number with its bytes.
@@ -144,7 +120,7 @@ fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
 }
 
 /// The stored values, page by page.
-fn values_of(mut pages: Pages<'_>) -> impl io::Read {
+fn values_of(mut pages: Pages<'_>) -> impl Read {
     let mut is_first = true;
     Pieces::new(move |piece: &mut Vec<u8>| {
         if !is_first {
@@ -196,12 +172,10 @@ impl Stated {
 
     /// Lines such as `spacing=0.5`; the tags hold pixels per unit.
     fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
-        let fields: HashMap<&str, &str> = description.lines().filter_map(|line| line.trim().split_once('=')).collect();
-        let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
+        let lines = description.lines().filter_map(|line| line.trim().split_once('='));
+        let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
         for name in ["channels", "frames"] {
-            if let Some(several) = count(name).filter(|count| *count > 1) {
-                return Err(Fault::file(format!("{several} {name}"), NOT_ONE_VOLUME));
-            }
+            one_of(&fields, name, |several| format!("{several} {name}"))?;
         }
         let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
         let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
@@ -211,8 +185,12 @@ impl Stated {
         let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));
         let z = fields.get("spacing").and_then(|text| text.parse::<f64>().ok());
         // ImageJ states no unit, or pixels, for what is not calibrated.
-        let spacing = [x, y, z].map(|length| Some(length? * unit?).filter(|length| length.is_finite() && *length > 0.0));
-        Ok(Self { spacing, slices: count("images") })
+        let spacing = [x, y, z].map(|length| Some(length? * unit?));
+        Ok(Self::new(spacing, count(&fields, "images")))
+    }
+
+    fn new(spacing: [Option<f64>; 3], slices: Option<usize>) -> Self {
+        Self { spacing: spacing.map(|length| length.filter(|length| length.is_finite() && *length > 0.0)), slices }
     }
 
     /// The attributes of the first element Pixels.
@@ -224,21 +202,27 @@ impl Stated {
                 continue;
             }
             let fields: HashMap<String, String> = events.tag().attributes()?.into_iter().collect();
-            let count = |name: &str| fields.get(name).and_then(|text| text.parse::<usize>().ok());
             for name in ["SizeC", "SizeT"] {
-                if let Some(several) = count(name).filter(|count| *count > 1) {
-                    return Err(Fault::file(format!("{name} {several}"), NOT_ONE_VOLUME));
-                }
+                one_of(&fields, name, |several| format!("{name} {several}"))?;
             }
             let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
                 let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
-                let length = fields.get(name)?.parse::<f64>().ok()? * unit?;
-                Some(length).filter(|length| length.is_finite() && *length > 0.0)
+                Some(fields.get(name)?.parse::<f64>().ok()? * unit?)
             });
-            return Ok(Self { spacing, slices: count("SizeZ") });
+            return Ok(Self::new(spacing, count(&fields, "SizeZ")));
         }
         Ok(Self::default())
     }
+}
+
+fn count(fields: &HashMap<String, String>, name: &str) -> Option<usize> {
+    fields.get(name).and_then(|text| text.parse().ok())
+}
+
+/// Refuses more than one of what a field counts.
+fn one_of(fields: &HashMap<String, String>, name: &str, found: impl Fn(usize) -> String) -> Result<(), Fault> {
+    let several = count(fields, name).filter(|count| *count > 1);
+    several.map_or(Ok(()), |several| Err(Fault::file(found(several), NOT_ONE_VOLUME)))
 }
 
 /// Millimetres of a unit of ImageJ or OME; nothing for pixels and for what is no length.

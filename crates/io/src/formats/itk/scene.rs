@@ -1,55 +1,16 @@
 //! Reads a MetaIO scene: objects as their fields, tubes with their points.
 
-use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::formats::binary::NumberType;
-use crate::formats::header_fields::HeaderFields;
+use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
 use willis_core::error::Fault;
-use willis_core::support::geometry::{Point, bounds, distance, sub};
+use willis_core::support::geometry::{Point, distance};
 
-const ENTRY: &str = "expected a line Key = value";
-/// How many characters of a wrong line an error shows.
-const SHOWN: usize = 40;
-
-/// A place in a file that mixes lines and binary data.
-pub struct SceneCursor<'a> {
-    rest: &'a [u8],
-    line: usize,
-}
-
-impl<'a> SceneCursor<'a> {
-    /// The next line without blanks around it, and its number; the cursor stays before it.
-    pub fn peek(&self) -> Option<(usize, &'a [u8])> {
-        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
-        (!self.rest.is_empty()).then(|| (self.line, self.rest[..end].trim_ascii()))
-    }
-
-    /// The next line, and its number.
-    pub fn line(&mut self) -> Option<(usize, &'a [u8])> {
-        let line = self.peek()?;
-        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
-        self.rest = &self.rest[end..];
-        self.line += 1;
-        Some(line)
-    }
-
-    /// The next bytes, or how many there are when these are fewer.
-    pub fn bytes(&mut self, count: usize) -> Result<&'a [u8], usize> {
-        let (taken, rest) = self.rest.split_at_checked(count).ok_or(self.rest.len())?;
-        self.line += taken.split(|b| *b == b'\n').count() - 1;
-        self.rest = rest;
-        Ok(taken)
-    }
-
-    /// Goes to the next line that begins an object.
-    fn skip_to_object(&mut self) {
-        while let Some((_, line)) = self.peek() {
-            if line.starts_with(b"ObjectType") {
-                return;
-            }
-            self.line();
-        }
+/// Goes to the next line that begins an object.
+fn skip_to_object(lines: &mut HeaderLines) {
+    while lines.peek().is_some_and(|(_, line)| !line.starts_with(b"ObjectType")) {
+        lines.line();
     }
 }
 
@@ -62,7 +23,8 @@ pub struct Object {
     pub kind: String,
     /// Its points, of a tube.
     pub points: Vec<Sample>,
-    fields: HeaderFields,
+    /// Its fields.
+    pub(super) fields: HeaderFields,
 }
 
 impl Object {
@@ -71,44 +33,28 @@ impl Object {
         self.kind == "Tube" || self.kind.is_empty()
     }
 
-    /// The line and the text of a field.
-    pub fn field(&self, key: &str) -> Option<(usize, &str)> {
-        self.fields.get(key)
-    }
-
-    /// A yes or no; no where it is absent.
-    pub fn is_true(&self, key: &str) -> bool {
-        self.fields.is_true(key)
-    }
-
     /// A whole number; `None` where it is absent or negative.
     pub fn index(&self, key: &str) -> Result<Option<u64>, Fault> {
         Ok(self.fields.whole(key)?.and_then(|number| u64::try_from(number).ok()))
     }
 
-    /// As many numbers as are asked for; `None` where the field is absent.
-    pub fn numbers(&self, key: &str, count: usize) -> Result<Option<Vec<f64>>, Fault> {
-        self.fields.numbers(key, count, "finite numbers", |x: &f64| x.is_finite())
+    /// As many numbers as are asked for, of the first of some fields that is there.
+    pub fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
+        self.fields.first_numbers(keys, count, "finite numbers", |x| x.is_finite())
     }
 
     /// Its name in errors.
     pub fn name(&self) -> String {
-        self.field("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
+        self.fields.get("ID").map_or_else(|| "the tube without ID".into(), |(_, id)| format!("tube {id}"))
     }
 }
 
 /// The objects of a file in their order, without the scene itself.
 pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
-    let mut cursor = SceneCursor { rest: bytes, line: 1 };
+    let mut cursor = HeaderLines::new(bytes);
     let (mut objects, mut stated) = (Vec::new(), None);
     let mut open: Option<Object> = None;
-    while let Some((line, text)) = cursor.line() {
-        if text.is_empty() {
-            continue;
-        }
-        let Some((key, value)) = entry(text) else {
-            return Err(Fault::line(line, format!("\"{}\"", shown(text)), ENTRY));
-        };
+    while let Some((line, key, value)) = cursor.entry()? {
         let begun = open.as_ref().is_some_and(|object| !object.kind.is_empty());
         if key == "ObjectType" && begun {
             objects.extend(open.take());
@@ -117,7 +63,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         match key.as_str() {
             "ObjectType" if is_kind(&value) => object.kind = value,
             "ObjectType" => {
-                let found = format!("ObjectType \"{}\"", shown(value.as_bytes()));
+                let found = format!("ObjectType \"{}\"", shown(&value));
                 return Err(Fault::line(line, found, "expected Scene, Group, Tube or another type of MetaIO"));
             }
             "NObjects" if object.kind == "Scene" => {
@@ -131,7 +77,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
                 objects.extend(open.take());
             }
             "Points" => {
-                cursor.skip_to_object();
+                skip_to_object(&mut cursor);
                 objects.extend(open.take());
             }
             "EndGroup" => objects.extend(open.take()),
@@ -139,7 +85,7 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
         }
     }
     objects.extend(open.filter(|object| object.kind != "Scene"));
-    let unfinished = objects.iter().find(|object| object.is_tube() && object.field("Points").is_none());
+    let unfinished = objects.iter().find(|object| object.is_tube() && object.fields.get("Points").is_none());
     if let Some(object) = unfinished {
         let accepted = "expected PointDim, NPoints and Points; is the file cut off?";
         return Err(Fault::line(object.line, "a tube without Points", accepted));
@@ -160,55 +106,18 @@ fn is_kind(name: &str) -> bool {
     containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
 }
 
-fn entry(text: &[u8]) -> Option<(String, String)> {
-    let at = text.iter().position(|b| *b == b'=')?;
-    let word = |part: &[u8]| String::from_utf8_lossy(part.trim_ascii()).into_owned();
-    let key = word(&text[..at]);
-    (!key.is_empty()).then(|| (key, word(&text[at + 1..])))
-}
-
-/// The beginning of a line, fit for one line of an error.
-fn shown(text: &[u8]) -> String {
-    let text = String::from_utf8_lossy(text);
-    text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
-}
-
-/// Tubes whose points have been sorted along their longest axis.
-#[derive(Default)]
-pub struct Nearest {
-    sorted: HashMap<usize, (usize, Vec<usize>)>,
-}
-
-impl Nearest {
-    /// The point of the parent and the end of the child that are closest.
-    pub fn pair(&mut self, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
-        let (axis, sorted) = self.sorted.entry(parent.start).or_insert_with(|| sort(points, parent));
-        let x = |row: usize| points[row][*axis];
-        let mut best = (f64::INFINITY, [sorted[0], ends[0]]);
-        for end in ends {
-            let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
-            let mut consider = |row: &usize| {
-                let gap = distance(points[*row], points[end]);
-                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
-                    best = (gap, [*row, end]);
-                }
-                (x(*row) - x(end)).abs() <= best.0
-            };
-            let _ = left.iter().rev().all(&mut consider);
-            let _ = right.iter().all(consider);
+/// The point of the parent and the end of the child that are closest.
+pub fn nearest_pair(points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
+    let mut best = (f64::INFINITY, [parent.start, ends[0]]);
+    for end in ends {
+        for row in parent.clone() {
+            let gap = distance(points[row], points[end]);
+            if gap < best.0 {
+                best = (gap, [row, end]);
+            }
         }
-        best.1
     }
-}
-
-/// The axis along which points extend the most, and their rows in its order.
-fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
-    let [low, high] = bounds(points[range.clone()].iter().copied());
-    let extent = sub(high, low);
-    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
-    let mut rows: Vec<usize> = range.collect();
-    rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
-    (axis, rows)
+    best.1
 }
 
 /// Names of the radius, as MetaIO knows them.
@@ -237,10 +146,10 @@ struct Columns {
 
 impl Columns {
     fn of(object: &Object, width: Option<usize>) -> Result<Self, Fault> {
-        let (line, names) = object.field("PointDim").unwrap_or((object.line, USUAL));
+        let (line, names) = object.fields.get("PointDim").unwrap_or((object.line, USUAL));
         let names: Vec<&str> = names.split_whitespace().collect();
         let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
-        let flat = object.field("NDims").is_some_and(|(_, n)| n == "2");
+        let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
         let position = [at(&["x", "X"]), at(&["y", "Y"]), at(&["z", "Z"])];
         if position[..if flat { 2 } else { 3 }].contains(&None) {
             let found = format!("PointDim \"{}\"", names.join(" "));
@@ -271,28 +180,26 @@ impl Columns {
 }
 
 /// Reads the points that follow the line `Points =` of a tube.
-pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
+pub fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -> Result<Vec<Sample>, Fault> {
     let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
-    if !object.is_true("BinaryData") {
+    if !object.fields.is_true("BinaryData") {
         return read_text(object, cursor, line, count);
     }
     let columns = Columns::of(object, None)?;
-    if object.is_true("CompressedData") {
+    if object.fields.is_true("CompressedData") {
         return Err(Fault::line(
             line,
             format!("{}: CompressedData = True", object.name()),
             "expected points without compression",
         ));
     }
-    let size = match object.field("ElementType") {
+    let size = match object.fields.get("ElementType") {
         None | Some((_, "MET_FLOAT")) => 4,
         Some((_, "MET_DOUBLE")) => 8,
-        Some((line, other)) => {
-            return Err(Fault::line(line, format!("ElementType {other}"), "expected MET_FLOAT or MET_DOUBLE"));
-        }
+        Some(_) => return Err(object.fields.wrong("ElementType", "expected MET_FLOAT or MET_DOUBLE")),
     };
-    let big = object.is_true("BinaryDataByteOrderMSB") || object.is_true("ElementByteOrderMSB");
+    let big = object.fields.is_true("BinaryDataByteOrderMSB") || object.fields.is_true("ElementByteOrderMSB");
     let needed = count.saturating_mul(columns.width).saturating_mul(size);
     let bytes = cursor.bytes(needed).map_err(|left| {
         let found = format!("{}: {left} bytes of points, {count} points need {needed}", object.name());
@@ -303,8 +210,8 @@ pub fn read_points(object: &Object, cursor: &mut SceneCursor<'_>, line: usize) -
 }
 
 /// Points as text, one a line.
-fn read_text(object: &Object, cursor: &mut SceneCursor<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
-    let named = object.field("PointDim").is_some();
+fn read_text(object: &Object, cursor: &mut HeaderLines<'_>, line: usize, count: usize) -> Result<Vec<Sample>, Fault> {
+    let named = object.fields.get("PointDim").is_some();
     let mut columns = if named { Some(Columns::of(object, None)?) } else { None };
     let mut samples = Vec::new();
     while samples.len() < count {

@@ -3,17 +3,15 @@
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::io::{self, Write};
 
-use crate::formats::itk::scene::{Nearest, Object, read_scene};
+use crate::formats::itk::scene::{Object, nearest_pair, read_scene};
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::swc::single_line;
-use crate::formats::tables::write::real;
+use crate::formats::swc::{parents_first, single_line};
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
 use willis_core::network::runs::{other_end, vessels_at};
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
-use willis_core::network::{Frame, Network, PathPoint, Role};
-use willis_core::support::geometry::Point;
+use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Role, Scale, is_radius};
+use willis_core::support::geometry::{Point, cross, dot};
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
 ///
@@ -48,14 +46,14 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
         if !options.is_radius_optional() && !object.points.is_empty() && object.points.iter().all(|p| p.radius.is_nan()) {
-            let (line, _) = object.field("PointDim").unwrap_or((object.line, ""));
+            let (line, _) = object.fields.get("PointDim").unwrap_or((object.line, ""));
             let found = format!("{} has no radius", object.name());
             return Err(Fault::line(line, found, "expected a column r in PointDim, or give `default_radius`"));
         }
         let spacing = spacing(object)?;
         let scale = unit(object, &options.scale)?;
         let stretch = to_scene[row].map_or(1.0, |transform| transform.stretch());
-        let label = object.field("Name").map_or("", |(_, name)| name);
+        let label = object.fields.get("Name").map_or("", |(_, name)| name);
         let first = lines.points.len();
         for sample in &object.points {
             let own = [0, 1, 2].map(|axis| sample.position[axis] * spacing[axis]);
@@ -80,7 +78,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         return Err(Fault::file("no points in any tube", "expected objects of type Tube with points"));
     }
     number(&mut lines, &ids);
-    let (mut lost, mut nearest) = (0, Nearest::default());
+    let mut lost = 0;
     for (row, object) in objects.iter().enumerate().filter(|(row, _)| !span[*row].is_empty()) {
         let Some(id) = object.index("ParentID")? else { continue };
         let Some(parent) = row_of.get(&id).copied() else {
@@ -93,13 +91,13 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         let ends = match object.index("ParentPoint")? {
             Some(at) if at < span[parent].len() as u64 => [span[parent].start + at as usize, span[row].start],
             Some(at) => {
-                let (line, _) = object.field("ParentPoint").unwrap_or((object.line, ""));
+                let (line, _) = object.fields.get("ParentPoint").unwrap_or((object.line, ""));
                 let accepted = format!("expected 0 to {}: tube {id} has {} points", span[parent].len() - 1, span[parent].len());
                 return Err(Fault::line(line, format!("ParentPoint {at}"), accepted));
             }
-            None => nearest.pair(&lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
+            None => nearest_pair(&lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
         };
-        lines.add_link(ends.map(|p| p as u32), object.field("Name").map_or("", |(_, name)| name));
+        lines.add_link(ends.map(|p| p as u32), object.fields.get("Name").map_or("", |(_, name)| name));
     }
     if lost > 0 {
         notes.push(format!("tubes whose parent is missing, read as roots: {lost}"));
@@ -113,7 +111,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
 
 /// The frame that all tubes state. `AnatomicalOrientation` names the side where each axis begins.
 fn frame(objects: &[Object]) -> Frame {
-    let of = |object: &Object| match object.field("AnatomicalOrientation").map(|(_, letters)| letters.trim()) {
+    let of = |object: &Object| match object.fields.get("AnatomicalOrientation").map(|(_, letters)| letters.trim()) {
         Some("RAI") => Frame::Lps,
         Some("LPI") => Frame::Ras,
         _ => Frame::Unknown,
@@ -125,12 +123,11 @@ fn frame(objects: &[Object]) -> Frame {
 
 /// The spacing by which a tube's numbers are multiplied.
 fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
-    let flat = object.field("NDims").is_some_and(|(_, n)| n == "2");
+    let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
     let mut spacing = [1.0; 3];
-    for (axis, x) in object.numbers("ElementSpacing", if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
+    for (axis, x) in object.numbers(&["ElementSpacing"], if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
         if x <= 0.0 {
-            let (line, value) = object.field("ElementSpacing").unwrap_or((object.line, ""));
-            return Err(Fault::line(line, format!("ElementSpacing \"{value}\""), "expected positive numbers"));
+            return Err(object.fields.wrong("ElementSpacing", "expected positive numbers"));
         }
         spacing[axis] = x;
     }
@@ -139,7 +136,7 @@ fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
 
 /// The unit of a tube: the one that the user gave if it is not mm, else the one that the tube states.
 fn unit(object: &Object, scale: &Scale) -> Result<Scale, Fault> {
-    let unit = match object.field("DistanceUnits") {
+    let unit = match object.fields.get("DistanceUnits") {
         None | Some((_, "mm" | "?" | "")) => return Ok(*scale),
         Some((_, "um")) => LengthUnit::Micrometre,
         Some((_, "cm")) => LengthUnit::Centimetre,
@@ -167,8 +164,7 @@ pub struct TubeTransform {
 impl TubeTransform {
     /// The image of a point.
     pub fn apply(&self, p: Point) -> Point {
-        let turned = self.matrix.map(|row| row[0] * p[0] + row[1] * p[1] + row[2] * p[2]);
-        [turned[0] + self.offset[0], turned[1] + self.offset[1], turned[2] + self.offset[2]]
+        [0, 1, 2].map(|axis| dot(self.matrix[axis], p) + self.offset[axis])
     }
 
     /// How lengths change: the cube root of the volume's ratio, exactly 1 for rotations and reflections.
@@ -179,7 +175,7 @@ impl TubeTransform {
 
     fn determinant(&self) -> f64 {
         let [a, b, c] = self.matrix;
-        a[0] * (b[1] * c[2] - b[2] * c[1]) - a[1] * (b[0] * c[2] - b[2] * c[0]) + a[2] * (b[0] * c[1] - b[1] * c[0])
+        dot(a, cross(b, c))
     }
 
     /// This one, then `outer`.
@@ -191,20 +187,19 @@ impl TubeTransform {
 
     /// An object's own transform; `None` where it is the identity.
     fn of(object: &Object) -> Result<Option<Self>, Fault> {
-        let size = if object.field("NDims").is_some_and(|(_, n)| n == "2") { 2 } else { 3 };
-        let numbers = |keys: [&str; 3], count: usize| {
-            keys.iter().find(|key| object.field(key).is_some()).map_or(Ok(None), |key| object.numbers(key, count))
-        };
+        let size = if object.fields.get("NDims").is_some_and(|(_, n)| n == "2") { 2 } else { 3 };
         let mut affine = Self { matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset: [0.0; 3] };
         let identity = affine.matrix;
-        for (at, x) in numbers(["TransformMatrix", "Orientation", "Rotation"], size * size)?.into_iter().flatten().enumerate() {
+        for (at, x) in
+            object.numbers(&["TransformMatrix", "Orientation", "Rotation"], size * size)?.into_iter().flatten().enumerate()
+        {
             affine.matrix[at / size][at % size] = x;
         }
-        for (axis, x) in numbers(["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
+        for (axis, x) in object.numbers(&["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
             affine.offset[axis] = x;
         }
         if affine.determinant().abs() <= 0.0 || !affine.determinant().is_finite() {
-            let (line, matrix) = object.field("TransformMatrix").unwrap_or((object.line, ""));
+            let (line, matrix) = object.fields.get("TransformMatrix").unwrap_or((object.line, ""));
             return Err(Fault::line(line, format!("TransformMatrix \"{matrix}\""), "expected one that can be inverted"));
         }
         Ok((affine.matrix != identity || affine.offset != [0.0; 3]).then_some(affine))
@@ -223,32 +218,17 @@ pub fn parents(objects: &[Object], row_of: &HashMap<u64, usize>) -> Result<Vec<O
 
 /// From each object's own coordinates to those of the scene; `None` where nothing changes.
 pub fn to_scene(objects: &[Object], parents: &[Option<usize>]) -> Result<Vec<Option<TubeTransform>>, Fault> {
-    #[derive(Clone, Copy, PartialEq)]
-    enum Visit {
-        New,
-        Open,
-        Done,
-    }
-    let (mut state, mut out) = (vec![Visit::New; objects.len()], vec![None; objects.len()]);
-    for start in 0..objects.len() {
-        let (mut visited, mut at) = (Vec::new(), Some(start));
-        while let Some(row) = at.filter(|row| state[*row] != Visit::Done) {
-            if state[row] == Visit::Open {
-                let found = format!("{} is its own ancestor", objects[row].name());
-                return Err(Fault::line(objects[row].line, found, "expected ParentID to lead to a root"));
-            }
-            state[row] = Visit::Open;
-            visited.push(row);
-            at = parents[row];
-        }
-        for row in visited.into_iter().rev() {
-            let outer = parents[row].and_then(|parent| out[parent]);
-            out[row] = match (TubeTransform::of(&objects[row])?, outer) {
-                (Some(own), Some(outer)) => Some(own.then(&outer)),
-                (own, outer) => own.or(outer),
-            };
-            state[row] = Visit::Done;
-        }
+    let order = parents_first(parents).map_err(|row| {
+        let found = format!("{} is its own ancestor", objects[row].name());
+        Fault::line(objects[row].line, found, "expected ParentID to lead to a root")
+    })?;
+    let mut out = vec![None; objects.len()];
+    for row in order {
+        let outer: Option<TubeTransform> = parents[row].and_then(|parent| out[parent]);
+        out[row] = match (TubeTransform::of(&objects[row])?, outer) {
+            (Some(own), Some(outer)) => Some(own.then(&outer)),
+            (own, outer) => own.or(outer),
+        };
     }
     Ok(out)
 }
@@ -295,9 +275,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         let root = if links[row].is_none() { "True" } else { "False" };
         writeln!(out, "Root = {root}\nArtery = True\nPointDim = x y z r\nNPoints = {}\nPoints = ", tube.len())?;
         for point in tube {
-            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-            let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { "0".into() };
-            writeln!(out, "{x} {y} {z} {radius}")?;
+            writeln!(out, "{}", figures(point, "0").join(" "))?;
         }
     }
     out.flush()

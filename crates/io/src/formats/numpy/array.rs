@@ -2,7 +2,7 @@
 
 use std::io::{Cursor, Read};
 
-use ndarray::Array2;
+use ndarray::{Array2, ShapeBuilder};
 use py_literal::Value;
 use zip::ZipArchive;
 
@@ -45,7 +45,8 @@ pub(crate) struct NumpyArray {
     /// Bytes of one value.
     size: usize,
     big: bool,
-    fortran: bool,
+    /// Whether the first axis runs fastest.
+    pub(crate) fortran: bool,
     data: Vec<u8>,
 }
 
@@ -112,10 +113,13 @@ impl NumpyArray {
         if self.shape.len() != 2 || self.shape[1] != N {
             return Err(self.fault(format!("shape {}", tuple(&self.shape)), format!("expected a row of {N} for each")));
         }
-        let values = self.reals()?;
-        let n = self.shape[0];
-        let at = |row: usize, column: usize| if self.fortran { column * n + row } else { row * N + column };
-        Ok((0..n).map(|row| std::array::from_fn(|column| values[at(row, column)])).collect())
+        let rows = self.table(self.shape[0], N)?;
+        Ok(rows.outer_iter().map(|row| std::array::from_fn(|column| row[column])).collect())
+    }
+
+    /// The values of a table.
+    fn table(&self, rows: usize, columns: usize) -> Result<Array2<f64>, Fault> {
+        Ok(Array2::from_shape_vec((rows, columns).set_f(self.fortran), self.reals()?).unwrap_or_default())
     }
 
     /// Whether the values are whole numbers.
@@ -125,12 +129,11 @@ impl NumpyArray {
 
     /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        let kind = match self.kind {
-            ElementKind::Number(kind) => kind,
-            ElementKind::Truth => return Err(self.fault("values of type |b1", ACCEPTED)),
-            ElementKind::Utf32 | ElementKind::Ascii => return Err(self.fault("text", "expected numbers")),
-        };
-        Ok(self.data.chunks_exact(self.size).map(|bytes| kind.value(bytes, self.big)).collect())
+        if self.kind == ElementKind::Truth {
+            return Err(self.fault("values of type |b1", ACCEPTED));
+        }
+        let (kind, size, big) = self.numbers()?;
+        Ok(self.data.chunks_exact(size).map(|bytes| kind.value(bytes, big)).collect())
     }
 
     /// All values as text; whole numbers too, 0 being none.
@@ -167,14 +170,9 @@ impl NumpyArray {
         }
     }
 
-    /// Whether the first axis runs fastest.
-    pub(crate) fn is_fortran(&self) -> bool {
-        self.fortran
-    }
-
     /// The values as they are stored.
-    pub(crate) fn bytes(&self) -> &[u8] {
-        &self.data
+    pub(crate) fn into_bytes(self) -> Vec<u8> {
+        self.data
     }
 
     /// A fault of this array.
@@ -293,7 +291,5 @@ pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
         let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
         return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
     }
-    let values = array.reals()?;
-    let at = |row: usize, column: usize| if array.fortran { column * n + row } else { row * n + column };
-    Ok(Array2::from_shape_fn((n, n), |(row, column)| values[at(row, column)]))
+    array.table(n, n)
 }

@@ -5,7 +5,6 @@ use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2, ArrayD, arr0};
 use ndarray_npy::{NpzWriter, WritableElement, WriteDataError, WriteNpyExt};
-use num_complex::Complex64;
 use zip::CompressionMethod;
 use zip::write::SimpleFileOptions;
 
@@ -101,50 +100,27 @@ pub fn write_npy(mut out: impl Write, n: usize, entries: &[(u32, u32, f64)]) -> 
 
 /// An array with the name by which `numpy.load` finds it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct NamedArray {
+pub struct NamedArray<T = f64> {
     /// The name.
     pub name: String,
     /// Its length along each axis.
     pub shape: Vec<usize>,
     /// Its values in C order.
-    pub values: Vec<f64>,
+    pub values: Vec<T>,
 }
 
-/// Writes float64 arrays, one after another, as the uncompressed `.npz` of `numpy.savez`.
+/// Writes arrays, one after another, as the uncompressed `.npz` of `numpy.savez`.
 ///
 /// # Errors
 ///
 /// Values that do not fill their shape (`InvalidInput`), or the writer's own.
-pub fn write_arrays(out: impl Write + Seek, arrays: impl IntoIterator<Item = NamedArray>) -> io::Result<()> {
+pub fn write_arrays<T: WritableElement>(
+    out: impl Write + Seek,
+    arrays: impl IntoIterator<Item = NamedArray<T>>,
+) -> io::Result<()> {
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     let mut npz = NpzWriter::new_with_options(out, options);
     for NamedArray { name, shape, values } in arrays {
-        let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
-        npz.add_array(name, &array).map_err(io::Error::other)?;
-    }
-    npz.finish().map_err(io::Error::other)?.flush()
-}
-
-/// A complex array with its name.
-#[derive(Debug, Clone, PartialEq)]
-pub struct NamedComplexArray {
-    /// The name.
-    pub name: String,
-    /// Its length along each axis.
-    pub shape: Vec<usize>,
-    /// Its values in C order.
-    pub values: Vec<Complex64>,
-}
-
-/// As [`write_arrays`], of complex128.
-///
-/// # Errors
-///
-/// As [`write_arrays`].
-pub fn write_complex_arrays(out: impl Write + Seek, arrays: impl IntoIterator<Item = NamedComplexArray>) -> io::Result<()> {
-    let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
-    let mut npz = NpzWriter::new_with_options(out, options);
-    for NamedComplexArray { name, shape, values } in arrays {
         let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
         npz.add_array(name, &array).map_err(io::Error::other)?;
     }

@@ -15,9 +15,7 @@ use crate::formats::polylines::add_straight;
 use crate::formats::polylines::positions;
 use crate::formats::polylines::{centerlines, is_straight, radii_of_points, skeleton};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Network, Node};
+use willis_core::network::{Centerlines, Frame, Network, Node, is_radius, millimetres};
 use willis_core::support::geometry::Point;
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.

@@ -11,8 +11,8 @@ use std::io;
 
 use crate::formats::tables::reader::plural;
 pub(in crate::formats) use openbf::MOST_JOINED;
-pub use openbf::{write_openbf, write_openbf_inlet, write_openbf_with};
-pub use svzerod::{write_svzerod, write_svzerod_with};
+pub use openbf::{write_openbf, write_openbf_inlet};
+pub use svzerod::write_svzerod;
 
 use willis_core::flow::WallLaw;
 use willis_core::flow::poiseuille::BLOOD_VISCOSITY;

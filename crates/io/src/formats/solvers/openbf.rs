@@ -19,15 +19,6 @@ pub(crate) fn is_openbf(text: &[u8]) -> bool {
     [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
 }
 
-/// Writes a network for openBF, whose inlet files it leaves to the reader.
-///
-/// # Errors
-///
-/// A network that openBF cannot solve (`InvalidInput`); the writer's own.
-pub fn write_openbf(out: &mut impl Write, network: &Network) -> io::Result<()> {
-    write_openbf_with(out, network, &SolverSetting::default()).map(drop)
-}
-
 /// Writes an inlet file of openBF: rows of a time (s) and a flow (m³/s) or a pressure (Pa).
 ///
 /// # Errors
@@ -46,9 +37,9 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 ///
 /// # Errors
 ///
-/// As [`write_svzerod_with`](super::write_svzerod_with); a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
+/// As [`write_svzerod`](super::write_svzerod); a node of more than three vessels, a vessel to which no inlet leads, an outlet of fixed pressure or
 /// flow that is not zero (`InvalidInput`).
-pub fn write_openbf_with(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
+pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
     let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);

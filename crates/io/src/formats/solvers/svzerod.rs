@@ -22,21 +22,12 @@ pub(crate) fn is_svzerod(text: &[u8]) -> bool {
     text.starts_with(b"{") && has(b"\"boundary_conditions\"") && !has(b"\"markups\"")
 }
 
-/// As [`write_svzerod_with`], with conditions that are constant in time, over a period of 1 s.
-///
-/// # Errors
-///
-/// As [`write_svzerod_with`].
-pub fn write_svzerod(out: &mut impl Write, network: &Network) -> io::Result<()> {
-    write_svzerod_with(out, network, &SolverSetting::default())
-}
-
 /// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh).
 ///
 /// # Errors
 ///
 /// A network without an inlet, with a condition that is not at a free end, or with a self-loop (`InvalidInput`); the writer's own.
-pub fn write_svzerod_with(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<()> {
+pub fn write_svzerod(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<()> {
     let ends = Directed::of(network, setting)?;
     let mut conditions = Vec::new();
     let mut name = |node: usize, row: usize, is_inlet: bool| -> Option<String> {

@@ -63,8 +63,7 @@ pub struct ListedDecisions {
 pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     const WHAT: &str = "edge,id_a,id_b,decision";
     let mut rows = TableReader::open(bytes)?;
-    let [edge, a, b, decision] = ["edge", "id_a", "id_b", "decision"].map(|name| rows.column(&[name], WHAT));
-    let (edge, a, b, decision) = (edge?, a?, b?, decision?);
+    let [edge, a, b, decision] = rows.columns([&["edge"], &["id_a"], &["id_b"], &["decision"]], WHAT)?;
     let [who, when, comment, input, places] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
     let mut all = ListedDecisions::default();
     let mut lines: HashMap<usize, usize> = HashMap::new();

@@ -13,9 +13,11 @@ use crate::formats::tables::points::HEADER as POINTS_HEADER;
 use crate::formats::tables::reader::{TableReader, columns, delimiter};
 use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
 use willis_core::error::Fault;
-use willis_core::network::units::{Scale, in_megapascals, millimetres, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Condition, Evidence, Network, Node, PathPoint, Role, Wall, Windkessel, fragments};
-use willis_core::support::geometry::{Point, distance, norm_squared};
+use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
+use willis_core::network::{
+    Condition, Evidence, Network, Node, PathPoint, Role, Scale, Wall, Windkessel, fragments, millimetres,
+};
+use willis_core::support::geometry::{Point, box_diagonal, distance};
 
 /// The columns that may hold the names of nodes.
 const NAMES: [&str; 2] = ["node", "id"];
@@ -148,12 +150,7 @@ fn same_places(
 ) -> Result<(), Fault> {
     let names: Vec<&str> = nodes.iter().take(placed.len()).map(|node| &*node.id).collect();
     let stated = attributes::nodes(&names, places, scale)?;
-    let all = || nodes.iter().filter_map(|node| node.position);
-    let size = |axis: usize| {
-        let (low, high) = all().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
-        high - low
-    };
-    let most = SAME_PLACE * norm_squared([0, 1, 2].map(size)).sqrt();
+    let most = SAME_PLACE * box_diagonal(nodes.iter().filter_map(|node| node.position));
     for ((node, there), place) in nodes.iter().zip(&stated).zip(placed) {
         let (Some(here), Some(there), Some((row, side))) = (node.position, there.position, place) else { continue };
         if distance(here, there) > most {
@@ -265,59 +262,49 @@ pub fn node_columns(network: &Network, role: &[Option<Role>], pressure: &[Option
     ]
 }
 
+/// A column of what some rows state; `None` where no row does.
+fn stated_column(name: &'static str, values: impl Iterator<Item = Option<f64>>) -> Option<Column> {
+    let values: Vec<f64> = values.map(|x| x.unwrap_or(f64::NAN)).collect();
+    values.iter().any(|x| !x.is_nan()).then_some(Column { name: name.into(), values: Values::Real(values) })
+}
+
 /// The columns with the terminal resistances and flows of the nodes, as a graph file stores boundary conditions; columns without
 /// any value are left out.
 pub fn condition_columns(conditions: &[Option<Condition>]) -> Vec<Column> {
-    let figure = |of: fn(Condition) -> Option<f64>| conditions.iter().map(move |c| c.and_then(of).unwrap_or(f64::NAN));
+    let figure = |of: fn(Condition) -> Option<f64>| conditions.iter().map(move |c| c.and_then(of));
     let resistance = |c| if let Condition::Resistance { resistance, .. } = c { Some(mmhg_s_per_ml(resistance)) } else { None };
     let venous = |c| if let Condition::Resistance { venous, .. } = c { Some(mmhg(venous)).filter(|p| *p != 0.0) } else { None };
     let flow = |c| if let Condition::Flow(flow) = c { Some(ml_per_min(flow)) } else { None };
-    let mut columns = vec![
-        Column::real("resistance_mmHg_s_per_mL", figure(resistance)),
-        Column::real(VENOUS, figure(venous)),
-        Column::real("flow_mL_per_min", figure(flow)),
+    let columns = [
+        stated_column("resistance_mmHg_s_per_mL", figure(resistance)),
+        stated_column(VENOUS, figure(venous)),
+        stated_column("flow_mL_per_min", figure(flow)),
     ];
-    columns.retain(has_values);
-    columns
+    columns.into_iter().flatten().collect()
 }
 
 /// The columns with the parts of the Windkessels of nodes; columns without any value are left out.
 pub fn windkessel_columns(windkessels: &[Windkessel]) -> Vec<Column> {
-    let figure = |of: fn(&Windkessel) -> Option<f64>| windkessels.iter().map(move |w| of(w).unwrap_or(f64::NAN));
-    let columns = [
-        Column::real(PROXIMAL, figure(|w| w.proximal.map(mmhg_s_per_ml))),
-        Column::real(COMPLIANCE, figure(|w| w.compliance.map(ml_per_mmhg))),
-    ];
-    columns.into_iter().filter(has_values).collect()
+    let proximal = windkessels.iter().map(|w| w.proximal.map(mmhg_s_per_ml));
+    let compliance = windkessels.iter().map(|w| w.compliance.map(ml_per_mmhg));
+    [stated_column(PROXIMAL, proximal), stated_column(COMPLIANCE, compliance)].into_iter().flatten().collect()
 }
 
 /// The columns with what vessels state of their flow, their resistances and walls; columns without any value are left out.
 pub fn stated_columns(network: &Network) -> Vec<Column> {
-    let stated = network.vessels().map(|(_, v)| v.resistance.map_or(f64::NAN, mmhg_s_per_ml));
-    let resistances = Column::real("resistance_mmHg_s_per_mL", stated);
-    Some(resistances).filter(has_values).into_iter().chain(wall_columns(network)).collect()
+    let resistances = network.vessels().map(|(_, v)| v.resistance.map(mmhg_s_per_ml));
+    stated_column("resistance_mmHg_s_per_mL", resistances).into_iter().chain(wall_columns(network)).collect()
 }
 
 /// The columns with the walls of vessels; columns without any value are left out.
 pub fn wall_columns(network: &Network) -> Vec<Column> {
-    let figure = |of: fn(Wall) -> Option<f64>| network.vessels().map(move |(_, v)| v.wall.and_then(of).unwrap_or(f64::NAN));
-    let columns = [
-        Column::real(SPEED, figure(|wall| if let Wall::Speed(speed) = wall { Some(speed) } else { None })),
-        Column::real(
-            YOUNG,
-            figure(|wall| if let Wall::Elastic { young, .. } = wall { Some(in_megapascals(young)) } else { None }),
-        ),
-        Column::real(
-            THICKNESS,
-            figure(|wall| if let Wall::Elastic { thickness, .. } = wall { Some(millimetres(thickness)) } else { None }),
-        ),
-    ];
-    columns.into_iter().filter(has_values).collect()
-}
-
-/// Whether a column of numbers has any.
-fn has_values(column: &Column) -> bool {
-    matches!(&column.values, Values::Real(v) if v.iter().any(|x| !x.is_nan()))
+    let figure = |of: fn(Wall) -> Option<f64>| network.vessels().map(move |(_, v)| v.wall.and_then(of));
+    let speed = |wall| if let Wall::Speed(speed) = wall { Some(speed) } else { None };
+    let young = |wall| if let Wall::Elastic { young, .. } = wall { Some(in_megapascals(young)) } else { None };
+    let thickness = |wall| if let Wall::Elastic { thickness, .. } = wall { Some(millimetres(thickness)) } else { None };
+    let columns =
+        [stated_column(SPEED, figure(speed)), stated_column(YOUNG, figure(young)), stated_column(THICKNESS, figure(thickness))];
+    columns.into_iter().flatten().collect()
 }
 
 /// The column that says which conditions were found, where any was.
@@ -353,10 +340,7 @@ pub fn graph_columns(network: &Network) -> (Vec<Column>, Vec<Column>) {
 
 /// As [`graph_columns`], with other roles and conditions than those that the nodes state, and whether these were found.
 pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Condition>, bool)]) -> (Vec<Column>, Vec<Column>) {
-    let pressure = |condition: &Option<Condition>| match condition {
-        Some(Condition::Pressure(p)) => Some(*p),
-        _ => None,
-    };
+    let pressure = |c: &Option<Condition>| if let Some(Condition::Pressure(p)) = c { Some(*p) } else { None };
     let roles: Vec<Option<Role>> = stated.iter().map(|(role, ..)| *role).collect();
     let conditions: Vec<Option<Condition>> = stated.iter().map(|(_, condition, _)| *condition).collect();
     let pressures: Vec<Option<f64>> = conditions.iter().map(pressure).collect();
@@ -372,9 +356,7 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
     if network.vessels().any(|(_, v)| v.certain) {
         vessels.push(Column::text("certain", network.vessels().map(|(_, v)| v.certain.to_string())));
     }
-    if network.nodes().any(|n| n.root_score.is_some()) {
-        nodes.push(Column::real("alone", network.nodes().map(|n| n.root_score.unwrap_or(f64::NAN))));
-    }
+    nodes.extend(stated_column("alone", network.nodes().map(|n| n.root_score)));
     if network.vessels().any(|(_, v)| v.evidence.is_some()) {
         let figure = |of: fn(Evidence) -> f64| network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, of));
         vessels.push(Column::real("probability", figure(|e| e.probability)));

@@ -6,8 +6,7 @@ use std::io::{self, Write};
 use crate::formats::tables::graph::END_POSITION_COLUMNS;
 use crate::formats::tables::reader::{TableReader, uncommented};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::metres;
+use willis_core::network::{Centerlines, metres};
 use willis_core::support::geometry::Point;
 
 /// A candidate that a person lists as correct.
@@ -28,12 +27,9 @@ pub struct KnownConnection {
 /// A missing column, a value that is wrong, a table without a correct candidate.
 pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let mut columns = [[0; 3]; 2];
-    for (columns, names) in columns.iter_mut().zip(END_POSITION_COLUMNS) {
-        for (column, name) in columns.iter_mut().zip(names) {
-            *column = rows.column(&[name], "the ends of every correct candidate")?;
-        }
-    }
+    let [a, b] = END_POSITION_COLUMNS;
+    let of_end = |[x, y, z]: [&str; 3]| rows.columns([&[x], &[y], &[z]], "the ends of every correct candidate");
+    let columns = [of_end(a)?, of_end(b)?];
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
     let mut out = Vec::new();
     while let Some(row) = rows.row()? {

@@ -7,28 +7,11 @@ use super::reader::{TableReader, is_missing};
 use willis_core::error::Fault;
 use willis_core::support::suggestions::did_you_mean;
 
-/// The options that a subject may have of its own, by the names of the command line, with `_` for `-`; whether each names a file.
-const OPTIONS: [(&str, bool); 19] = [
-    ("units", false),
-    ("spacing", false),
-    ("radius_array", false),
-    ("radius", false),
-    ("default_radius", false),
-    ("loops", true),
-    ("level", false),
-    ("radius_from", false),
-    ("cavities", false),
-    ("box", false),
-    ("landmarks", true),
-    ("labels", false),
-    ("bc", true),
-    ("inlet", false),
-    ("outlet", false),
-    ("flow", false),
-    ("outlets", false),
-    ("mask", true),
-    ("image", true),
-];
+/// The options that a subject may have of its own, by the names of the command line, with `_` for `-`.
+const OPTIONS: &str = "units spacing radius_array radius default_radius loops level radius_from cavities box landmarks labels bc inlet outlet \
+                       flow outlets mask image";
+/// Those that name a file.
+const FILES: [&str; 5] = ["loops", "landmarks", "bc", "mask", "image"];
 /// The columns that name a subject.
 const NAMES: [&str; 3] = ["subject", "participant_id", "subject_id"];
 const INPUT: &str = "input";
@@ -68,14 +51,13 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     let (mut options, mut covariates) = (Vec::new(), Vec::new());
     for (at, column) in rows.header().iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
         let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
-        if let Some(option) = OPTIONS.iter().find(|(option, _)| *option == plain) {
-            options.push((at, *option));
+        if let Some(option) = OPTIONS.split_whitespace().find(|option| *option == plain) {
+            options.push((at, option));
             continue;
         }
-        let meant = did_you_mean(&plain, OPTIONS.iter().map(|(option, _)| *option).chain(NAMES));
+        let meant = did_you_mean(&plain, OPTIONS.split_whitespace().chain(NAMES));
         if !meant.is_empty() {
-            let known: Vec<&str> = OPTIONS.iter().map(|(option, _)| *option).collect();
-            let accepted = format!("{meant}options of a subject are {}", known.join(", "));
+            let accepted = format!("{meant}options of a subject are {}", OPTIONS.replace(' ', ", "));
             return Err(Fault::line(rows.header_line(), format!("column \"{column}\""), accepted));
         }
         covariates.push((at, column.clone()));
@@ -95,9 +77,9 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
             let found = format!("subject \"{}\", as on line {first}", subject.unwrap_or_default());
             return Err(Fault::line(row.line, found, "expected every subject once"));
         }
-        let own = options.iter().filter_map(|(at, (option, is_file))| {
+        let own = options.iter().filter_map(|(at, option)| {
             let text = value(row.text(*at))?;
-            Some(((*option).to_owned(), if *is_file { placed(&text).display().to_string() } else { text }))
+            Some(((*option).to_owned(), if FILES.contains(option) { placed(&text).display().to_string() } else { text }))
         });
         let said = covariates.iter().map(|(at, column)| (column.clone(), value(row.text(*at)).unwrap_or_default()));
         let (options, covariates) = (own.collect(), said.collect());

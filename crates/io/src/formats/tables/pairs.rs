@@ -9,8 +9,7 @@ use crate::formats::regular::{is_there, open_regular};
 use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
 use crate::formats::tables::reader::TableReader;
 use willis_core::error::{Fault, Result};
-use willis_core::network::Network;
-use willis_core::network::units::Scale;
+use willis_core::network::{Network, Scale};
 
 /// The words for a table of nodes, where the table of edges is called `edges`.
 const NODES: [&str; 2] = ["nodes", "vertices"];

@@ -7,22 +7,12 @@ use super::reader::{TableReader, columns as describe};
 use super::write::escape_formula;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::Network;
-use willis_core::network::centerlines::{Centerlines, is_radius};
-use willis_core::network::units::millimetres;
+use willis_core::network::{Centerlines, Network, is_radius};
 
 pub(crate) const HEADER: &str =
     "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
-const FRAGMENT: &[&str] = &["fragment"];
-const X: &[&str] = &["x", "x_mm"];
-const Y: &[&str] = &["y", "y_mm"];
-const Z: &[&str] = &["z", "z_mm"];
-const RADIUS: &[&str] = &["radius", "radius_mm", "r", "r_mm"];
-const LABEL: &[&str] = &["label"];
-const ID: &[&str] = &["id"];
-
 /// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
 /// unit of `scale`.
 ///
@@ -37,7 +27,16 @@ const ID: &[&str] = &["id"];
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let header = rows.header_line();
-    let columns = [FRAGMENT, X, Y, Z, RADIUS, LABEL, ID].map(|names| rows.find(names));
+    let names: [&[&str]; 7] = [
+        &["fragment"],
+        &["x", "x_mm"],
+        &["y", "y_mm"],
+        &["z", "z_mm"],
+        &["radius", "radius_mm", "r", "r_mm"],
+        &["label"],
+        &["id"],
+    ];
+    let columns = names.map(|names| rows.find(names));
     let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
         return Err(Fault::line(header, describe(rows.header()), HEADER));
     };
@@ -99,8 +98,7 @@ pub fn write_points(out: impl Write, network: &Network) -> io::Result<()> {
     for (row, points) in polylines(network)?.into_iter().enumerate() {
         let (fragment, label) = (row.to_string(), escape_formula(&network.vessel(row).label));
         for point in points {
-            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
-            let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { String::new() };
+            let [x, y, z, radius] = figures(&point, "");
             csv.write_record([&*fragment, &x, &y, &z, &radius, &label])?;
         }
     }

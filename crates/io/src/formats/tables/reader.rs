@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use crate::formats::input::without_mark;
+use crate::formats::input::{refuse_utf16, without_mark};
 use crate::formats::tables::write::unescape_formula;
 use willis_core::error::Fault;
-use willis_core::network::units::Scale;
+use willis_core::network::Scale;
 use willis_core::support::geometry::Point;
 
 /// Whether a text states that there is no value: it is empty, NaN, or what R, pandas and BIDS write.
@@ -74,9 +74,7 @@ impl<'a> TableReader<'a> {
     }
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
-        if bytes.starts_with(b"\xff\xfe") || bytes.starts_with(b"\xfe\xff") {
-            return Err(Fault::file("the text is UTF-16", "expected UTF-8; save the file as UTF-8"));
-        }
+        refuse_utf16(bytes)?;
         let (mut rest, mut skipped) = (without_mark(bytes), 0);
         let first = loop {
             let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
@@ -113,6 +111,15 @@ impl<'a> TableReader<'a> {
     pub(crate) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
         self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
+    }
+
+    /// The same for several columns.
+    pub(crate) fn columns<const N: usize>(&self, names: [&[&str]; N], what: &str) -> Result<[usize; N], Fault> {
+        let mut found = [0; N];
+        for (column, names) in found.iter_mut().zip(names) {
+            *column = self.column(names, what)?;
+        }
+        Ok(found)
     }
 
     /// The line of the header.
@@ -182,6 +189,21 @@ impl Row<'_> {
         let number = Some(self.real(column)?).filter(|x| x.is_finite());
         number.ok_or_else(|| Fault::line(self.line, found(), "expected a finite number"))
     }
+
+    /// The length in a column, m; NaN for an empty one.
+    pub(crate) fn length(&self, column: usize, scale: &Scale) -> Result<f64, Fault> {
+        Ok(self.scale(column, scale).length(self.real(column)?))
+    }
+
+    /// The finite position in three columns, m.
+    pub(crate) fn point(&self, columns: [usize; 3], scale: &Scale) -> Result<Point, Fault> {
+        let position = self.position(columns)?;
+        Ok([0, 1, 2].map(|axis| self.scale(columns[axis], scale).position(position)[axis]))
+    }
+
+    fn scale(&self, column: usize, scale: &Scale) -> Scale {
+        if self.name(column).to_ascii_lowercase().ends_with("_mm") { Scale::default() } else { *scale }
+    }
 }
 
 /// The line on which a record begins. The CSV reader counts the line ends that it skips before a record as part of it.
@@ -236,21 +258,4 @@ fn hexadecimal(text: &str) -> Option<f64> {
     let power = exponent.parse::<i32>().ok().filter(|e| e.abs() < 5000)? - 4 * fraction.len() as i32;
     // In two steps, so that no intermediate power is out of range.
     Some(sign * value as f64 * 2_f64.powi(power / 2) * 2_f64.powi(power - power / 2))
-}
-
-impl Row<'_> {
-    /// The length in a column, m; NaN for an empty one.
-    pub(crate) fn length(&self, column: usize, scale: &Scale) -> Result<f64, Fault> {
-        Ok(self.scale(column, scale).length(self.real(column)?))
-    }
-
-    /// The finite position in three columns, m.
-    pub(crate) fn point(&self, columns: [usize; 3], scale: &Scale) -> Result<Point, Fault> {
-        let position = self.position(columns)?;
-        Ok([0, 1, 2].map(|axis| self.scale(columns[axis], scale).position(position)[axis]))
-    }
-
-    fn scale(&self, column: usize, scale: &Scale) -> Scale {
-        if self.name(column).to_ascii_lowercase().ends_with("_mm") { Scale::default() } else { *scale }
-    }
 }

@@ -1,8 +1,9 @@
 //! Named columns over the nodes or vessels of a network, and their CSV: each number with the digits that bring it back.
 
 use std::borrow::Cow;
-use std::fmt::Write as _;
 use std::io::{self, Write};
+
+use willis_core::network::{PathPoint, is_radius, millimetres};
 
 /// A named column with one value per row.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,39 +111,30 @@ impl Values {
 
     /// The value of a row as text; empty for a missing number.
     pub fn text(&self, row: usize) -> String {
-        let mut text = String::new();
-        self.put(row, &mut text);
-        text
-    }
-
-    /// Replaces `text` by the value of a row.
-    pub(crate) fn put(&self, row: usize, text: &mut String) {
-        text.clear();
-        // Writing to a string cannot fail.
-        let _ = match self {
-            Self::Real(values) => put_real(values[row], text),
-            Self::Integer(values) => write!(text, "{}", values[row]),
-            Self::Text(values) => text.write_str(&values[row]),
-        };
+        match self {
+            Self::Real(values) => real(values[row]),
+            Self::Integer(values) => values[row].to_string(),
+            Self::Text(values) => values[row].to_owned(),
+        }
     }
 }
 
 /// The shortest text that gives the same number again; empty for NaN.
 pub(crate) fn real(x: f64) -> String {
-    let mut text = String::new();
-    let _ = put_real(x, &mut text);
-    text
+    if x.is_nan() {
+        String::new()
+    } else if x == 0.0 || x.is_infinite() || (1e-5..1e16).contains(&x.abs()) {
+        x.to_string()
+    } else {
+        format!("{x:e}")
+    }
 }
 
-/// Adds the text that [`real`] gives.
-fn put_real(x: f64, text: &mut String) -> std::fmt::Result {
-    if x.is_nan() {
-        Ok(())
-    } else if x == 0.0 || x.is_infinite() || (1e-5..1e16).contains(&x.abs()) {
-        write!(text, "{x}")
-    } else {
-        write!(text, "{x:e}")
-    }
+/// The position and the radius of a point in mm; a missing radius is `missing`.
+pub(crate) fn figures(point: &PathPoint, missing: &str) -> [String; 4] {
+    let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+    let radius = if is_radius(point.radius) { real(millimetres(point.radius)) } else { missing.to_owned() };
+    [x, y, z, radius]
 }
 
 /// Checks that every column has one value for each of `rows`.

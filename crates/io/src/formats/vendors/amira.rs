@@ -12,11 +12,9 @@ use crate::formats::binary::NumberType;
 use crate::formats::input::UnpackLimit;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{cells, centerlines};
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
-use willis_core::network::{Network, WELD_TOLERANCE};
+use willis_core::network::{Centerlines, LengthUnit, Network, Scale, WELD_TOLERANCE, is_radius};
 use willis_core::support::geometry::{Point, distance, radius_of};
 
 /// No header is longer.
@@ -528,7 +526,8 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     if !numbers.is_empty() {
         writeln!(out, "EDGE {{ int {LABELS} }} @6")?;
     }
-    let place = |row: usize| points[row].position.map(|x| real(millimetres(x))).join(" ");
+    let figures: Vec<[String; 4]> = points.iter().map(|point| figures(point, "0")).collect();
+    let place = |row: usize| figures[row][..3].join(" ");
     writeln!(out, "\n# Data section follows\n@1")?;
     for row in 0..vertices {
         writeln!(out, "{}", place(row))?;
@@ -547,8 +546,7 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     }
     writeln!(out, "\n@5")?;
     for row in lines.iter().flatten() {
-        let radius = points[*row as usize].radius;
-        writeln!(out, "{}", if is_radius(radius) { real(millimetres(radius)) } else { "0".to_owned() })?;
+        writeln!(out, "{}", figures[*row as usize][3])?;
     }
     if !numbers.is_empty() {
         writeln!(out, "\n@6")?;

@@ -10,15 +10,13 @@ use crate::formats::regular::is_there;
 use crate::formats::swc::read_swc;
 use crate::formats::tables::reader::TableReader;
 use willis_core::error::{Fault, Result};
-use willis_core::network::Labels;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::{LengthUnit, Scale};
+use willis_core::network::{Centerlines, Labels, LengthUnit, Scale};
 use willis_core::support::geometry::Point;
 
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
 /// iCafe's description of the image.
-const IMAGE: &str = "Image_info.txt";
+pub(crate) const IMAGE: &str = "Image_info.txt";
 
 /// Bytes of Image_info.txt at the most.
 const MOST_IMAGE: u64 = 1 << 20;
@@ -52,7 +50,7 @@ pub(crate) fn is_header(columns: &[&str]) -> bool {
 ///
 /// The file is there and cannot be read.
 pub(crate) fn image_spacing(tracing: &Path) -> Result<Option<f64>> {
-    let Some(path) = find_image_info(tracing) else { return Ok(None) };
+    let Some(path) = find(tracing, IMAGE) else { return Ok(None) };
     let text = bytes_beside(&path, MOST_IMAGE)?;
     let text = String::from_utf8_lossy(&text);
     let numbers = text.lines().find_map(|line| line.trim().strip_prefix("Voxel spacing:"));
@@ -173,7 +171,7 @@ fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize>
 pub(crate) fn read_tracing(path: &Path, bytes: &[u8], options: &ReadOptions) -> Result<(bool, Content, Vec<String>)> {
     let (mut lines, mut notes) = read_swc(bytes, &options.scale).map_err(|fault| fault.in_file(path))?;
     let mut has_table = false;
-    if let Some(table) = find_table_of_vessels(path)
+    if let Some(table) = find(path, TABLE_OF_VESSELS)
         && let Some(note) = name_vessels(&mut lines, &content_beside(&table, options.max_input)?, &table, &options.scale)?
     {
         has_table = true;
@@ -217,14 +215,9 @@ fn spacing_note(tracing: &Path, scale: &Scale) -> Result<Option<String>> {
     }))
 }
 
-/// The table of vessels in the folder of an iCafe tracing.
-pub(crate) fn find_table_of_vessels(tracing: &Path) -> Option<PathBuf> {
-    Some(tracing.with_file_name(TABLE_OF_VESSELS)).filter(|path| is_there(path))
-}
-
-/// iCafe's description of the image, in the folder of a tracing or its table of vessels.
-pub(crate) fn find_image_info(tracing: &Path) -> Option<PathBuf> {
-    Some(tracing.with_file_name(IMAGE)).filter(|path| is_there(path))
+/// A file of iCafe's in the folder of a tracing or its table of vessels: [`TABLE_OF_VESSELS`], or [`IMAGE`].
+pub(crate) fn find(tracing: &Path, name: &str) -> Option<PathBuf> {
+    Some(tracing.with_file_name(name)).filter(|path| is_there(path))
 }
 
 /// The one tracing in the folder of a table of vessels.

@@ -7,11 +7,9 @@ use serde_json::Value;
 
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::tables::write::real;
+use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::{Centerlines, is_radius};
-use willis_core::network::units::{LengthUnit, Scale, millimetres};
-use willis_core::network::{Frame, Network};
+use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Scale, is_radius};
 use willis_core::support::geometry::Point;
 
 /// The usual names of the radius, the first one first; letters of either case.
@@ -249,13 +247,12 @@ pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
             "{before}{{\"type\": \"Curve\", \"name\": {name}, \"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\","
         )?;
         writeln!(out, "\"controlPoints\": [")?;
-        for (at, point) in points.iter().enumerate() {
-            let [x, y, z] = point.position.map(|x| real(millimetres(x)));
+        let figures: Vec<[String; 4]> = points.iter().map(|point| figures(point, "0")).collect();
+        for (at, [x, y, z, _]) in figures.iter().enumerate() {
             let comma = if at + 1 < points.len() { "," } else { "" };
             writeln!(out, "{{\"id\": \"{}\", \"position\": [{x}, {y}, {z}]}}{comma}", at + 1)?;
         }
-        let radius = |r: f64| if is_radius(r) { real(millimetres(r)) } else { "0".into() };
-        let radii: Vec<String> = points.iter().map(|p| radius(p.radius)).collect();
+        let radii: Vec<&str> = figures.iter().map(|[.., radius]| radius.as_str()).collect();
         writeln!(out, "],\n\"measurements\": [{{\"name\": \"Radius\", \"enabled\": true, \"units\": \"mm\",")?;
         write!(out, "\"controlPointValues\": [{}]}}]}}", radii.join(", "))?;
     }

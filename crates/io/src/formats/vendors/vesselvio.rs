@@ -8,9 +8,7 @@ use crate::formats::polylines::{add_straight, centerlines, is_straight, position
 use crate::formats::tables::reader::{Row, TableReader, plural};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Network, Node, PathPoint};
+use willis_core::network::{Network, Node, PathPoint, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{Point, area_of, distance};
 
 /// The columns of positions that are written.
@@ -31,7 +29,7 @@ pub struct VertexTable {
 pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTable, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of vertices";
-    let place = [rows.column(&["X", "pos_x"], what)?, rows.column(&["Y", "pos_y"], what)?, rows.column(&["Z", "pos_z"], what)?];
+    let place = rows.columns([&["X", "pos_x"], &["Y", "pos_y"], &["Z", "pos_z"]], what)?;
     let radius = rows.find(&["radius"]);
     let (mut positions, mut radii) = (Vec::new(), Vec::new());
     while let Some(row) = rows.row()? {
@@ -56,7 +54,7 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
 pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let what = "VesselVio's table of edges";
-    let ends = [rows.column(&["Source ID", "source"], what)?, rows.column(&["Target ID", "target"], what)?];
+    let ends = rows.columns([&["Source ID", "source"], &["Target ID", "target"]], what)?;
     let radius = rows.find(&["radius_avg", "radius"]);
     if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
         let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";

@@ -9,9 +9,7 @@ use crate::formats::tables::graph::NodeTable;
 use crate::formats::tables::reader::{TableReader, plural};
 use crate::formats::tables::write::{Column, coordinate_columns, write_table};
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::{Scale, millimetres};
-use willis_core::network::{Network, Node};
+use willis_core::network::{Network, Node, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{area_of, distance, radius_of};
 
 /// Reads the table of nodes: `id;pos_x;pos_y;pos_z` and whatever else.
@@ -21,11 +19,7 @@ use willis_core::support::geometry::{area_of, distance, radius_of};
 /// A column that is missing, an id that is empty or comes twice, a position that is not finite.
 pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let id = rows.column(&["id"], "Voreen's table of nodes")?;
-    let mut place = [0; 3];
-    for (column, name) in place.iter_mut().zip(["pos_x", "pos_y", "pos_z"]) {
-        *column = rows.column(&[name], "Voreen's table of nodes")?;
-    }
+    let [id, place @ ..] = rows.columns([&["id"], &["pos_x"], &["pos_y"], &["pos_z"]], "Voreen's table of nodes")?;
     let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new(), has_lengths_without_unit: true };
     while let Some(row) = rows.row()? {
         let id = row.text(id).to_owned();
@@ -52,8 +46,7 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
 pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let what = "Voreen's table of edges";
-    let ends = [rows.column(&["node1id"], what)?, rows.column(&["node2id"], what)?];
-    let length = rows.column(&["length"], what)?;
+    let [ends @ .., length] = rows.columns([&["node1id"], &["node2id"], &["length"]], what)?;
     let (area, radius) = (rows.find(&["avgCrossSection"]), rows.find(&["avgRadiusAvg"]));
     if area.is_none() && radius.is_none() && !options.is_radius_optional() {
         rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;

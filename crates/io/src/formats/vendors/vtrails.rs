@@ -8,8 +8,7 @@ use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 use crate::formats::input::UnpackLimit;
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::Scale;
+use willis_core::network::{Centerlines, Scale};
 
 const STRUCT: &str = "GeodesicMSTs";
 const FIELD: &str = "CGPathContinuous";

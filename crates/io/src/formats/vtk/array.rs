@@ -7,7 +7,7 @@ use base64::Engine;
 use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 
-use crate::formats::binary::{signed, word};
+use crate::formats::binary::{NumberType, word};
 use crate::formats::input::UnpackLimit;
 use crate::formats::vtk::polydata::LIMIT;
 use crate::formats::xml::Element;
@@ -28,32 +28,33 @@ pub(crate) struct Arrays<'a> {
     pub(crate) room: &'a UnpackLimit,
 }
 
-/// The numbers of an array.
-enum Numbers {
-    Real(Vec<f64>),
-    Whole(Vec<i64>),
-}
-
 const ZLIB: &str = "vtkZLibDataCompressor";
 const TYPES: &str = "expected Int8 to Int64, UInt8 to UInt64, Float32 or Float64";
 
 impl Arrays<'_> {
     /// The first `count` numbers of an array.
     pub(crate) fn reals(&self, array: &Element, count: usize) -> Result<Vec<f64>, Fault> {
-        Ok(match self.numbers(array, count)? {
-            Numbers::Real(values) => values,
-            Numbers::Whole(values) => values.into_iter().map(|x| x as f64).collect(),
-        })
+        let (kind, size) = number_type(array)?;
+        let found = if is_ascii(array) {
+            ascii(array, (kind, size), count)?
+        } else {
+            let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
+            bytes.chunks_exact(size).map(|bytes| kind.value(bytes, !self.little)).collect()
+        };
+        if found.len() == count {
+            Ok(found)
+        } else {
+            Err(fault(array, format!("{} values", found.len()), format!("expected {count}")))
+        }
     }
 
     /// The first `count` indices of an array.
     pub(crate) fn indices(&self, array: &Element, count: usize) -> Result<Vec<i64>, Fault> {
-        match self.numbers(array, count)? {
-            Numbers::Whole(values) => Ok(values),
-            Numbers::Real(_) => {
-                Err(fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers"))
-            }
+        let found = self.reals(array, count)?;
+        if number_type(array)?.0 == NumberType::Real {
+            return Err(fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers"));
         }
+        Ok(found.into_iter().map(|x| x as i64).collect())
     }
 
     /// The first `count` texts of an array; each ends with a zero byte.
@@ -76,23 +77,6 @@ impl Arrays<'_> {
         }
         texts.truncate(count);
         Ok(texts)
-    }
-
-    fn numbers(&self, array: &Element, count: usize) -> Result<Numbers, Fault> {
-        let kind = array.attribute("type");
-        let size = match kind {
-            "Int8" | "UInt8" => 1,
-            "Int16" | "UInt16" => 2,
-            "Int32" | "UInt32" | "Float32" => 4,
-            "Int64" | "UInt64" | "Float64" => 8,
-            _ => return Err(fault(array, format!("type \"{kind}\""), TYPES)),
-        };
-        let found = if is_ascii(array) { ascii(array, kind, count)? } else { self.binary(array, kind, size, count)? };
-        let length = match &found {
-            Numbers::Real(values) => values.len(),
-            Numbers::Whole(values) => values.len(),
-        };
-        if length == count { Ok(found) } else { Err(fault(array, format!("{length} values"), format!("expected {count}"))) }
     }
 
     /// The first `limit` bytes of an array that is not written in digits.
@@ -127,23 +111,17 @@ impl Arrays<'_> {
         self.room.take(bytes.len()).map_err(|(found, accepted)| fault(array, found, accepted))?;
         Ok(bytes)
     }
+}
 
-    fn binary(&self, array: &Element, kind: &str, size: usize, count: usize) -> Result<Numbers, Fault> {
-        let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
-        let mut numbers = bytes.chunks_exact(size).map(|bytes| word(bytes, !self.little));
-        Ok(match kind {
-            "Float32" => Numbers::Real(numbers.map(|w| f64::from(f32::from_bits(w as u32))).collect()),
-            "Float64" => Numbers::Real(numbers.map(f64::from_bits).collect()),
-            _ if kind.starts_with('I') => Numbers::Whole(numbers.map(|w| signed(w, size)).collect()),
-            _ => match numbers.try_fold(Vec::new(), |mut all, w| {
-                all.push(i64::try_from(w).ok()?);
-                Some(all)
-            }) {
-                Some(values) => Numbers::Whole(values),
-                None => return Err(fault(array, "a whole number above 2^63 - 1", "expected a smaller one")),
-            },
-        })
-    }
+/// The type of an array's numbers and the bytes of each.
+fn number_type(array: &Element) -> Result<(NumberType, usize), Fault> {
+    let name = array.attribute("type");
+    let is =
+        |kind: &str| name.strip_prefix(kind).and_then(|bits| [8, 16, 32, 64].into_iter().find(|n: &usize| n.to_string() == bits));
+    let kinds = [("Int", NumberType::Signed), ("UInt", NumberType::Unsigned), ("Float", NumberType::Real)];
+    let found = kinds.into_iter().find_map(|(word, kind)| Some((kind, is(word)? / 8)));
+    let found = found.filter(|(kind, size)| *kind != NumberType::Real || *size >= 4);
+    found.ok_or_else(|| fault(array, format!("type \"{name}\""), TYPES))
 }
 
 fn is_ascii(array: &Element) -> bool {
@@ -159,17 +137,15 @@ fn without_blanks(text: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-fn ascii(array: &Element, kind: &str, count: usize) -> Result<Numbers, Fault> {
-    let wrong = |word: &str| fault(array, format!("value \"{word}\""), format!("expected {count} numbers of type {kind}"));
-    let words = array.text.split_ascii_whitespace().take(count);
-    if kind == "Float32" {
-        let single = |w: &str| w.parse().map(|x: f32| f64::from(x)).map_err(|_| wrong(w));
-        return words.map(single).collect::<Result<_, _>>().map(Numbers::Real);
-    }
-    if kind.starts_with('F') {
-        return words.map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>().map(Numbers::Real);
-    }
-    words.map(|w| w.parse().map_err(|_| wrong(w))).collect::<Result<_, _>>().map(Numbers::Whole)
+fn ascii(array: &Element, kind: (NumberType, usize), count: usize) -> Result<Vec<f64>, Fault> {
+    let number = |word: &str| match kind {
+        (NumberType::Real, 4) => word.parse().ok().map(|x: f32| f64::from(x)),
+        (NumberType::Real, _) => word.parse().ok(),
+        _ => word.parse().ok().map(|x: i64| x as f64),
+    };
+    let accepted = || format!("expected {count} numbers of type {}", array.attribute("type"));
+    let read = |word: &str| number(word).ok_or_else(|| fault(array, format!("value \"{word}\""), accepted()));
+    array.text.split_ascii_whitespace().take(count).map(read).collect()
 }
 
 fn fault(array: &Element, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {

@@ -4,8 +4,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::vtk::cursor::{VtkCursor, VtkType, unescape};
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use willis_core::error::Fault;
-use willis_core::network::Frame;
-use willis_core::network::centerlines::Centerlines;
+use willis_core::network::{Centerlines, Frame};
 
 pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
 

@@ -7,8 +7,7 @@ use crate::formats::vtk::array::{Arrays, Source};
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use crate::formats::xml::{self, Element};
 use willis_core::error::Fault;
-use willis_core::network::Frame;
-use willis_core::network::centerlines::Centerlines;
+use willis_core::network::{Centerlines, Frame};
 
 /// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///

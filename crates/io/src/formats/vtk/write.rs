@@ -12,8 +12,7 @@ use crate::formats::polylines::cells;
 use crate::formats::tables::write::{Column, Values, check_rows, real};
 use crate::formats::vtk::SPACE;
 use crate::formats::xml;
-use willis_core::network::Network;
-use willis_core::network::units::millimetres;
+use willis_core::network::{Network, millimetres};
 
 /// Bytes compressed at a time, as VTK does.
 const BLOCK: usize = 1 << 15;

@@ -14,7 +14,7 @@ use data::{PolyLine, PolyLines};
 
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::Centerlines;
+use willis_core::network::Centerlines;
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -137,20 +137,9 @@ fn build(all: &PolyLines, ids: &[u64]) -> Centerlines {
 const NAMES: [&str; 8] =
     ["label", "labels", "vesselname", "vessellabel", "segmentname", "anatomicallabel", "anatomicalname", "name"];
 /// What CoW_Centerline_Extraction means by its numbers (`extract_cow_variant_from_graph.py`).
-const CIRCLE: [(i64, &str); 13] = [
-    (1, "BA"),
-    (2, "R-PCA"),
-    (3, "L-PCA"),
-    (4, "R-ICA"),
-    (5, "R-MCA"),
-    (6, "L-ICA"),
-    (7, "L-MCA"),
-    (8, "R-Pcom"),
-    (9, "L-Pcom"),
-    (10, "Acom"),
-    (11, "R-ACA"),
-    (12, "L-ACA"),
-    (15, "3rd-A2"),
+const CIRCLE: [&str; 16] = [
+    "", "BA", "R-PCA", "L-PCA", "R-ICA", "R-MCA", "L-ICA", "L-MCA", "R-Pcom", "L-Pcom", "Acom", "R-ACA", "L-ACA", "", "",
+    "3rd-A2",
 ];
 /// Arrays that show a file to be of that program.
 const CIRCLE_RADII: [&str; 2] = ["ce_radius", "mis_radius"];
@@ -183,11 +172,10 @@ fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
             return String::new();
         }
         let number = *number as i64;
-        let known = CIRCLE.iter().find(|(n, _)| *n == number).filter(|_| circle);
+        let known = usize::try_from(number).ok().and_then(|number| CIRCLE.get(number)).filter(|_| circle);
         match known {
-            Some((_, name)) => (*name).to_owned(),
-            None if circle && number == 0 => String::new(),
-            None => number.to_string(),
+            Some(name) if number == 0 || !name.is_empty() => (*name).to_owned(),
+            _ => number.to_string(),
         }
     };
     match &array.values {

@@ -26,8 +26,7 @@
 use std::collections::HashMap;
 
 use super::data::{PolyLine, PolyLines};
-use willis_core::network::centerlines::is_radius;
-use willis_core::network::units::millimetres;
+use willis_core::network::{is_radius, millimetres};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 
 /// More lines than a source has outlets: such a file holds pieces of a network, each of them once.

@@ -3,7 +3,7 @@
 use super::data::{ArrayValues, NamedValues, PolyData};
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
-use willis_core::network::centerlines::is_radius;
+use willis_core::network::is_radius;
 use willis_core::support::suggestions::did_you_mean;
 
 /// Cross-section areas: VMTK's and SimVascular's, and what others call the same.

@@ -13,7 +13,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use super::data::{ArrayValues, NamedValues, PolyData, PolyLine, PolyLines};
 use super::overlap::{COMMON_END, ONE_JUNCTION, arc, without_gaps};
 use crate::formats::tables::reader::plural;
-use willis_core::network::units::millimetres;
+use willis_core::network::millimetres;
 use willis_core::support::geometry::{Point, box_diagonal, distance};
 
 const CENTERLINE: &str = "CenterlineIds";
