@@ -225,12 +225,7 @@ pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Observe
 fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<ObservedBranch> {
     let mut points: Vec<PathPoint> = Vec::new();
     for (row, backwards) in &vessels {
-        let vessel = network.vessel(*row);
-        let mut path = vessel.path.clone();
-        if path.len() < 2 {
-            let [a, b] = network.ends(*row).map(|node| network.node(node).position.unwrap_or_default());
-            path = [a, b].map(|position| PathPoint { position, radius: vessel.radius, id: None }).to_vec();
-        }
+        let mut path = network.path_of(*row);
         if *backwards {
             path.reverse();
         }

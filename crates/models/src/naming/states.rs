@@ -107,6 +107,21 @@ pub fn label_of_segment(segment: usize) -> ArteryLabel {
 }
 
 /// The artery of a label without its side.
+/// The label of the highest probability, the first of equals.
+pub fn most_probable(p: &[f64; LABELS]) -> ArteryLabel {
+    (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best })
+}
+
+/// The arteries that a segment of the ring joins, at either end.
+pub fn joined_by(segment: usize) -> [Vec<ArteryLabel>; 2] {
+    match RING[segment] {
+        Artery::A1(side) => [vec![Sided::Ica.on(side)], vec![Sided::A2.on(side)]],
+        Artery::PComm(side) => [vec![Sided::Ica.on(side)], vec![Sided::P2.on(side), Sided::P1.on(side)]],
+        Artery::P1(side) => [vec![BA, Sided::P1.on(side.other())], vec![Sided::P2.on(side)]],
+        _ => BodySide::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
+    }
+}
+
 fn family_of(label: ArteryLabel) -> &'static Family {
     &FAMILIES[if label < 2 * SIDED { label / 2 } else { label - SIDED }]
 }

@@ -158,22 +158,10 @@ fn in_cone(e: &Extraction, course: &EndCourse, c: &EndCandidate) -> usize {
     .count()
 }
 
-/// What the second pass sees of the first, by name.
-pub const SECOND_FEATURES: [&str; 13] = [
-    "score",
-    "own_score",
-    "child_other",
-    "child_sum",
-    "child_margin",
-    "parent_other",
-    "parent_sum",
-    "parent_margin",
-    "fragment_child_sum",
-    "fragment_parent_sum",
-    "two_steps",
-    "pair_other",
-    "pair_sum",
-];
+/// How many features the second pass has of the first: the mean score of both directions and the own one; of the others at the child, and
+/// of those at the parent, the best, the sum of probabilities and the margin; the sums of both fragments, the best way by a third fragment, and
+/// the best and the sum of the other pairs of these two.
+pub const SECOND_FEATURES: usize = 13;
 
 /// A score where there is no other candidate, and the bound of all features.
 const NO_SCORE: f64 = -8.0;
@@ -210,7 +198,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
         let best = rivals.iter().map(|pair| score[*pair]).fold(NO_SCORE, f64::max);
         (best, rivals.iter().map(|pair| p[*pair]).sum::<f64>().min(MOST_SUM))
     };
-    let mut out = Array2::zeros((candidates.len(), SECOND_FEATURES.len()));
+    let mut out = Array2::zeros((candidates.len(), SECOND_FEATURES));
     for (row, c) in candidates.iter().enumerate() {
         let (pair, child) = (pairs.of[row], e.ends[c.end].point);
         let other_place = |pair: &usize, from: usize| {
@@ -234,7 +222,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
         let two_steps = if own == parent { 0.0 } else { steps[few].iter().filter_map(two).fold(0.0, f64::max) };
         let same = &between[&unordered([own, parent])];
         let others = same.iter().filter(|o| **o != pair);
-        let features = [
+        let features: [f64; SECOND_FEATURES] = [
             score[pair],
             scores[row],
             at_child.0,
