@@ -20,8 +20,8 @@ use willis_models::candidates::joins::features::join_feature_names;
 use willis_models::candidates::joins::image::features::image_feature_names;
 use willis_models::candidates::joins::in_image::InImage;
 use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
-use willis_models::candidates::joins::rivals::Pairs;
 use willis_models::candidates::joins::{JoinTable, ShapeScores};
+use willis_models::candidates::pairs::Pairs;
 use willis_models::candidates::search::SearchOptions;
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.

@@ -8,6 +8,7 @@ pub mod model;
 mod network_point;
 mod options;
 mod over_connected;
+pub mod pairs;
 mod recognise_kind;
 pub mod resample;
 pub mod search;
@@ -201,17 +202,15 @@ fn found_by_joins(
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
 /// represents both.
 fn probable(posterior: &ForestPosterior) -> Vec<(EndCandidate, Evidence)> {
-    let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
+    let table = &posterior.table;
     let mut found: Vec<(EndCandidate, f64, Evidence)> = Vec::new();
-    for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
+    for (row, (candidate, pair)) in table.candidates.iter().zip(&table.pairs.of).enumerate() {
         let p = posterior.marginals.edges[row];
         let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());
-        if let Some(at) = first[*pair] {
-            let (_, sum, evidence) = &mut found[at];
+        if let Some((_, sum, evidence)) = found.get_mut(*pair) {
             *sum += p;
             (evidence.attached[1], evidence.continuation_odds[1]) = (p, odds);
         } else {
-            first[*pair] = Some(found.len());
             let probability = posterior.probability[row];
             found.push((*candidate, p, Evidence { probability, attached: [p, 0.0], continuation_odds: [odds, 0.0] }));
         }

@@ -6,6 +6,7 @@ use ndarray::Array2;
 
 use super::course::EndCourse;
 use crate::candidates::features::Extraction;
+use crate::candidates::pairs::{Pairs, unordered};
 use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
 use willis_core::support::geometry::{dot, norm_squared, sub};
@@ -37,48 +38,6 @@ pub struct Rivals {
     pub pair_rank: usize,
     /// Free ends of other fragments that are nearer and no further off the course.
     pub in_cone: usize,
-}
-
-/// The candidates of one search as pairs of points, both directions together.
-pub struct Pairs {
-    /// Per candidate its pair.
-    pub of: Vec<usize>,
-    /// Per pair its points, the lower first.
-    pub points: Vec<[usize; 2]>,
-    /// Per pair its first candidate.
-    pub first: Vec<usize>,
-}
-
-impl Pairs {
-    /// The pairs, in the order of their first candidates.
-    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
-        let mut number = BTreeMap::new();
-        let mut this = Self { of: Vec::with_capacity(candidates.len()), points: Vec::new(), first: Vec::new() };
-        for (row, c) in candidates.iter().enumerate() {
-            let points = unordered(c.points(e));
-            let pair = *number.entry(points).or_insert_with(|| {
-                this.points.push(points);
-                this.first.push(row);
-                this.points.len() - 1
-            });
-            this.of.push(pair);
-        }
-        this
-    }
-
-    /// Per pair the mean of a quantity over its candidates.
-    pub fn mean(&self, of_candidate: &[f64]) -> Vec<f64> {
-        let (mut sum, mut count) = (vec![0.0; self.points.len()], vec![0.0; self.points.len()]);
-        for (pair, x) in self.of.iter().zip(of_candidate) {
-            sum[*pair] += x;
-            count[*pair] += 1.0;
-        }
-        sum.iter().zip(count).map(|(sum, n)| sum / n).collect()
-    }
-}
-
-fn unordered([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
 }
 
 fn site(e: &Extraction, point: usize) -> f64 {

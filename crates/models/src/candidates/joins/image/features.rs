@@ -9,7 +9,7 @@ use ndarray::Array2;
 use super::ahead::{Ahead, MOST_COST, MOST_MET};
 use super::path::{Between, CheapestPath, across, cheapest_path};
 use crate::candidates::features::Extraction;
-use crate::candidates::joins::rivals::Pairs;
+use crate::candidates::pairs::Pairs;
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::boosted_trees::stored;
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
