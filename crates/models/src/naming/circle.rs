@@ -190,9 +190,8 @@ impl Names {
         };
         let [Some(left), Some(right)] = BodySide::BOTH.map(middle_of) else { return false };
         let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));
-        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let agrees = |(side, at): &(BodySide, Point)| {
-            let at = [sign * at[0], sign * at[1], at[2]].map(millimetres);
+            let at = self.frame.turn(Frame::Ras, *at).map(millimetres);
             let away = dot(sub(at, middle), rightward);
             if *side == BodySide::Right { away } else { -away }
         };
@@ -258,7 +257,6 @@ impl Names {
                 "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`",
             ));
         }
-        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let listed = self.landmarks(model);
         let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
         // Blood comes in somewhere: where no place is sure, at the likeliest.
@@ -285,7 +283,7 @@ impl Names {
         let listed = sure.iter().copied().filter(needed).map(|NamedPlace { label, at, .. }| ListedLandmark {
             place: Place::File,
             label: label.clone(),
-            position: [sign * at[0], sign * at[1], at[2]].map(metres),
+            position: Frame::Ras.turn(self.frame, *at).map(metres),
         });
         let landmarks = identify_landmarks(listed.collect())?;
         let (circle, notes) = Circle::at(network, &landmarks)?;

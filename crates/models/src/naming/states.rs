@@ -94,6 +94,11 @@ impl Sided {
     pub const fn on(self, side: BodySide) -> ArteryLabel {
         2 * self as usize + side as usize
     }
+
+    /// Whether a label is this artery of either side.
+    pub fn is(self, label: ArteryLabel) -> bool {
+        label < BA && label / 2 == self as usize
+    }
 }
 
 /// The label of a segment of [`RING`].
@@ -200,14 +205,13 @@ impl Default for StateTables {
     fn default() -> Self {
         let all: Vec<(ArteryLabel, usize)> =
             (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
-        let is_m2 = |label: ArteryLabel| label / 2 == Sided::M2 as usize && label < BA;
         Self {
             label: all.iter().map(|(label, _)| *label).collect(),
             bin: all.iter().map(|(_, bin)| *bin).collect(),
             mirrored: all.iter().map(|(label, bin)| first_state(mirrored(*label)) + bin).collect(),
             once: all
                 .iter()
-                .map(|(label, bin)| *label == ACOMM || *label != OTHER && !is_m2(*label) && bin + 1 < bins_of(*label))
+                .map(|(label, bin)| *label == ACOMM || *label != OTHER && !Sided::M2.is(*label) && bin + 1 < bins_of(*label))
                 .collect(),
         }
     }

@@ -7,8 +7,8 @@ use ndarray::Array2;
 use super::course::EndCourse;
 use crate::candidates::features::Extraction;
 use crate::candidates::pairs::{Pairs, unordered};
-use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
+use crate::candidates::search::{EndCandidate, rows_by_end};
 use willis_core::support::geometry::{dot, norm_squared, sub};
 use willis_core::support::statistics::sigmoid;
 use willis_core::support::ties::steady;
@@ -48,10 +48,7 @@ fn site(e: &Extraction, point: usize) -> f64 {
 pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<Rivals> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
     let mut out = vec![Rivals::default(); candidates.len()];
-    let mut of_end = vec![Vec::new(); e.ends.len()];
-    for (row, c) in candidates.iter().enumerate() {
-        of_end[c.end].push(row);
-    }
+    let of_end = rows_by_end(e, candidates);
     // Per free end the branches that are cheapest from it.
     let mut preferred: Vec<Option<usize>> = vec![None; e.ends.len()];
     for (end, rows) in of_end.iter().enumerate() {

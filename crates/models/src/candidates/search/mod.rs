@@ -112,6 +112,15 @@ pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Re
     from_each_end(extraction, reach, |around, _| around.nearest(options))
 }
 
+/// Per free end the rows of its candidates.
+pub fn rows_by_end(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Vec<usize>> {
+    let mut rows = vec![Vec::new(); e.ends.len()];
+    for (row, candidate) in candidates.iter().enumerate() {
+        rows[candidate.end].push(row);
+    }
+    rows
+}
+
 /// How long (m) the path along the vessels is at least, for a candidate within a fragment that bridges this gap (m).
 pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
     (DETOUR * gap).max(DETOUR_WIDTHS * (2.0 * end.radius + extraction.spacing))
