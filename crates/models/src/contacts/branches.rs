@@ -81,7 +81,8 @@ impl Branches {
     /// Divides the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
         let runs = runs(network, |_| false);
-        let degree = degree_by_runs(network, &runs);
+        let mut degree = vec![0; network.node_count()];
+        runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
         let is_junction = |node: usize| degree[node] > 2;
         let mut radius_at = vec![0.0_f64; network.node_count()];
         for run in &runs {
@@ -177,13 +178,6 @@ impl BranchEnd {
     pub fn other(self) -> Self {
         Self { branch: self.branch, last: !self.last }
     }
-}
-
-/// How many ends of runs meet at each node.
-fn degree_by_runs(network: &Network, runs: &[ObservedBranch]) -> Vec<usize> {
-    let mut degree = vec![0; network.node_count()];
-    runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
-    degree
 }
 
 /// The runs of observed vessels between nodes where not exactly two of them meet, or where runs end besides. A ring without such a node

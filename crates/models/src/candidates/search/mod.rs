@@ -9,7 +9,7 @@ pub mod point_index;
 pub use meeting_points::MeetingPoints;
 pub use point_index::join_nearest;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::features::extraction::Extraction;
 use super::options::{Attach, CandidateOptions, NEAREST};
@@ -194,13 +194,9 @@ impl Neighbourhood<'_> {
             }));
         }
         places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (k, mut chosen) = (options.k.unwrap_or(NEAREST), Vec::new());
-        for (_, point) in places {
-            if chosen.len() < k && !chosen.contains(&point) {
-                chosen.push(point);
-            }
-        }
-        chosen
+        let mut chosen = BTreeSet::new();
+        let distinct = places.into_iter().map(|(_, point)| point).filter(|point| chosen.insert(*point));
+        distinct.take(options.k.unwrap_or(NEAREST)).collect()
     }
 
     /// The hits of the nearest branches, branch by branch, in order.
