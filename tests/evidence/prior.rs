@@ -64,7 +64,7 @@ fn two_fragments_in_a_line_as_by_hand() {
     let facing = |row: &usize| (weight(*row) - (-4.0_f64 / 3.0).exp()).abs() < 1e-9;
     assert_eq!(rows.clone().filter(facing).count(), 2, "the facing ends see each other");
     for row in rows.clone() {
-        let same: f64 = rows.clone().filter(|r| found.table.pair[*r] == found.table.pair[row]).map(weight).sum();
+        let same: f64 = rows.clone().filter(|r| found.table.pairs.of[*r] == found.table.pairs.of[row]).map(weight).sum();
         assert!((found.marginals.edges[row] - 3.0 * weight(row) / total).abs() < 1e-12);
         assert!((found.probability[row] - 3.0 * same / total).abs() < 1e-11, "one probability for both directions");
     }

@@ -69,8 +69,8 @@ impl<'a> CandidateExample<'a> {
         let points = table.candidates.iter().map(|c| [extraction.ends[c.end].point, c.point]);
         let candidates: Vec<_> = points.zip(table.fragments.iter().copied()).collect();
         let allowed = case.truth.allowed(&candidates);
-        let mut matches = vec![None; table.pairs];
-        for (([from, to], _), pair) in candidates.iter().zip(&table.pair) {
+        let mut matches = vec![None; table.pairs.points.len()];
+        for (([from, to], _), pair) in candidates.iter().zip(&table.pairs.of) {
             matches[*pair] = case.truth.matching(*from, *to).or(matches[*pair]);
         }
         Ok(Self { case, extraction, table, allowed, matches })

@@ -17,11 +17,11 @@ use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::statistics::sigmoid;
 use willis_models::candidates::features::Extraction;
 use willis_models::candidates::joins::features::join_feature_names;
-use willis_models::candidates::joins::image::features::IMAGE_FEATURES;
+use willis_models::candidates::joins::image::features::image_feature_names;
 use willis_models::candidates::joins::in_image::InImage;
 use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
-use willis_models::candidates::joins::rivals::Pairs;
 use willis_models::candidates::joins::{JoinTable, ShapeScores};
+use willis_models::candidates::pairs::Pairs;
 use willis_models::candidates::search::SearchOptions;
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
@@ -189,7 +189,7 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
     let trees_of = |rows: &[(usize, usize)]| {
         let right: Vec<bool> = rows.iter().map(is_right).collect();
         let value = |row: usize, column: usize| features[rows[row].0][[rows[row].1, column]];
-        super::boosting::boost(rows.len(), IMAGE_FEATURES.len(), value, &right)
+        super::boosting::boost(rows.len(), image_feature_names().len(), value, &right)
     };
     let mut pairs = Vec::new();
     for held in 0..INNER {
@@ -203,7 +203,7 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
     Ok(Some(ImagePass {
         calibration: calibrate(pairs.into_iter()).0,
         noise,
-        features: IMAGE_FEATURES.map(str::to_owned).to_vec(),
+        features: image_feature_names().into_iter().map(str::to_owned).collect(),
         trees: trees_of(&rows_of(&|_| true))?,
     }))
 }

@@ -113,7 +113,7 @@ fn say_cases(terminal: TextTerminal, examples: &[CandidateExample]) {
                 plural(sum(&|e| e.extraction.fragments.len()), "fragment"),
                 plural(needed, "true connection"),
                 count(reached as u64),
-                plural(sum(&|e| e.table.pairs), "candidate")
+                plural(sum(&|e| e.table.pairs.points.len()), "candidate")
             ),
         );
     }

@@ -65,6 +65,16 @@ impl Network {
         inner.map_or(lerp(a, b, 0.5), |point| point.position)
     }
 
+    /// The path of a vessel, or the straight line between its two nodes where it has none.
+    pub fn path_of(&self, row: usize) -> Vec<PathPoint> {
+        let vessel = self.vessel(row);
+        if vessel.path.len() > 1 {
+            return vessel.path.clone();
+        }
+        let at = |node: usize| self.node(node).position.unwrap_or_default();
+        self.ends(row).map(|node| PathPoint { position: at(node), radius: vessel.radius, id: None }).to_vec()
+    }
+
     /// Adds a node and returns its row.
     pub fn add_node(&mut self, node: Node) -> usize {
         self.graph.add_node(Arc::new(node)).index()

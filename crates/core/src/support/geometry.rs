@@ -54,6 +54,18 @@ pub fn unit(a: Point) -> Point {
     if n > 0.0 { [a[0] / n, a[1] / n, a[2] / n] } else { [0.0; 3] }
 }
 
+/// A line after so many rounds in which every point but the first and the last becomes a mean of itself and its neighbours, weighted (1/4, 1/2, 1/4).
+pub fn smooth(points: &[Point], rounds: usize) -> Vec<Point> {
+    let mut points = points.to_vec();
+    for _ in 0..rounds {
+        let before = points.clone();
+        for (w, point) in before.windows(3).zip(points.iter_mut().skip(1)) {
+            *point = [0, 1, 2].map(|k| 0.25 * w[0][k] + 0.5 * w[1][k] + 0.25 * w[2][k]);
+        }
+    }
+    points
+}
+
 /// The radius of a circle of an area, sqrt(a/π).
 pub fn radius_of(area: f64) -> f64 {
     (area / std::f64::consts::PI).sqrt()

@@ -2,6 +2,7 @@
 //! end of the room changes nothing.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use super::network_point::NetworkPoint;
 use willis_core::network::{Network, fragments};
@@ -54,34 +55,15 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<FragmentClust
             group_of[*part] = group;
         }
     }
-    let mut rows = vec![[Vec::new(), Vec::new()]; groups.len()];
-    let mut own = vec![0; network.node_count()];
-    for (node, part) in parts.of_node.iter().enumerate() {
-        let nodes = &mut rows[group_of[*part]][0];
-        own[node] = nodes.len();
-        nodes.push(node);
-    }
-    for vessel in 0..network.vessel_count() {
-        rows[group_of[parts.of_node[network.ends(vessel)[0]]]][1].push(vessel);
-    }
-    let mut inlets_of = vec![Vec::new(); groups.len()];
-    for inlet in inlets {
-        inlets_of[group_of[parts.of_node[*inlet]]].push(own[*inlet]);
-    }
-    rows.sort_by_key(|[nodes, _]| nodes[0]);
-    let cluster = |rows: [Vec<usize>; 2]| {
-        let mut part = Network::new();
-        part.frame = network.frame;
-        for node in &rows[0] {
-            part.add_node(network.node(*node).clone());
-        }
-        for vessel in &rows[1] {
-            part.add_vessel(network.ends(*vessel).map(|end| own[end]), network.vessel(*vessel).clone());
-        }
-        let inlets = std::mem::take(&mut inlets_of[group_of[parts.of_node[rows[0][0]]]]);
-        FragmentCluster { network: Cow::Owned(part), inlets, rows: Some(rows) }
+    let cluster = |group: usize| {
+        let (part, nodes, vessels) = network.part(|node| group_of[parts.of_node[node]] == group);
+        let inlets = inlets.iter().filter_map(|inlet| nodes.binary_search(inlet).ok()).collect();
+        FragmentCluster { network: Cow::Owned(part), inlets, rows: Some([nodes, vessels]) }
     };
-    rows.into_iter().map(cluster).collect()
+    let mut in_order: Vec<usize> = parts.of_node.iter().map(|part| group_of[*part]).collect();
+    let mut seen = BTreeSet::new();
+    in_order.retain(|group| seen.insert(*group));
+    in_order.into_iter().map(cluster).collect()
 }
 
 /// A box with the least and the largest coordinate along each axis, m.

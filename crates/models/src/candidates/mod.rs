@@ -8,6 +8,7 @@ pub mod model;
 mod network_point;
 mod options;
 mod over_connected;
+pub mod pairs;
 mod recognise_kind;
 pub mod resample;
 pub mod search;
@@ -16,6 +17,7 @@ pub use network_point::NetworkPoint;
 pub use options::{Attach, CandidateOptions, CandidateRadius, NEAREST};
 
 use clusters::{FragmentCluster, clusters};
+use features::Extraction;
 use joins::JoinTable;
 use joins::in_image::InImage;
 use joins::model::JoinModel;
@@ -113,10 +115,7 @@ fn found_by_evidence(
         &e,
         &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
     )?;
-    candidates.retain(|c| {
-        let may_end = options.attach == Attach::Centerline || e.end_at[c.point].is_some();
-        options.max_gap.is_none_or(|most| c.gap(&e) <= most) && may_end
-    });
+    candidates.retain(|c| options.allows(c, &e));
     let posterior = posterior(&e, &candidates, weights)?;
     let mut found = probable(&posterior);
     let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
@@ -182,10 +181,8 @@ fn found_by_joins(
     let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
         let candidate = candidates[*row];
         let gap = candidate.gap(e);
-        let may_end = options.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        let reach = candidate.fragments(e).map(|row| e.fragments[row].reach());
-        let within = options.max_gap.into_iter().chain(reach).all(|most| gap <= most);
-        let stays = probability > LEAST_PROBABLE && may_end && within;
+        let within = candidate.fragments(e).iter().all(|row| gap <= e.fragments[*row].reach());
+        let stays = probability > LEAST_PROBABLE && options.allows(&candidate, e) && within;
         let radii = candidate.points(e).map(|point| e.radius_at(point));
         let course = image.as_ref().filter(|_| model.image.is_some());
         stays.then(|| NewVessel {
@@ -198,20 +195,26 @@ fn found_by_joins(
     Ok((found, looked))
 }
 
+impl CandidateOptions {
+    /// Whether a candidate is no longer than the options allow, and ends where it may.
+    fn allows(&self, candidate: &EndCandidate, e: &Extraction) -> bool {
+        let may_end = self.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
+        may_end && self.max_gap.is_none_or(|most| candidate.gap(e) <= most)
+    }
+}
+
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found
 /// represents both.
 fn probable(posterior: &ForestPosterior) -> Vec<(EndCandidate, Evidence)> {
-    let mut first: Vec<Option<usize>> = vec![None; posterior.table.pairs];
+    let table = &posterior.table;
     let mut found: Vec<(EndCandidate, f64, Evidence)> = Vec::new();
-    for (row, (candidate, pair)) in posterior.table.candidates.iter().zip(&posterior.table.pair).enumerate() {
+    for (row, (candidate, pair)) in table.candidates.iter().zip(&table.pairs.of).enumerate() {
         let p = posterior.marginals.edges[row];
         let odds = Evidence::odds_of_weight(posterior.forests.edges()[row].log_weight.exp());
-        if let Some(at) = first[*pair] {
-            let (_, sum, evidence) = &mut found[at];
+        if let Some((_, sum, evidence)) = found.get_mut(*pair) {
             *sum += p;
             (evidence.attached[1], evidence.continuation_odds[1]) = (p, odds);
         } else {
-            first[*pair] = Some(found.len());
             let probability = posterior.probability[row];
             found.push((*candidate, p, Evidence { probability, attached: [p, 0.0], continuation_odds: [odds, 0.0] }));
         }

@@ -126,11 +126,7 @@ fn split(
     cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>,
     rule: RadiusRule,
 ) -> (Network, BTreeMap<NetworkPoint, usize>) {
-    let mut graph = Network::new();
-    graph.frame = network.frame;
-    for node in network.nodes() {
-        graph.add_node(node.clone());
-    }
+    let (mut graph, _) = network.subgraph(|_| false);
     let mut taken: BTreeSet<String> = network.nodes().map(|n| n.id.clone()).collect();
     let mut node_at = BTreeMap::new();
     for (row, (ends, vessel)) in network.vessels().enumerate() {

@@ -10,7 +10,7 @@ use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
 use super::segments_by_labels;
 use super::segments_by_labels::LabelMeaning;
 use super::segments_by_landmarks::Points;
-use super::sides::{side_note, sides_look_exchanged};
+use super::sides::side_notes;
 use super::variant::Variant;
 use willis_core::error::Fault;
 use willis_core::network::units::millimetres;
@@ -34,8 +34,6 @@ enum Location {
 
 /// How a note ends that gives the node of a landmark. No other note ends so.
 pub const LANDMARK_NOTE_ENDING: &str = " mm away";
-const EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
-
 impl Circle {
     /// The circle of a network whose vessels are labelled, with notes for the user.
     ///
@@ -77,11 +75,7 @@ impl Circle {
             let names: Vec<&str> = unknown.keys().map(String::as_str).collect();
             notes.push(format!("not arteries of the circle, and so no part of it: {}", names.join(", ")));
         }
-        let at = mean_positions(network, &meanings);
-        if sides_look_exchanged(&at) == Some(true) {
-            notes.push(EXCHANGED.to_owned());
-        }
-        notes.extend(side_note(&at));
+        notes.extend(side_notes(&mean_positions(network, &meanings)));
         Ok((Self { location: Location::Vessels(meanings) }, notes))
     }
 
@@ -143,11 +137,7 @@ impl Circle {
             points.p2[s] = points.p2[s].or(points.posterior[s]);
         }
         let at = landmarks.iter().filter_map(|l| if let [one] = l.arteries[..] { Some((one, l.position)) } else { None });
-        let at = at.collect();
-        if sides_look_exchanged(&at) == Some(true) {
-            notes.push(EXCHANGED.to_owned());
-        }
-        notes.extend(side_note(&at));
+        notes.extend(side_notes(&at.collect()));
         Ok((Self { location: Location::Nodes(Box::new(points)) }, notes))
     }
 

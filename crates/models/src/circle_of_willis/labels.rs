@@ -25,11 +25,7 @@ pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: R
         let (a, b) = (pair[0].id?, pair[1].id?);
         name_of.get(&(a.min(b), a.max(b))).copied()
     };
-    let mut split = Network::new();
-    split.frame = network.frame;
-    for node in network.nodes() {
-        split.add_node(node.clone());
-    }
+    let (mut split, _) = network.subgraph(|_| false);
     for (ends, vessel) in network.vessels() {
         let names: Option<Vec<&str>> = vessel.path.windows(2).map(name).collect();
         let names = names.unwrap_or_default();
@@ -186,53 +182,31 @@ pub(crate) fn side_of(word: &str) -> Option<BodySide> {
 }
 
 fn midline(name: &str) -> Option<Artery> {
-    match name {
-        "acomm"
-        | "acom"
-        | "acoa"
-        | "acoma"
-        | "acomma"
-        | "anteriorcommunicating"
-        | "anteriorcomm"
-        | "antcomm"
-        | "antcommunicating" => Some(Artery::AComm),
-        "ba" | "basilar" | "bas" => Some(Artery::Ba),
-        "3rda2" | "thirda2" | "a23rd" | "a2third" | "mediana2" => Some(Artery::ThirdA2),
-        _ => None,
-    }
+    let names = [
+        ("acomm acom acoa acoma acomma anteriorcommunicating anteriorcomm antcomm antcommunicating", Artery::AComm),
+        ("ba basilar bas", Artery::Ba),
+        ("3rda2 thirda2 a23rd a2third mediana2", Artery::ThirdA2),
+    ];
+    names.into_iter().find(|(names, _)| names.split(' ').any(|other| other == name)).map(|(_, artery)| artery)
 }
 
 fn sided(name: &str, side: BodySide) -> Option<Artery> {
     let families = [
-        (&["mca", "middlecerebral"][..], Artery::Mca as fn(BodySide) -> Artery),
-        (&["aca", "anteriorcerebral"], Artery::Aca),
-        (&["pca", "posteriorcerebral"], Artery::Pca),
-        (&["ica", "internalcarotid", "carotid"], Artery::Ica),
-        (&["va", "vertebral", "vert"], Artery::Va),
-        (
-            &[
-                "pcomma",
-                "pcoma",
-                "pcomm",
-                "pcom",
-                "pcoa",
-                "posteriorcommunicating",
-                "posteriorcomm",
-                "postcomm",
-                "postcommunicating",
-            ],
-            Artery::PComm,
-        ),
+        ("mca middlecerebral", Artery::Mca as fn(BodySide) -> Artery),
+        ("aca anteriorcerebral", Artery::Aca),
+        ("pca posteriorcerebral", Artery::Pca),
+        ("ica internalcarotid carotid", Artery::Ica),
+        ("va vertebral vert", Artery::Va),
+        ("pcomma pcoma pcomm pcom pcoa posteriorcommunicating posteriorcomm postcomm postcommunicating", Artery::PComm),
     ];
     for (names, artery) in families {
-        for other in names.iter().filter(|other| name.starts_with(**other) || name.ends_with(**other)) {
-            let rest = name.strip_prefix(*other).or_else(|| name.strip_suffix(*other)).unwrap_or_default();
-            match (rest, artery(side), segment(rest, side)) {
-                ("", undivided, _) => return Some(undivided),
-                (_, Artery::Mca(_), Some(segment @ Artery::M1(_)))
-                | (_, Artery::Aca(_), Some(segment @ (Artery::A1(_) | Artery::A2(_))))
-                | (_, Artery::Pca(_), Some(segment @ (Artery::P1(_) | Artery::P2(_)))) => return Some(segment),
-                (_, undivided @ (Artery::Ica(_) | Artery::Va(_)), None) if is_carotid_or_vertebral_segment(rest) => {
+        for other in names.split(' ').filter(|other| name.starts_with(*other) || name.ends_with(*other)) {
+            let rest = name.strip_prefix(other).or_else(|| name.strip_suffix(other)).unwrap_or_default();
+            let undivided = artery(side);
+            match segment(rest, side) {
+                _ if rest.is_empty() => return Some(undivided),
+                Some(segment) if segment.undivided() == undivided => return Some(segment),
+                None if matches!(undivided, Artery::Ica(_) | Artery::Va(_)) && is_carotid_or_vertebral_segment(rest) => {
                     return Some(undivided);
                 }
                 _ => {}

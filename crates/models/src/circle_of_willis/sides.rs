@@ -42,13 +42,21 @@ pub(crate) fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> Vec<Artery> {
     wrong
 }
 
-/// What a person should know of arteries on the wrong side.
-pub(crate) fn side_note(at: &BTreeMap<Artery, Point>) -> Option<String> {
-    let wrong = on_the_wrong_side(at);
-    let names: Vec<String> = wrong.iter().map(ToString::to_string).collect();
-    let lies = if wrong.len() == 1 { "lies" } else { "lie" };
-    (!wrong.is_empty())
-        .then(|| format!("{} {lies} on the other side than the carotids: left and right look exchanged there", names.join(", ")))
+const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
+
+/// What to tell of sides that look exchanged, of all arteries or of some, given the mean positions of arteries (m).
+pub(crate) fn side_notes(at: &BTreeMap<Artery, Point>) -> Vec<String> {
+    let mut notes: Vec<String> =
+        (sides_look_exchanged(at) == Some(true)).then(|| LOOKS_EXCHANGED.to_owned()).into_iter().collect();
+    let wrong: Vec<String> = on_the_wrong_side(at).iter().map(ToString::to_string).collect();
+    if !wrong.is_empty() {
+        let lies = if wrong.len() == 1 { "lies" } else { "lie" };
+        notes.push(format!(
+            "{} {lies} on the other side than the carotids: left and right look exchanged there",
+            wrong.join(", ")
+        ));
+    }
+    notes
 }
 
 /// Below this product of unit vectors the arteries are too nearly in one plane for a decision.

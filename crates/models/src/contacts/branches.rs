@@ -81,7 +81,8 @@ impl Branches {
     /// Divides the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
         let runs = runs(network, |_| false);
-        let degree = degree_by_runs(network, &runs);
+        let mut degree = vec![0; network.node_count()];
+        runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
         let is_junction = |node: usize| degree[node] > 2;
         let mut radius_at = vec![0.0_f64; network.node_count()];
         for run in &runs {
@@ -179,13 +180,6 @@ impl BranchEnd {
     }
 }
 
-/// How many ends of runs meet at each node.
-fn degree_by_runs(network: &Network, runs: &[ObservedBranch]) -> Vec<usize> {
-    let mut degree = vec![0; network.node_count()];
-    runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
-    degree
-}
-
 /// The runs of observed vessels between nodes where not exactly two of them meet, or where runs end besides. A ring without such a node
 /// is none.
 pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<ObservedBranch> {
@@ -225,12 +219,7 @@ pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Observe
 fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<ObservedBranch> {
     let mut points: Vec<PathPoint> = Vec::new();
     for (row, backwards) in &vessels {
-        let vessel = network.vessel(*row);
-        let mut path = vessel.path.clone();
-        if path.len() < 2 {
-            let [a, b] = network.ends(*row).map(|node| network.node(node).position.unwrap_or_default());
-            path = [a, b].map(|position| PathPoint { position, radius: vessel.radius, id: None }).to_vec();
-        }
+        let mut path = network.path_of(*row);
         if *backwards {
             path.reverse();
         }

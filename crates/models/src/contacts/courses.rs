@@ -3,7 +3,7 @@
 use super::branches::{BranchEnd, Branches, ObservedBranch};
 use willis_core::network::PathPoint;
 use willis_core::network::path_places::{at_even_steps, length_of};
-use willis_core::support::geometry::{Point, dot, lerp, sub, unit};
+use willis_core::support::geometry::{Point, dot, lerp, smooth, sub, unit};
 
 /// Points of a course are a quarter of the branch's radius apart, ...
 const STEP_RADII: f64 = 0.25;
@@ -71,12 +71,6 @@ impl Course {
     }
 }
 
-/// A line through points at even steps of about `step`, smooth between its ends.
-pub fn smooth_course(path: &[PathPoint], step: f64) -> Course {
-    let course = even_course(path, step);
-    Course { points: smooth(&course.points, ROUNDS), ..course }
-}
-
 /// A line through points at even steps of about `step`.
 pub fn even_course(path: &[PathPoint], step: f64) -> Course {
     let length = length_of(path);
@@ -91,18 +85,6 @@ pub fn even_course(path: &[PathPoint], step: f64) -> Course {
     course
 }
 
-/// Points averaged with their neighbours, the ends kept.
-pub fn smooth(points: &[Point], rounds: usize) -> Vec<Point> {
-    let mut points = points.to_vec();
-    for _ in 0..rounds {
-        let before = points.clone();
-        for n in 1..points.len().saturating_sub(1) {
-            points[n] = [0, 1, 2].map(|k| 0.25 * before[n - 1][k] + 0.5 * before[n][k] + 0.25 * before[n + 1][k]);
-        }
-    }
-    points
-}
-
 /// The courses of all branches.
 pub struct Courses {
     of_branch: Vec<Course>,
@@ -111,7 +93,10 @@ pub struct Courses {
 impl Courses {
     /// Courses of the branches.
     pub fn new(branches: &Branches) -> Self {
-        let course = |b: &ObservedBranch| smooth_course(&b.points, STEP_RADII * b.radius);
+        let course = |b: &ObservedBranch| {
+            let course = even_course(&b.points, STEP_RADII * b.radius);
+            Course { points: smooth(&course.points, ROUNDS), ..course }
+        };
         Self { of_branch: branches.branches.iter().map(course).collect() }
     }
 

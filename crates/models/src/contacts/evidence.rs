@@ -19,67 +19,19 @@ const AROUND: usize = 8;
 /// A depth profile is parted where it falls below this share of what is on both sides.
 const DIP: f64 = 0.85;
 
-/// The features, by name.
-pub const MASK_FEATURES: [&str; 52] = [
-    "miss_least",
-    "miss_most",
-    "skew",
-    "axes_straight",
-    "tube_bend",
-    "area_ratio",
-    "area_least",
-    "area_most",
-    "elongation_least",
-    "elongation_most",
-    "miss_margin_least",
-    "miss_margin_most",
-    "ring_half_mean",
-    "ring_half_least",
-    "ring_full_mean",
-    "ring_full_least",
-    "depth_least",
-    "depth_mean",
-    "ring_margin_least",
-    "ring_margin_most",
-    "signed_least",
-    "signed_mean",
-    "far_least",
-    "far_mean",
-    "far_inside",
-    "signed_margin_least",
-    "signed_margin_most",
-    "far_margin_least",
-    "far_margin_most",
-    "signed_pairing",
-    "miss_pairing",
-    "better_least",
-    "better_most",
-    "section_least",
-    "section_most",
-    "section_elongation",
-    "section_elongation_most",
-    "section_second",
-    "section_saddle",
-    "section_shift",
-    "way_least",
-    "way_most",
-    "way_dip",
-    "way_dips",
-    "murray_areas",
-    "volume",
-    "linear",
-    "planar",
-    "core_depth",
-    "normal_least",
-    "normal_most",
-    "cover",
-];
-/// Features of how well tubes cover the lumen around a cluster, by name.
-pub const COVER_FEATURES: [&str; 3] = ["cover_with_rest", "cover_without", "cover_margin"];
+/// The names of the features, each behind `mask_`.
+pub const MASK_FEATURES: &str = "\
+    miss_least miss_most skew axes_straight tube_bend area_ratio area_least area_most elongation_least elongation_most \
+    miss_margin_least miss_margin_most ring_half_mean ring_half_least ring_full_mean ring_full_least depth_least depth_mean \
+    ring_margin_least ring_margin_most signed_least signed_mean far_least far_mean far_inside signed_margin_least \
+    signed_margin_most far_margin_least far_margin_most signed_pairing miss_pairing better_least better_most section_least \
+    section_most section_elongation section_elongation_most section_second section_saddle section_shift way_least way_most \
+    way_dip way_dips murray_areas volume linear planar core_depth normal_least normal_most cover cover_with_rest \
+    cover_without cover_margin";
 
 /// The names of all features of the mask, in their order.
 pub fn mask_feature_names() -> Vec<String> {
-    MASK_FEATURES.iter().chain(&COVER_FEATURES).map(|name| format!("mask_{name}")).collect()
+    MASK_FEATURES.split(' ').map(|name| format!("mask_{name}")).collect()
 }
 
 /// Mean and least of some values.
@@ -280,8 +232,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let around = Around::new(field, branches, cluster, &arms);
     let cover = covers(&around, pairs, &tubes, field.voxel());
-    let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
-    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::of(arms.len(), -9.0, |i, j| f(&found[row(i, j)]));
+    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));
     let straight = table(&|t| -t.miss[1]);
     let signed = table(&|t| t.signed[1]);
     let far = table(&|t| t.far[0]);
@@ -315,41 +266,12 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         let way = along_the_way(field, [a, b], &way);
         let normal = sorted([a, b].map(|arm| dot(arm.along, around.normal).abs()));
         let [alone, with, without] = cover[n];
-        let mut row = vec![
-            t.miss[0],
-            t.miss[1],
-            t.skew,
-            -dot(a.along, b.along),
-            t.bend,
-            (a.area / b.area).ln().abs(),
-            to_widest[0],
-            to_widest[1],
-            elongation[0],
-            elongation[1],
-            miss_margin[0],
-            miss_margin[1],
-            t.rings[0][0],
-            t.rings[0][1],
-            t.rings[1][0],
-            t.rings[1][1],
-            t.depth[1],
-            t.depth[0],
-            ring_margin[0],
-            ring_margin[1],
-            t.signed[1],
-            t.signed[0],
-            t.far[1],
-            t.far[0],
-            t.far_inside,
-            signed_margin[0],
-            signed_margin[1],
-            far_margin[0],
-            far_margin[1],
-            gain(&fit),
-            gain(&straight),
-            behind[0],
-            behind[1],
-        ];
+        let mut row = t.miss.to_vec();
+        row.extend([t.skew, -dot(a.along, b.along), t.bend, (a.area / b.area).ln().abs()]);
+        row.extend([to_widest, elongation, miss_margin, t.rings[0], t.rings[1]].concat());
+        row.extend([t.depth[1], t.depth[0], ring_margin[0], ring_margin[1], t.signed[1], t.signed[0], t.far[1], t.far[0]]);
+        row.push(t.far_inside);
+        row.extend([signed_margin, far_margin, [gain(&fit), gain(&straight)], behind].concat());
         row.extend(t.sections);
         row.extend(way);
         row.extend([murray, around.volume, around.linear, around.planar, (deepest / most_radius + 0.1).ln()]);

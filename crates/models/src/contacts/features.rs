@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::branches::{BranchEnd, Branches};
+use super::branches::{BranchEnd, Branches, Cluster};
 use super::courses::Courses;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
@@ -21,60 +21,21 @@ const MOST_PASSED: usize = 60;
 /// A way around is no longer than this many R.
 const LONGEST_WAY: f64 = 200.0;
 
-/// The features of a pair, by name.
-pub const PAIR_FEATURES: [&str; 27] = [
-    "straight_near",
-    "straight_far",
-    "near_margin_least",
-    "near_margin_most",
-    "far_margin_least",
-    "far_margin_most",
-    "pairing_gain",
-    "radius_ratio",
-    "thinner",
-    "wider",
-    "murray",
-    "core_width",
-    "narrowing",
-    "ends",
-    "way_inside",
-    "length_least",
-    "length_most",
-    "free_ends",
-    "is_short",
-    "way_around",
-    "no_way_around",
-    "way_around_ratio",
-    "beyond_least",
-    "beyond_most",
-    "straight_by_ratio",
-    "ways_around",
-    "core_size",
-];
-/// The features of a branch as seen from one of its ends, by name.
-pub const BRANCH_FEATURES: [&str; 15] = [
-    "length",
-    "width",
-    "narrowest",
-    "free",
-    "far_straight",
-    "far_aligned",
-    "far_wider",
-    "far_ends",
-    "here_straight",
-    "here_aligned",
-    "here_wider",
-    "partner",
-    "bulge",
-    "winding",
-    "parallel",
-];
+/// The names of the features of a pair.
+pub const PAIR_FEATURES: &str = "\
+    straight_near straight_far near_margin_least near_margin_most far_margin_least far_margin_most pairing_gain radius_ratio \
+    thinner wider murray core_width narrowing ends way_inside length_least length_most free_ends is_short way_around \
+    no_way_around way_around_ratio beyond_least beyond_most straight_by_ratio ways_around core_size";
+/// Those of the features of a branch as seen from one of its ends.
+pub const BRANCH_FEATURES: &str = "\
+    length width narrowest free far_straight far_aligned far_wider far_ends here_straight here_aligned here_wider partner \
+    bulge winding parallel";
 
 /// The names of all features of the skeleton, in their order.
 pub fn skeleton_feature_names() -> Vec<String> {
-    let pairs = PAIR_FEATURES.iter().map(|name| (*name).to_owned());
+    let pairs = PAIR_FEATURES.split(' ').map(str::to_owned);
     let branches =
-        ["least", "most"].into_iter().flat_map(|of| BRANCH_FEATURES.iter().map(move |name| format!("branch_{name}_{of}")));
+        ["least", "most"].into_iter().flat_map(|of| BRANCH_FEATURES.split(' ').map(move |name| format!("branch_{name}_{of}")));
     pairs.chain(branches).collect()
 }
 
@@ -89,13 +50,13 @@ pub struct Pair {
 
 /// All pairs, cluster by cluster.
 pub fn pairs_of(branches: &Branches) -> Vec<Pair> {
-    let mut out = Vec::new();
-    for (cluster, c) in branches.clusters.iter().enumerate() {
-        for i in 0..c.ends.len() {
-            out.extend((i + 1..c.ends.len()).map(|j| Pair { cluster, ends: [i, j] }));
-        }
-    }
-    out
+    let of = |(cluster, c): (usize, &Cluster)| pairs_among(c.ends.len()).map(move |ends| Pair { cluster, ends });
+    branches.clusters.iter().enumerate().flat_map(of).collect()
+}
+
+/// All pairs of so many things, the lower first.
+pub fn pairs_among(count: usize) -> impl Iterator<Item = [usize; 2]> {
+    (0..count).flat_map(move |i| (i + 1..count).map(move |j| [i, j]))
 }
 
 /// Two values, the lower first.
@@ -106,29 +67,6 @@ pub fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
 /// The median of what is there, or another value.
 fn median_or(values: &[f64], other: f64) -> f64 {
     median(values).unwrap_or(other)
-}
-
-/// What is known of the ends of a cluster.
-struct Ends {
-    near: Vec<Point>,
-    far: Vec<Point>,
-    radius: Vec<f64>,
-}
-
-fn ends_of(branches: &Branches, courses: &Courses, cluster: usize) -> Ends {
-    let c = &branches.clusters[cluster];
-    let rho = 1.5 * c.radius;
-    let mut out = Ends { near: Vec::new(), far: Vec::new(), radius: Vec::new() };
-    for end in &c.ends {
-        let course = courses.walk(branches, *end, 8.0 * rho);
-        let length = course.length();
-        let along = |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
-        out.near.push(along(NEAR));
-        out.far.push(along(FAR));
-        let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
-        out.radius.push(median_or(&radii, branches.branches[end.branch].radius));
-    }
-    out
 }
 
 /// The skeleton as a graph of clusters and free ends.
@@ -200,10 +138,7 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
         let mut through: [Option<Point>; 2] = [None; 2];
         for last in [false, true] {
             let side = usize::from(last);
-            let Some(cluster) = branch.clusters[side] else {
-                sides[side] = [0.0, 0.0, -1.0, 0.0, 0.0];
-                continue;
-            };
+            let Some(cluster) = branch.clusters[side] else { continue };
             let ends = &branches.clusters[cluster].ends;
             let own = ends.iter().position(|end| *end == BranchEnd { branch: row, last }).unwrap_or(0);
             let d = &directions[cluster];
@@ -281,6 +216,11 @@ impl PairTable {
         Self { size, values }
     }
 
+    /// [`Self::of`], given the value of each row of all pairs of a cluster.
+    pub fn over(pairs: &[Pair], size: usize, nothing: f64, value: impl Fn(usize) -> f64) -> Self {
+        Self::of(size, nothing, |i, j| pairs.iter().position(|pair| pair.ends == [i, j]).map_or(nothing, &value))
+    }
+
     /// The value of two ends.
     pub fn get(&self, i: usize, j: usize) -> f64 {
         self.values[i * self.size + j]
@@ -321,14 +261,11 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
     let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
     let mut inside = ShortestPaths::new(nodes);
     let mut out = Vec::with_capacity(pairs.len());
-    let mut from = 0;
-    while from < pairs.len() {
-        let cluster = pairs[from].cluster;
-        let to = from + pairs[from..].iter().take_while(|p| p.cluster == cluster).count();
+    for pairs in pairs.chunk_by(|a, b| a.cluster == b.cluster) {
+        let cluster = pairs[0].cluster;
         let here = Here::new(branches, courses, &coarse, [&mut paths, &mut inside], cluster, typical);
-        for pair in &pairs[from..to] {
-            let [i, j] = pair.ends;
-            let [a, b] = [i, j].map(|end| {
+        for pair in pairs {
+            let [a, b] = pair.ends.map(|end| {
                 let end = branches.clusters[cluster].ends[end];
                 of_branch[end.branch][usize::from(end.last)]
             });
@@ -337,7 +274,6 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
             row.extend((0..a.len()).map(|k| a[k].max(b[k])));
             out.push(row);
         }
-        from = to;
     }
     out
 }
@@ -369,10 +305,19 @@ impl Here {
         typical: f64,
     ) -> Self {
         let c = &branches.clusters[cluster];
-        let ends = ends_of(branches, courses, cluster);
+        let rho = 1.5 * c.radius;
+        let (mut along, mut radius): (Vec<[Point; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
+        for end in &c.ends {
+            let course = courses.walk(branches, *end, 8.0 * rho);
+            let length = course.length();
+            let direction =
+                |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
+            along.push([NEAR, FAR].map(direction));
+            let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
+            radius.push(median_or(&radii, branches.branches[end.branch].radius));
+        }
         let count = c.ends.len();
-        let near = PairTable::of(count, -9.0, |i, j| -dot(ends.near[i], ends.near[j]));
-        let far = PairTable::of(count, -9.0, |i, j| -dot(ends.far[i], ends.far[j]));
+        let [near, far] = [0, 1].map(|of: usize| PairTable::of(count, -9.0, |i, j| -dot(along[i][of], along[j][of])));
         let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
         let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
             c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
@@ -383,9 +328,8 @@ impl Here {
             let ways = beyond[i].0.iter().filter_map(|(node, d)| beyond[j].0.get(node).map(|e| d + e));
             ways.fold(f64::INFINITY, f64::min) + length[i] + length[j]
         });
-        let pairs = (0..count).flat_map(|i| (i + 1..count).map(move |j| (i, j)));
-        let ways = pairs.filter(|(i, j)| around.get(*i, *j).is_finite()).count() as f64;
-        let mut wide = ends.radius.clone();
+        let ways = pairs_among(count).filter(|[i, j]| around.get(*i, *j).is_finite()).count() as f64;
+        let mut wide = radius.clone();
         wide.sort_by(|a, b| b.total_cmp(a));
         let others: f64 = wide.iter().skip(1).map(|r| r.powi(3)).sum();
         let murray = wide.first().map_or(0.0, |r| (r.powi(3) / others.max(f64::MIN_POSITIVE)).ln());
@@ -410,7 +354,7 @@ impl Here {
             within,
             free: c.ends.iter().map(|end| branches.cluster(end.other()).is_none()).collect(),
             beyond: beyond.into_iter().map(|(_, met)| met).collect(),
-            radius: ends.radius,
+            radius,
             near,
             far,
             length,

@@ -2,6 +2,8 @@
 //!
 //! Contrast is brightness above the background near the cluster, as a share of that of the dimmer end where nothing else is said.
 
+use petgraph::unionfind::UnionFind;
+
 use super::features::{Pair, PairTable, sorted};
 use super::lumen::{LumenArm, LumenTube};
 use super::sections::across;
@@ -9,41 +11,15 @@ use willis_core::support::geometry::{Point, distance};
 use willis_core::support::statistics::median;
 use willis_io::masks::Scene;
 
-/// The features, by name.
-pub const IMAGE_FEATURES: [&str; 28] = [
-    "noise",
-    "dimmer",
-    "ratio",
-    "to_brightest_least",
-    "to_brightest_most",
-    "tube_least",
-    "tube_mean",
-    "tube_most",
-    "ring_mean",
-    "ring_least",
-    "outside_mean",
-    "outside_most",
-    "dip",
-    "bulge",
-    "bend_along",
-    "bend_along_most",
-    "bend_across",
-    "saddle",
-    "saddle_noise",
-    "tube_margin_least",
-    "tube_margin_most",
-    "saddle_margin_least",
-    "saddle_margin_most",
-    "ratio_margin_least",
-    "ratio_margin_most",
-    "tube_pairing",
-    "saddle_pairing",
-    "ratio_pairing",
-];
+/// The names of the features, each behind `image_`.
+pub const IMAGE_FEATURES: &str = "\
+    noise dimmer ratio to_brightest_least to_brightest_most tube_least tube_mean tube_most ring_mean ring_least outside_mean \
+    outside_most dip bulge bend_along bend_along_most bend_across saddle saddle_noise tube_margin_least tube_margin_most \
+    saddle_margin_least saddle_margin_most ratio_margin_least ratio_margin_most tube_pairing saddle_pairing ratio_pairing";
 
 /// The names of all features of the image, in their order.
 pub fn image_feature_names() -> Vec<String> {
-    IMAGE_FEATURES.iter().map(|name| format!("image_{name}")).collect()
+    IMAGE_FEATURES.split(' ').map(|name| format!("image_{name}")).collect()
 }
 
 /// The contrast of an end is at least this share of the typical one.
@@ -94,8 +70,7 @@ pub fn image_features(
             shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube, saddle)
         })
         .collect();
-    let row = |i: usize, j: usize| pairs.iter().position(|p| p.ends == [i, j]).unwrap_or(0);
-    let table = |f: &dyn Fn(&PairShown) -> f64| PairTable::of(arms.len(), -9.0, |i, j| f(&shown[row(i, j)]));
+    let table = |f: &dyn Fn(&PairShown) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&shown[row]));
     let (tube, saddle) = (table(&|s| s.least + s.mean), table(&|s| s.saddle));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
     let of_pair = |(pair, shown): (&Pair, &PairShown)| {
@@ -190,7 +165,7 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
     };
     let mut order: Vec<usize> = (0..value.len()).collect();
     order.sort_by(|a, b| value[*b].total_cmp(&value[*a]).then(a.cmp(b)));
-    let mut parent: Vec<usize> = (0..value.len()).collect();
+    let mut trees = UnionFind::<usize>::new(value.len());
     let mut reached = vec![false; value.len()];
     // The arms whose middles lie in the tree of each root.
     let mut of_root: Vec<Vec<usize>> = vec![Vec::new(); value.len()];
@@ -221,30 +196,21 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
             if !reached[next] {
                 continue;
             }
-            let (a, b) = (root(&mut parent, at), root(&mut parent, next));
-            if a == b {
+            let [a, b] = [at, next].map(|place| trees.find_mut(place));
+            if !trees.union(a, b) {
                 continue;
             }
-            let (few, many) = if of_root[a].len() < of_root[b].len() { (a, b) } else { (b, a) };
-            let moved = std::mem::take(&mut of_root[few]);
+            let (from, root) = if trees.find(a) == a { (b, a) } else { (a, b) };
+            let moved = std::mem::take(&mut of_root[from]);
             for i in &moved {
-                of_root[many].iter().for_each(|j| met(*i, *j, value[at]));
+                of_root[root].iter().for_each(|j| met(*i, *j, value[at]));
             }
-            open -= usize::from(!moved.is_empty() && !of_root[many].is_empty());
-            of_root[many].extend(moved);
-            parent[few] = many;
+            open -= usize::from(!moved.is_empty() && !of_root[root].is_empty());
+            of_root[root].extend(moved);
         }
         if open <= 1 {
             break;
         }
     }
     out
-}
-
-fn root(parent: &mut [usize], mut at: usize) -> usize {
-    while parent[at] != at {
-        parent[at] = parent[parent[at]];
-        at = parent[at];
-    }
-    at
 }

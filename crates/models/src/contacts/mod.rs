@@ -74,13 +74,7 @@ impl ContactTable {
         for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
             let own = &scores[from..from + pairs.len()];
             let ends = self.branches.clusters[pairs[0].cluster].ends.len();
-            let mut next = own.iter();
-            let mut values = vec![0.0; ends * ends];
-            for pair in pairs {
-                let [i, j] = pair.ends;
-                values[i * ends + j] = next.next().copied().unwrap_or(0.0);
-            }
-            out[pairs[0].cluster] = Some(PairTable::of(ends, 0.0, |i, j| values[i * ends + j]));
+            out[pairs[0].cluster] = Some(PairTable::over(pairs, ends, 0.0, |row| own[row]));
             from += pairs.len();
         }
         out

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::partition::numbered;
 use willis_core::network::path_places::at_even_steps;
 use willis_core::network::units::millimetres;
-use willis_core::network::{Edit, Network, PathPoint};
+use willis_core::network::{Edit, Network};
 use willis_core::support::geometry::{Point, distance};
 
 /// A place that stands for a vessel of a pairing is so far from its end, m, but no further than its middle.
@@ -71,24 +71,19 @@ impl Pairings {
         }
         let mut groups = vec![Vec::new(); way.iter().max().map_or(0, |most| most + 1)];
         for (vessel, block) in self.vessels.iter().zip(way) {
-            groups[*block].push(self.outside(graph, *vessel)?.map(|x| (millimetres(x) * 1e3).round() / 1e3));
+            groups[*block].push(self.outside(graph, *vessel).map(|x| (millimetres(x) * 1e3).round() / 1e3));
         }
         Some(PairingDecision { part: Some(Edit::Part(groups)), ..PairingDecision::default() })
     }
 
     /// A place on a vessel a little outside of where it meets the others; `None` without coordinates.
-    fn outside(&self, graph: &Network, vessel: usize) -> Option<Point> {
-        let [first, last] = graph.ends(vessel).map(|node| graph.node(node).position);
-        let mut path = graph.vessel(vessel).path.clone();
-        if path.len() < 2 {
-            let radius = graph.vessel(vessel).radius;
-            path = [first?, last?].map(|position| PathPoint { position, radius, id: None }).to_vec();
-        }
+    fn outside(&self, graph: &Network, vessel: usize) -> Point {
+        let mut path = graph.path_of(vessel);
         if distance(path[path.len() - 1].position, self.position) < distance(path[0].position, self.position) {
             path.reverse();
         }
         let step = ((OUTSIDE / graph.vessel(vessel).length * STEPS as f64) as usize).clamp(1, STEPS / 2);
-        Some(at_even_steps(&path, STEPS)[step].on(&path).position)
+        at_even_steps(&path, STEPS)[step].on(&path).position
     }
 
     /// Where one line may show two vessels: the probability that it does, and the vessels with their nodes here and their blocks in the most probable way.

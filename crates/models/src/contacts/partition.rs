@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::features::PairTable;
+use super::features::{PairTable, pairs_among};
 use willis_core::support::statistics::sigmoid;
 
 /// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
@@ -139,14 +139,13 @@ pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWe
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();
     let of = |i: usize, j: usize| all.iter().zip(&weight).filter(|(z, _)| z[i] == z[j]).map(|(_, w)| w).sum::<f64>() / total;
-    (0..ends).flat_map(|i| (i + 1..ends).map(move |j| [i, j])).map(|[i, j]| ([i, j], of(i, j))).collect()
+    pairs_among(ends).map(|[i, j]| ([i, j], of(i, j))).collect()
 }
 
 /// Pairs of blocks with a figure of each.
 fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Vec<([usize; 2], f64)> {
     let count = of_end.iter().max().map_or(0, |most| most + 1);
-    let pairs = (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b]));
-    pairs.map(|[a, b]| ([a, b], figure(a, b))).collect()
+    pairs_among(count).map(|[a, b]| ([a, b], figure(a, b))).collect()
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
@@ -158,14 +157,12 @@ fn greedy(scores: &PairTable, ends: usize, together: JoinableEnds<'_>) -> Blocks
     };
     loop {
         let mut best: Option<(f64, [usize; 2])> = None;
-        for a in 0..ends {
-            for b in a + 1..ends {
-                let there = |which: usize| of_end.contains(&which);
-                let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
-                let joined = || of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
-                if sum > best.map_or(0.0, |(most, _)| most) && together.allows(&joined()) {
-                    best = Some((sum, [a, b]));
-                }
+        for [a, b] in pairs_among(ends) {
+            let there = |which: usize| of_end.contains(&which);
+            let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
+            let joined = || of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
+            if sum > best.map_or(0.0, |(most, _)| most) && together.allows(&joined()) {
+                best = Some((sum, [a, b]));
             }
         }
         let Some((_, [a, b])) = best else { break };
@@ -173,7 +170,7 @@ fn greedy(scores: &PairTable, ends: usize, together: JoinableEnds<'_>) -> Blocks
     }
     let of_end = numbered(of_end);
     let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
-    let within = (0..ends).flat_map(|i| (i + 1..ends).map(move |j| [i, j])).filter(|[i, j]| of_end[*i] == of_end[*j]);
+    let within = pairs_among(ends).filter(|[i, j]| of_end[*i] == of_end[*j]);
     let log = within.map(|[i, j]| scores.get(i, j)).sum();
     Blocks { of_end, joined, ways: Vec::new(), log }
 }

@@ -47,11 +47,7 @@ pub struct Opened {
 /// keep their rows, new ones follow; contacts are the last vessels. `probability` is that of a contact whose blocks are joined so
 /// probably by the partitions; half of the latter is what either end has as `attached`.
 pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probability: impl Fn(f64) -> f64) -> Opened {
-    let mut graph = Network::new();
-    graph.frame = network.frame;
-    for node in network.nodes() {
-        graph.add_node(node.clone());
-    }
+    let (mut graph, _) = network.subgraph(|_| false);
     let mut plan = SplitPlan { taken: network.nodes().map(|n| n.id.clone()).collect(), ..SplitPlan::default() };
     let mut paths = ShortestPaths::new(network.node_count());
     for (row, blocks) in blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1) {

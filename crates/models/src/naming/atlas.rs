@@ -91,10 +91,7 @@ impl Atlas {
         let position = data.pieces.iter().map(|piece| inverse(&piece.covariance)).collect();
         let direction = data.pieces.iter().map(|piece| inverse(&piece.direction)).collect();
         let mut prior: Vec<f64> = (0..STATES).map(|s| data.counts.length.get(s).copied().unwrap_or(0.0) + 1.0).collect();
-        let total: f64 = prior.iter().sum();
-        for p in &mut prior {
-            *p /= total;
-        }
+        normalise(&mut prior);
         let counted = data.counts.neighbours.each_ref().map(|list| {
             let mut table = vec![0.0; STATES * STATES];
             for (a, b, n) in list {
@@ -170,12 +167,7 @@ fn lift_of(joint: &[f64]) -> Vec<f64> {
 fn gap_factors(tables: &StateTables, counted: &[Vec<f64>; 2]) -> [Vec<f64>; 3] {
     let smooth = smoothing(tables);
     let mut step: Vec<f64> = (0..STATES * STATES).map(|k| counted[0][k] + counted[1][k] + 2.0 * smooth[k] + 1e-3).collect();
-    for row in step.chunks_mut(STATES) {
-        let sum: f64 = row.iter().sum();
-        for p in row.iter_mut() {
-            *p /= sum;
-        }
-    }
+    step.chunks_mut(STATES).for_each(normalise);
     let mut stationary = vec![1.0 / STATES as f64; STATES];
     for _ in 0..300 {
         let mut next = vec![0.0; STATES];
@@ -223,10 +215,7 @@ impl Bifurcations {
             }
             spread(tables, *at, &[(-1, 0.15), (0, 0.7), (1, 0.15)], |to, share| middle[kind * STATES + to] += count * share);
         }
-        let total: f64 = probability.iter().sum();
-        for p in &mut probability {
-            *p /= total;
-        }
+        normalise(&mut probability);
         arm.chunks_mut(STATES).chain(middle.chunks_mut(STATES)).for_each(normalise);
         let mut arm_behind_gap = vec![0.0; n * 3 * STATES];
         for (from, to) in arm.chunks(STATES).zip(arm_behind_gap.chunks_mut(STATES)) {

@@ -71,8 +71,7 @@ impl NamingForest {
         }
         for bridge in used {
             let found = &nodes.bridges[*bridge];
-            let length = if found.gap < 3.0 { 0 } else { 1 + usize::from(found.gap >= 6.0) };
-            let link = ForestLink::Gap { length, probability: found.probability, bridge: *bridge };
+            let link = ForestLink::Gap { length: found.length_class(), probability: found.probability, bridge: *bridge };
             let [a, b] = found.nodes;
             arms[a].push((b, link));
             arms[b].push((a, link));
@@ -272,13 +271,7 @@ impl MessagePass<'_> {
             let Some(message) = messages[arm] else { return Vec::new() };
             let sum: f64 = message.iter().sum();
             let table = self.table_of(arms[arm].1);
-            {
-                let mut weights = self.product(&table[..kinds * 3 * STATES], message);
-                for weight in &mut weights {
-                    *weight /= sum;
-                }
-                weights
-            }
+            self.product(&table[..kinds * 3 * STATES], message).into_iter().map(|weight| weight / sum).collect()
         })
     }
 

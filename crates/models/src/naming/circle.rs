@@ -8,7 +8,10 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{ArteryLabel, BA, LABELS, OTHER, Sided, label_of, label_of_segment, mirrored, name_of, side_of, states_of};
+use super::states::{
+    ArteryLabel, BA, LABELS, OTHER, Sided, joined_by, label_of, label_of_segment, mirrored, most_probable, name_of, side_of,
+    states_of,
+};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
     Artery, BodySide, Circle, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
@@ -142,7 +145,7 @@ impl Names {
     pub fn is_circle(&self) -> bool {
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.seen.length[label]).sum();
         let feeds = [Sided::Ica.on(BodySide::Left), Sided::Ica.on(BodySide::Right), BA];
-        named >= LEAST_NAMED && feeds.iter().any(|label| self.seen.length[*label] >= LEAST_SEEN)
+        named >= LEAST_NAMED && feeds.iter().any(|label| self.sees(*label))
     }
 
     /// What the names say of the circle.
@@ -170,8 +173,7 @@ impl Names {
             let sum = sums.entry(place.vessel).or_insert([0.0; LABELS]);
             sum.iter_mut().zip(labels).for_each(|(sum, p)| *sum += weight * p);
         }
-        let most = |p: [f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
-        let best = sums.into_iter().map(|(row, sum)| (row, most(sum)));
+        let best = sums.into_iter().map(|(row, sum)| (row, most_probable(&sum)));
         best.filter(|(_, label)| *label != OTHER).map(|(row, label)| (row, name_of(label))).collect()
     }
 
@@ -188,9 +190,8 @@ impl Names {
         };
         let [Some(left), Some(right)] = BodySide::BOTH.map(middle_of) else { return false };
         let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));
-        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let agrees = |(side, at): &(BodySide, Point)| {
-            let at = [sign * at[0], sign * at[1], at[2]].map(millimetres);
+            let at = self.frame.turn(Frame::Ras, *at).map(millimetres);
             let away = dot(sub(at, middle), rightward);
             if *side == BodySide::Right { away } else { -away }
         };
@@ -199,31 +200,17 @@ impl Names {
 
     /// Whether a segment, or what lies at both of its ends, is seen.
     fn is_decidable(&self, segment: usize) -> bool {
-        let sees = |label: ArteryLabel| self.seen.length[label] >= LEAST_SEEN;
-        let on = |artery: Sided, side: BodySide| sees(artery.on(side));
-        if self.is_seen[segment] {
-            return true;
-        }
-        match RING[segment] {
-            Artery::A1(side) => on(Sided::Ica, side) && on(Sided::A2, side),
-            Artery::PComm(side) => on(Sided::Ica, side) && (on(Sided::P1, side) || on(Sided::P2, side)),
-            Artery::P1(side) => on(Sided::P2, side) && (sees(BA) || on(Sided::P1, side.other())),
-            _ => BodySide::BOTH.iter().all(|side| on(Sided::A1, *side) || on(Sided::A2, *side)),
-        }
+        self.is_seen[segment] || joined_by(segment).iter().all(|end| end.iter().any(|label| self.sees(*label)))
     }
 
     /// Whether a segment, or what lies at one of its ends, is seen.
     fn has_surroundings(&self, segment: usize) -> bool {
-        let sees = |label: ArteryLabel| self.seen.length[label] >= LEAST_SEEN;
-        let any = |labels: &[ArteryLabel]| labels.iter().any(|label| sees(*label));
-        let on = |artery: Sided, side: BodySide| artery.on(side);
-        self.is_seen[segment]
-            || match RING[segment] {
-                Artery::A1(side) => any(&[on(Sided::Ica, side), on(Sided::M1, side), on(Sided::A2, side)]),
-                Artery::PComm(side) => any(&[on(Sided::Ica, side), on(Sided::P1, side), on(Sided::P2, side)]),
-                Artery::P1(side) => any(&[BA, on(Sided::P2, side), on(Sided::P1, side.other())]),
-                _ => BodySide::BOTH.iter().any(|side| any(&[on(Sided::A1, *side), on(Sided::A2, *side)])),
-            }
+        let beside = if let Artery::A1(side) = RING[segment] { Some(Sided::M1.on(side)) } else { None };
+        self.is_seen[segment] || joined_by(segment).into_iter().flatten().chain(beside).any(|label| self.sees(label))
+    }
+
+    fn sees(&self, label: ArteryLabel) -> bool {
+        self.seen.length[label] >= LEAST_SEEN
     }
 
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
@@ -270,7 +257,6 @@ impl Names {
                 "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`",
             ));
         }
-        let sign = if self.frame == Frame::Lps { -1.0 } else { 1.0 };
         let listed = self.landmarks(model);
         let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
         // Blood comes in somewhere: where no place is sure, at the likeliest.
@@ -297,7 +283,7 @@ impl Names {
         let listed = sure.iter().copied().filter(needed).map(|NamedPlace { label, at, .. }| ListedLandmark {
             place: Place::File,
             label: label.clone(),
-            position: [sign * at[0], sign * at[1], at[2]].map(metres),
+            position: Frame::Ras.turn(self.frame, *at).map(metres),
         });
         let landmarks = identify_landmarks(listed.collect())?;
         let (circle, notes) = Circle::at(network, &landmarks)?;

@@ -2,7 +2,7 @@
 
 use super::atlas::{Atlas, all_states, arteries};
 use super::belief::NamingForest;
-use super::emission::{Parts, Pose, TEMPER, emission, radius_fit};
+use super::emission::{Pose, radius_fit};
 use super::nodes::Nodes;
 use super::pose::{Pulls, Scored, Search};
 use willis_core::support::geometry::{distance, dot, sub};
@@ -86,12 +86,7 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
     let mut pose: Pose = pose;
     let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
     for _ in 0..3 {
-        let mut e = emission(&named, [&all, &all_states()], atlas, &pose, &atlas.position, Parts::ALL, &radius);
-        for x in &mut e {
-            *x *= TEMPER;
-        }
-        let names = forest.beliefs(atlas, &e).states;
-        pose = search.step(&all, &pose, &pulls, &names, true);
+        pose = search.named_step(&all, &pose, &pulls, &atlas.position);
     }
     Some((Core { nodes: named, median_log_radius: Some(median) }, vec![Scored { pose, score: 0.0 }]))
 }

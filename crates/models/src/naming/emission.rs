@@ -76,25 +76,28 @@ pub fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f
     fit
 }
 
-/// The log likelihood of some nodes in some states at a pose: nodes x states, in their order. `precisions` are those of the atlas,
+/// The share of [`emission`] with all parts that a node counts for: nodes x states.
+pub fn tempered(nodes: &Nodes, atlas: &Atlas, pose: &Pose, precisions: &[(Symmetric, f64)], radius: &[f64]) -> Vec<f64> {
+    emission(nodes, atlas, pose, precisions, Parts::ALL, radius).into_iter().map(|x| TEMPER * x).collect()
+}
+
+/// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas,
 /// possibly widened ([`Atlas::widened`]); `radius` comes from [`radius_fit`].
 pub fn emission(
     nodes: &Nodes,
-    [subset, states]: [&[usize]; 2],
     atlas: &Atlas,
     pose: &Pose,
     precisions: &[(Symmetric, f64)],
     parts: Parts,
     radius: &[f64],
 ) -> Vec<f64> {
-    let mut fit = vec![0.0; subset.len() * states.len()];
+    let mut fit = vec![0.0; nodes.len() * STATES];
     let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-    for (node, row) in subset.iter().zip(fit.chunks_mut(states.len())) {
-        let at = pose.apply(nodes.at[*node]);
-        let direction = turned(&pose.turn, &nodes.direction[*node]);
+    for (node, row) in fit.chunks_mut(STATES).enumerate() {
+        let at = pose.apply(nodes.at[node]);
+        let direction = turned(&pose.turn, &nodes.direction[node]);
         let radius = &radius[node * STATES..(node + 1) * STATES];
-        for (state, to) in states.iter().zip(row) {
-            let state = *state;
+        for (state, to) in row.iter_mut().enumerate() {
             if state == NOWHERE {
                 *to = parts.position * atlas.log_other + parts.radius * radius[NOWHERE];
                 continue;

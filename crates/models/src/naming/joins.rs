@@ -14,8 +14,7 @@ pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[
     let states = |n: usize| &beliefs.states[n * STATES..(n + 1) * STATES];
     let each = nodes.bridges.iter().zip(&beliefs.bridge_ratio).map(|(bridge, known)| {
         let [a, b] = bridge.nodes;
-        let length = if bridge.gap < 3.0 { 0 } else { 1 + usize::from(bridge.gap >= 6.0) };
-        let ratio = known.unwrap_or_else(|| ratio(&atlas.gaps[length], states(a), states(b)));
+        let ratio = known.unwrap_or_else(|| ratio(&atlas.gaps[bridge.length_class()], states(a), states(b)));
         let is_true = (1.0 - false_pieces[nodes.piece[a]]) * (1.0 - false_pieces[nodes.piece[b]]);
         (is_true * ratio + 1.0 - is_true).clamp(1.0 / MOST, MOST)
     });

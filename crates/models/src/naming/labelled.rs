@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::Names;
-use super::states::{ArteryLabel, LABELS, OTHER, name_of};
+use super::states::{ArteryLabel, OTHER, most_probable, name_of};
 use willis_core::network::units::metres;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis_core::support::geometry::{distance, lerp};
@@ -40,7 +40,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
             _ => continue,
         }
         let runs = by_vessel.get(&row).map(|own| runs_of(own, names)).unwrap_or_default();
-        let path = path_of(graph, ends, vessel);
+        let path = graph.path_of(row);
         let mut rest = &path[..];
         let (mut from, mut begun) = (ends[0], Vec::new());
         let mut along = 0.0;
@@ -93,12 +93,10 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
 fn runs_of(own: &[usize], names: &Names) -> Vec<NameRun> {
     let mut order: Vec<usize> = own.to_vec();
     order.sort_by(|a, b| names.nodes.place[*a].along.total_cmp(&names.nodes.place[*b].along));
-    let best =
-        |n: usize| (0..LABELS).fold(0, |best, label| if names.labels[n][label] > names.labels[n][best] { label } else { best });
     let mut runs: Vec<(NameRun, f64)> = Vec::new();
     let mut before = 0.0;
     for n in order {
-        let (label, along) = (best(n), metres(names.nodes.place[n].along));
+        let (label, along) = (most_probable(&names.labels[n]), metres(names.nodes.place[n].along));
         let p = names.labels[n][label];
         match runs.last_mut() {
             Some((run, count)) if run.label == label => {
@@ -115,15 +113,6 @@ fn runs_of(own: &[usize], names: &Names) -> Vec<NameRun> {
         before = along;
     }
     runs.into_iter().map(|(run, count)| NameRun { probability: run.probability / count, ..run }).collect()
-}
-
-fn path_of(graph: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<PathPoint> {
-    if vessel.path.len() > 1 {
-        return vessel.path.clone();
-    }
-    let point =
-        |node: usize| PathPoint { position: graph.node(node).position.unwrap_or_default(), radius: vessel.radius, id: None };
-    ends.map(point).to_vec()
 }
 
 fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &NameRun) -> NamedPiece {

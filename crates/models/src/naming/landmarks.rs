@@ -96,8 +96,7 @@ pub fn expected_place(
 ) -> Option<(Point, f64)> {
     let has = |label: ArteryLabel| best.contains(&label);
     let labels = || meeting.between.iter().flatten().copied();
-    let is_pcomm = |label: &ArteryLabel| BodySide::BOTH.iter().any(|side| *label == Sided::PComm.on(*side));
-    if labels().find(is_pcomm).is_some_and(|pcomm| !has(pcomm)) {
+    if labels().find(|label| Sided::PComm.is(*label)).is_some_and(|pcomm| !has(pcomm)) {
         return None;
     }
     let expected = pose.undo(atlas.data.pieces[first_state(meeting.at)].mean);
@@ -136,17 +135,14 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
     }
     // An artery that goes on under another name ends there.
     let leaves = |label: ArteryLabel| {
-        BodySide::BOTH.iter().any(|side| {
-            let on = |artery: Sided| artery.on(*side);
-            [on(Sided::Ica), on(Sided::A2), on(Sided::P2)].contains(&label)
-                || label == on(Sided::M2)
-                || label == on(Sided::M1) && !found.contains_key(&on(Sided::M2))
-        }) || label == BA
+        label == BA
+            || [Sided::Ica, Sided::M2, Sided::A2, Sided::P2].into_iter().any(|artery| artery.is(label))
+            || Sided::M1.is(label) && !found.contains_key(&(label + 2))
     };
     let kept = found.iter().filter(|(label, _)| leaves(**label));
     let mut places: Vec<NamedPlace> = kept
         .map(|(label, (_, n))| {
-            let shown = if BodySide::BOTH.iter().any(|s| *label == Sided::M2.on(*s)) { label - 2 } else { *label };
+            let shown = if Sided::M2.is(*label) { label - 2 } else { *label };
             NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
         })
         .collect();

@@ -38,13 +38,13 @@ pub use states::{ArteryLabel, LABELS, OTHER, name_of};
 use serde::{Deserialize, Serialize};
 
 use belief::{Beliefs, NamingForest};
-use emission::{Parts, Pose, TEMPER, emission, radius_fit};
+use emission::{Pose, radius_fit, tempered};
 use exclusion::exclusion;
 use model::logistic_probability;
 use pieces::{label_probabilities, piece_features};
 use pose::{Scored, Search};
 use presence::Seen;
-use states::{STATES, label_of_segment, states_of};
+use states::{STATES, label_of_segment, most_probable, states_of};
 use willis_core::network::{Frame, Network};
 
 /// Rounds in which pieces of arteries that are taken twice settle.
@@ -259,11 +259,7 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &at
 /// The names at a pose, with one of every artery, and the features of the pieces.
 fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> NamingPass {
     let radius = radius_fit(nodes, atlas, median);
-    let all: Vec<usize> = (0..nodes.len()).collect();
-    let mut own = emission(nodes, [&all, &atlas::all_states()], atlas, pose, &atlas.position, Parts::ALL, &radius);
-    for e in &mut own {
-        *e *= TEMPER;
-    }
+    let own = tempered(nodes, atlas, pose, &atlas.position, &radius);
     let forest = NamingForest::of(nodes, used);
     let mut penalty: Option<Vec<f64>> = None;
     let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
@@ -310,8 +306,7 @@ impl Names {
 
     /// The most probable label of each node.
     pub fn best(&self) -> Vec<ArteryLabel> {
-        let most = |p: &[f64; LABELS]| (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
-        self.labels.iter().map(most).collect()
+        self.labels.iter().map(most_probable).collect()
     }
 
     /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.

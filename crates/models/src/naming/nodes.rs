@@ -38,6 +38,13 @@ pub struct Bridge {
     pub vessel: usize,
 }
 
+impl Bridge {
+    /// Which of the factors for gaps fits it: below 3 mm, below 6 mm, or longer.
+    pub fn length_class(&self) -> usize {
+        usize::from(self.gap >= 3.0) + usize::from(self.gap >= 6.0)
+    }
+}
+
 /// Nodes about 1 mm apart along the observed vessels of a network.
 #[derive(Debug, Clone, Default)]
 pub struct Nodes {
@@ -267,15 +274,11 @@ impl Nodes {
 
 /// The points of a vessel with their distance (mm) from its first node, in the direction of travel.
 fn points_of(network: &Network, row: usize, is_forward: bool) -> Vec<(PathPoint, f64)> {
-    let vessel = network.vessel(row);
-    let mut points = vessel.path.clone();
-    if points.len() < 2 {
-        let end = |node: usize| PathPoint {
-            position: network.node(node).position.unwrap_or_default(),
-            radius: vessel.radius,
-            id: network.node(node).id.parse().ok(),
-        };
-        points = network.ends(row).map(end).to_vec();
+    let mut points = network.path_of(row);
+    if network.vessel(row).path.len() < 2 {
+        for (point, node) in points.iter_mut().zip(network.ends(row)) {
+            point.id = network.node(node).id.parse().ok();
+        }
     }
     let mut along = 0.0;
     let mut placed = Vec::with_capacity(points.len());

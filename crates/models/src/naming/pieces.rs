@@ -1,6 +1,6 @@
 //! Which pieces are false: how likely a piece is no artery of the circle, from how it fits and what it looks like.
 
-use super::atlas::{Atlas, all_states, arteries};
+use super::atlas::{Atlas, arteries};
 use super::emission::{Parts, Pose, emission};
 use super::exclusion::occupancy;
 use super::nodes::Nodes;
@@ -24,11 +24,10 @@ pub fn piece_features(
     [radius, names]: [&[f64]; 2],
     median_log_radius: f64,
 ) -> Vec<[f64; PIECE_FEATURES]> {
-    let all: Vec<usize> = (0..nodes.len()).collect();
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
-    for n in &all {
-        total[nodes.piece[*n]] += length[*n];
+    for (piece, length) in nodes.piece.iter().zip(&length) {
+        total[*piece] += length;
     }
     let whole: f64 = total.iter().sum();
     // The names, given that it is an artery of the circle.
@@ -52,7 +51,7 @@ pub fn piece_features(
         Parts { position: 0.0, direction: 0.0, radius: 1.0 },
     ];
     for (k, parts) in only.into_iter().enumerate() {
-        let e = emission(nodes, [&all, &all_states()], atlas, pose, &atlas.position, parts, radius);
+        let e = emission(nodes, atlas, pose, &atlas.position, parts, radius);
         let ratio = |n: usize| {
             let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
             let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();

@@ -6,7 +6,7 @@ use faer::{Mat, Side};
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
 use super::belief::NamingForest;
-use super::emission::{Parts, Pose, TEMPER, emission};
+use super::emission::{Parts, Pose, TEMPER, emission, tempered};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
 use super::single::Single;
@@ -166,11 +166,9 @@ impl Search<'_> {
             }
             let first = pose;
             for (_, pulls, precisions) in &named {
-                let e = self.tempered(&all, &pose, precisions);
-                let names = self.forest.beliefs(self.atlas, &e).states;
-                pose = self.step(&all, &pose, pulls, &names, true);
+                pose = self.named_step(&all, &pose, pulls, precisions);
             }
-            found.push((Scored { pose, score: self.score(&all, &pose) }, first));
+            found.push((Scored { pose, score: self.score(&pose) }, first));
         }
         let mut found: Vec<Scored> = found.into_iter().map(|(scored, _)| scored).collect();
         found.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -179,8 +177,8 @@ impl Search<'_> {
 
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
-    fn score(&self, all: &[usize], pose: &Pose) -> f64 {
-        let e = emission(self.nodes, [all, &all_states()], self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
+    fn score(&self, pose: &Pose) -> f64 {
+        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
         let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
@@ -199,12 +197,10 @@ impl Search<'_> {
         self.nodes.weight[node] * self.weight[node]
     }
 
-    fn tempered(&self, subset: &[usize], pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
-        let mut e = emission(self.nodes, [subset, &all_states()], self.atlas, pose, precisions, Parts::ALL, self.radius);
-        for x in &mut e {
-            *x *= TEMPER;
-        }
-        e
+    /// A step of `all` nodes by the names of all together.
+    pub fn named_step(&self, all: &[usize], pose: &Pose, pulls: &Pulls, precisions: &[(Symmetric, f64)]) -> Pose {
+        let e = tempered(self.nodes, self.atlas, pose, precisions, self.radius);
+        self.step(all, pose, pulls, &self.forest.beliefs(self.atlas, &e).states, true)
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.

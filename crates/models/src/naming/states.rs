@@ -94,6 +94,11 @@ impl Sided {
     pub const fn on(self, side: BodySide) -> ArteryLabel {
         2 * self as usize + side as usize
     }
+
+    /// Whether a label is this artery of either side.
+    pub fn is(self, label: ArteryLabel) -> bool {
+        label < BA && label / 2 == self as usize
+    }
 }
 
 /// The label of a segment of [`RING`].
@@ -107,6 +112,21 @@ pub fn label_of_segment(segment: usize) -> ArteryLabel {
 }
 
 /// The artery of a label without its side.
+/// The label of the highest probability, the first of equals.
+pub fn most_probable(p: &[f64; LABELS]) -> ArteryLabel {
+    (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best })
+}
+
+/// The arteries that a segment of the ring joins, at either end.
+pub fn joined_by(segment: usize) -> [Vec<ArteryLabel>; 2] {
+    match RING[segment] {
+        Artery::A1(side) => [vec![Sided::Ica.on(side)], vec![Sided::A2.on(side)]],
+        Artery::PComm(side) => [vec![Sided::Ica.on(side)], vec![Sided::P2.on(side), Sided::P1.on(side)]],
+        Artery::P1(side) => [vec![BA, Sided::P1.on(side.other())], vec![Sided::P2.on(side)]],
+        _ => BodySide::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
+    }
+}
+
 fn family_of(label: ArteryLabel) -> &'static Family {
     &FAMILIES[if label < 2 * SIDED { label / 2 } else { label - SIDED }]
 }
@@ -185,14 +205,13 @@ impl Default for StateTables {
     fn default() -> Self {
         let all: Vec<(ArteryLabel, usize)> =
             (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
-        let is_m2 = |label: ArteryLabel| label / 2 == Sided::M2 as usize && label < BA;
         Self {
             label: all.iter().map(|(label, _)| *label).collect(),
             bin: all.iter().map(|(_, bin)| *bin).collect(),
             mirrored: all.iter().map(|(label, bin)| first_state(mirrored(*label)) + bin).collect(),
             once: all
                 .iter()
-                .map(|(label, bin)| *label == ACOMM || *label != OTHER && !is_m2(*label) && bin + 1 < bins_of(*label))
+                .map(|(label, bin)| *label == ACOMM || *label != OTHER && !Sided::M2.is(*label) && bin + 1 < bins_of(*label))
                 .collect(),
         }
     }

@@ -2,8 +2,8 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, ArteryLabel, BA, LABELS, Sided, label_of_segment};
-use crate::circle_of_willis::{Artery, BodySide, RING};
+use super::states::{ACOMM, ArteryLabel, LABELS, Sided, joined_by, label_of_segment};
+use crate::circle_of_willis::{Artery, RING};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::distance;
 
@@ -38,12 +38,16 @@ pub fn ways(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64]) -> [
 
 /// The labels at either end of a segment.
 fn ends(segment: usize) -> [Vec<ArteryLabel>; 2] {
+    let [mut from, mut to] = joined_by(segment);
     match RING[segment] {
-        Artery::A1(side) => [vec![Sided::Ica.on(side), Sided::M1.on(side)], vec![Sided::A2.on(side), ACOMM]],
-        Artery::PComm(side) => [vec![Sided::Ica.on(side)], vec![Sided::P2.on(side), Sided::P1.on(side)]],
-        Artery::P1(side) => [vec![BA, Sided::P1.on(side.other())], vec![Sided::P2.on(side), Sided::PComm.on(side)]],
-        _ => BodySide::BOTH.map(|side| vec![Sided::A1.on(side), Sided::A2.on(side)]),
+        Artery::A1(side) => {
+            from.push(Sided::M1.on(side));
+            to.push(ACOMM);
+        }
+        Artery::P1(side) => to.push(Sided::PComm.on(side)),
+        _ => {}
     }
+    [from, to]
 }
 
 fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: usize, paths: &mut ShortestPaths) -> Way {

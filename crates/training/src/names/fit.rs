@@ -15,7 +15,7 @@ use willis_models::naming::atlas::Atlas;
 use willis_models::naming::model::{Logistic, NamingModel, logistic_probability};
 use willis_models::naming::pieces::PIECE_FEATURES;
 use willis_models::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
-use willis_models::naming::states::{ArteryLabel, BA, LABELS, OTHER, Sided};
+use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, Sided, most_probable};
 use willis_models::naming::{Names, NamingScores, labels_of, log_odds, name_again, name_with, topologies_say};
 
 /// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
@@ -279,9 +279,9 @@ fn length_right(one: &NamedCase, labels: &[[f64; LABELS]]) -> [f64; 2] {
     if known.nodes.len() != labels.len() {
         return [0.0; 2];
     }
-    let as_one = |label: ArteryLabel| if label < BA && label / 2 == Sided::M2 as usize { label - 2 } else { label };
+    let as_one = |label: ArteryLabel| if Sided::M2.is(label) { label - 2 } else { label };
     for (n, p) in labels.iter().enumerate().filter(|(n, _)| known.label[*n] != OTHER) {
-        let best = (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best });
+        let best = most_probable(p);
         let w = known.nodes.weight[n];
         all += w;
         right += if best == known.label[n] { w } else { 0.0 };

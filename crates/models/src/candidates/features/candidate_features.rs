@@ -7,6 +7,69 @@ use super::fragment::Fragment;
 use super::measured_candidate::{MeasuredCandidate, angle};
 use willis_core::support::geometry::{Point, distance, dot, lerp};
 
+/// A feature of a candidate.
+pub type Feature = fn(&MeasuredCandidate) -> f64;
+
+/// The features of a candidate, by the names that weights have in a file.
+pub const FEATURES: &[(&str, Feature)] = &[
+    // Whether the parent is met at a free end (1) or between its ends (0): most gaps are breaks, not lost branches.
+    ("is_end", |c| 1.0 - c.between_ends()),
+    ("gap", gap),
+    ("bend_child_sq", bend_child_squared),
+    ("bend_child", bend_child),
+    // [`gap`] where the parent is met at a free end, else 0: breaks and lost branches have gaps of their own lengths.
+    ("gap_end", |c| (1.0 - c.between_ends()) * gap(c)),
+    ("bend_parent_sq", bend_parent_squared),
+    // The gap to the wall in widths where the parent is met between its ends, else 0: a branch begins at the wall of its parent.
+    ("wall_branch", |c| c.between_ends() * wall(c)),
+    // [`gap`] where the parent is met between its ends, else 0.
+    ("gap_branch", |c| c.between_ends() * gap(c)),
+    ("kink", kink_towards),
+    ("ratio_branch", branch_ratio),
+    // The angle between the candidate and the child's direction over twice the length.
+    ("bend_far", |c| angle(c.child.far_direction, c.across)),
+    // [`radius_step`] squared, the step at most 1.5: small steps are noise.
+    ("ratio_end_sq", |c| radius_step(c).min(MOST_STEP).powi(2)),
+    ("wall", log_gap_to_wall),
+    // ln D/h where the parent is met between its ends, else 0: branches of well resolved vessels are lost less.
+    ("resolution_branch", |c| c.between_ends() * (c.width() / c.extraction.spacing).ln()),
+    // [`branch_ratio`] squared: nor is it ever so thin.
+    ("ratio_branch_sq", |c| branch_ratio(c).powi(2)),
+    // The larger of the bends at the two ends: one bend is likelier than two.
+    ("turn", |c| bend_child(c).max(bend_parent(c))),
+    // [`bend_child`] times the gap in widths, at most 3: over a short gap an angle says little.
+    ("bend_gap", |c| bend_child(c) * gap(c).min(BEND_MOST_WIDTHS)),
+    // ln of the gap over the gap to the best other branch, in [-2, 2]: below 0 the parent is the clear choice.
+    ("margin", |c| (c.gap / c.rival_gap).ln().clamp(-MOST_MARGIN, MOST_MARGIN)),
+    ("blocked", blocked),
+    ("bend_parent", bend_parent),
+    ("ratio_end", radius_step),
+    // How many branches are nearer to the child, at most 8.
+    ("rank", |c| (c.rank as f64).min(MOST_RANK)),
+    // ln(L/L_max + 0.01) of the parent's fragment: L_max the length of the longest fragment. Most fragments are attached to large ones.
+    ("share_parent", |c| share(c.extraction, parent(c))),
+    // How much better blood divides at the junctions of the child's fragment if it comes from this end, in [-1.5, 1.5].
+    ("orientation", |c| c.child.orientation),
+    // Whether the parent's fragment holds an inlet, 1 or 0.
+    ("fed_parent", |c| if parent(c).fed { 1.0 } else { 0.0 }),
+    // exp(-l/(2 r_p + h)) where the parent is met between its ends, else 0: l the path to its nearest free end. A vessel about to end is
+    // met at its end.
+    ("near_tip", |c| c.between_ends() * (-c.extraction.to_free_end[c.point] / parent_width(c)).exp()),
+    // Whether the gap to the wall of a parent met between its ends is below 0.6 widths, 1 or 0: no more than what thinning takes away.
+    ("touch_branch", |c| if wall(c) < TOUCH { c.between_ends() } else { 0.0 }),
+    // Whether the shortest candidate of the parent's free end leads to the child, 1 or 0.
+    ("mutual", |c| if c.mutual { 1.0 } else { 0.0 }),
+    // How many widths the gap to the wall is beyond 3, at least 0.
+    ("wall_over_3", |c| (wall(c) - FAR_REACH).max(0.0)),
+    // How many widths the gap to the wall is beyond 1.5, at least 0: what falls with distance falls otherwise near and far.
+    ("wall_over_1_5", |c| (wall(c) - REACH).max(0.0)),
+    // -κ·u with the kink over 4 radii: the bend of the parent as a whole, which says less for a branch than a short kink in it.
+    ("kink_wide", |c| -c.between_ends() * along(c, c.extraction.shape[c.point].far_kink)),
+    ("kink_excess", kink_excess),
+    // exp(-l/(2 r_p + h)) where the parent is met between its ends, else 0: l the path to its nearest junction. Junctions are rarely close to one another.
+    ("near_junction", |c| c.between_ends() * (-c.extraction.to_junction[c.point] / parent_width(c)).exp()),
+];
+
 /// A gap in widths beyond which it is just long.
 const MOST_WIDTHS: f64 = 10.0;
 /// The least distance to a wall in [`log_gap_to_wall`], in spacings.
@@ -22,45 +85,10 @@ pub fn gap(c: &MeasuredCandidate) -> f64 {
     (c.gap / c.width()).min(MOST_WIDTHS)
 }
 
-/// [`gap`] where the parent is met at a free end, else 0: breaks and lost branches have gaps of their own lengths.
-pub fn gap_at_free_end(c: &MeasuredCandidate) -> f64 {
-    (1.0 - c.between_ends()) * gap(c)
-}
-
-/// [`gap`] where the parent is met between its ends, else 0.
-pub fn gap_between_ends(c: &MeasuredCandidate) -> f64 {
-    c.between_ends() * gap(c)
-}
-
 /// ln max(d - r, h/2)/D with r the parent's radius where it is met between its ends: the gap to its wall, not to its axis.
 pub fn log_gap_to_wall(c: &MeasuredCandidate) -> f64 {
     let wall = c.gap - c.between_ends() * c.parent_radius;
     (wall.max(LEAST_WALL * c.extraction.spacing) / c.width()).ln()
-}
-
-/// The gap to the wall in widths where the parent is met between its ends, else 0: a branch begins at the wall of its parent.
-pub fn wall_between_ends(c: &MeasuredCandidate) -> f64 {
-    c.between_ends() * wall(c)
-}
-
-/// How many widths the gap to the wall is beyond 1.5, at least 0: what falls with distance falls otherwise near and far.
-pub fn wall_beyond_reach(c: &MeasuredCandidate) -> f64 {
-    (wall(c) - REACH).max(0.0)
-}
-
-/// How many widths the gap to the wall is beyond 3, at least 0.
-pub fn wall_far_beyond_reach(c: &MeasuredCandidate) -> f64 {
-    (wall(c) - FAR_REACH).max(0.0)
-}
-
-/// Whether the gap to the wall of a parent met between its ends is below 0.6 widths, 1 or 0: no more than what thinning takes away.
-pub fn touches_wall(c: &MeasuredCandidate) -> f64 {
-    if wall(c) < TOUCH { c.between_ends() } else { 0.0 }
-}
-
-/// ln D/h where the parent is met between its ends, else 0: branches of well resolved vessels are lost less.
-pub fn log_width_between_ends(c: &MeasuredCandidate) -> f64 {
-    c.between_ends() * (c.width() / c.extraction.spacing).ln()
 }
 
 /// ln of path along the vessels over gap, at most 200, of a candidate within a fragment; 0 between fragments.
@@ -88,16 +116,6 @@ pub fn bend_child_squared(c: &MeasuredCandidate) -> f64 {
     bend_child(c).powi(2)
 }
 
-/// [`bend_child`] times the gap in widths, at most 3: over a short gap an angle says little.
-pub fn bend_child_over_gap(c: &MeasuredCandidate) -> f64 {
-    bend_child(c) * gap(c).min(BEND_MOST_WIDTHS)
-}
-
-/// The angle between the candidate and the child's direction over twice the length.
-pub fn bend_far(c: &MeasuredCandidate) -> f64 {
-    angle(c.child.far_direction, c.across)
-}
-
 /// The angle between the candidate and the inward direction of the parent's free end; 0 where it is met between its ends.
 pub fn bend_parent(c: &MeasuredCandidate) -> f64 {
     c.parent_end.map_or(0.0, |end| angle(end.direction.map(|x| -x), c.across))
@@ -108,20 +126,10 @@ pub fn bend_parent_squared(c: &MeasuredCandidate) -> f64 {
     bend_parent(c).powi(2)
 }
 
-/// The larger of the bends at the two ends: one bend is likelier than two.
-pub fn worst_bend(c: &MeasuredCandidate) -> f64 {
-    bend_child(c).max(bend_parent(c))
-}
-
 /// κ·u: the kink of the parent towards the candidate, in [-1, 1]; 0 at a free end. A vessel turns away from a branch it gives
 /// off, so a bend with its outside towards the child marks a lost branch: the best feature of inference.md §5.
 pub fn kink_towards(c: &MeasuredCandidate) -> f64 {
     kink_at(c, c.point).clamp(-1.0, 1.0) * c.between_ends()
-}
-
-/// -κ·u with the kink over 4 radii: the bend of the parent as a whole, which says less for a branch than a short kink in it.
-pub fn far_kink_from(c: &MeasuredCandidate) -> f64 {
-    -c.between_ends() * along(c, c.extraction.shape[c.point].far_kink)
 }
 
 /// [`kink_towards`] less the mean of the same four points away on either side: this distinguishes a kink from a long bend.
@@ -129,11 +137,6 @@ pub fn kink_excess(c: &MeasuredCandidate) -> f64 {
     let headings = c.extraction.graph.headings(&c.extraction.lines, c.point);
     let around = headings.iter().map(|heading| kink_at(c, heading.walk(AROUND))).sum::<f64>();
     c.between_ends() * (kink_towards(c) - around / headings.len().max(1) as f64)
-}
-
-/// How much better blood divides at the junctions of the child's fragment if it comes from this end, in [-1.5, 1.5].
-pub fn orientation(c: &MeasuredCandidate) -> f64 {
-    c.child.orientation
 }
 
 fn kink_at(c: &MeasuredCandidate, point: usize) -> f64 {
@@ -154,19 +157,9 @@ pub fn radius_step(c: &MeasuredCandidate) -> f64 {
     (1.0 - c.between_ends()) * log_ratio(c).abs()
 }
 
-/// [`radius_step`] squared, the step at most 1.5: small steps are noise.
-pub fn radius_step_squared(c: &MeasuredCandidate) -> f64 {
-    radius_step(c).min(MOST_STEP).powi(2)
-}
-
 /// ln r_c/r_p in [-2, 1] where the parent is met between its ends, else 0: a branch is no wider than its parent (Murray's law).
 pub fn branch_ratio(c: &MeasuredCandidate) -> f64 {
     c.between_ends() * log_ratio(c).clamp(RATIOS[0], RATIOS[1])
-}
-
-/// [`branch_ratio`] squared: nor is it ever so thin.
-pub fn branch_ratio_squared(c: &MeasuredCandidate) -> f64 {
-    branch_ratio(c).powi(2)
 }
 
 /// ln of the thinner of the two radii over that of the widest free end of all: the connections of a circle are thick vessels.
@@ -181,21 +174,6 @@ fn log_ratio(c: &MeasuredCandidate) -> f64 {
 
 /// Added to a share, so that the shortest fragment has a logarithm.
 const LEAST_SHARE: f64 = 0.01;
-
-/// Whether the parent is met at a free end (1) or between its ends (0): most gaps are breaks, not lost branches.
-pub fn at_free_end(c: &MeasuredCandidate) -> f64 {
-    1.0 - c.between_ends()
-}
-
-/// ln(L/L_max + 0.01) of the parent's fragment: L_max the length of the longest fragment. Most fragments are attached to large ones.
-pub fn parent_share(c: &MeasuredCandidate) -> f64 {
-    share(c.extraction, parent(c))
-}
-
-/// Whether the parent's fragment holds an inlet, 1 or 0.
-pub fn parent_fed(c: &MeasuredCandidate) -> f64 {
-    if parent(c).fed { 1.0 } else { 0.0 }
-}
 
 fn parent<'a>(c: &MeasuredCandidate<'a>) -> &'a Fragment {
     &c.extraction.fragments[c.extraction.fragment[c.point]]
@@ -222,21 +200,6 @@ const CLEARANCE: f64 = 0.35;
 /// The places along the candidate where that is checked.
 const STATIONS: [f64; 5] = [0.25, 0.375, 0.5, 0.625, 0.75];
 
-/// How many branches are nearer to the child, at most 8.
-pub fn rank(c: &MeasuredCandidate) -> f64 {
-    (c.rank as f64).min(MOST_RANK)
-}
-
-/// ln of the gap over the gap to the best other branch, in [-2, 2]: below 0 the parent is the clear choice.
-pub fn margin(c: &MeasuredCandidate) -> f64 {
-    (c.gap / c.rival_gap).ln().clamp(-MOST_MARGIN, MOST_MARGIN)
-}
-
-/// Whether the shortest candidate of the parent's free end leads to the child, 1 or 0.
-pub fn mutual(c: &MeasuredCandidate) -> f64 {
-    if c.mutual { 1.0 } else { 0.0 }
-}
-
 /// How much a third branch blocks the candidate: the largest 1 - c/(0.35 d), at least 0, over five places along it where the
 /// nearest point, at distance c, is of a third branch. Vessels do not run through each other.
 pub fn blocked(c: &MeasuredCandidate) -> f64 {
@@ -252,17 +215,6 @@ pub fn blocked(c: &MeasuredCandidate) -> f64 {
         if nearest.points.iter().any(third) { (1.0 - nearest.distance / reach).max(0.0) } else { 0.0 }
     };
     STATIONS.iter().map(at).fold(0.0, f64::max)
-}
-
-/// exp(-l/(2 r_p + h)) where the parent is met between its ends, else 0: l the path to its nearest free end. A vessel about to end is
-/// met at its end.
-pub fn near_free_end(c: &MeasuredCandidate) -> f64 {
-    c.between_ends() * (-c.extraction.to_free_end[c.point] / parent_width(c)).exp()
-}
-
-/// exp(-l/(2 r_p + h)) where the parent is met between its ends, else 0: l the path to its nearest junction. Junctions are rarely close to one another.
-pub fn near_junction(c: &MeasuredCandidate) -> f64 {
-    c.between_ends() * (-c.extraction.to_junction[c.point] / parent_width(c)).exp()
 }
 
 fn parent_width(c: &MeasuredCandidate) -> f64 {

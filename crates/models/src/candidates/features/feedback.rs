@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use ndarray::Array2;
 
 use super::extraction::Extraction;
-use crate::candidates::search::EndCandidate;
 use crate::candidates::search::point_index::PointIndex;
+use crate::candidates::search::{EndCandidate, rows_by_end};
 use willis_core::forest_posterior::{Forests, Marginals, rooted_in};
 use willis_core::support::geometry::{distance, dot, sub, unit};
 use willis_core::support::ties::steady;
@@ -127,10 +127,9 @@ impl Competitors {
     pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
         let child = |row: usize| e.ends[candidates[row].end].fragment;
         let parent = |row: usize| e.fragment[candidates[row].point];
-        let mut from = vec![Vec::new(); e.ends.len()];
+        let from = rows_by_end(e, candidates);
         let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         for (row, candidate) in candidates.iter().enumerate() {
-            from[candidate.end].push(row);
             at.entry(candidate.point).or_default().push(row);
         }
         let nearby = near_each(e, &at);

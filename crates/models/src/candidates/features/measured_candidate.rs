@@ -1,8 +1,8 @@
 //! A candidate with what its features are computed from: its two ends, its gap, and its rivals.
 
 use super::extraction::Extraction;
-use crate::candidates::search::EndCandidate;
 use crate::candidates::search::free_ends::FreeEnd;
+use crate::candidates::search::{EndCandidate, rows_by_end};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, cross, distance, dot, norm_squared, sub, unit};
 use willis_core::support::ties::{compare, steady};
@@ -60,10 +60,7 @@ pub fn angle(a: Point, b: Point) -> f64 {
 /// The candidates of one search, measured, in their order.
 pub fn measured<'a>(extraction: &'a Extraction, candidates: &[EndCandidate]) -> Vec<MeasuredCandidate<'a>> {
     let mut out: Vec<MeasuredCandidate<'a>> = candidates.iter().map(|c| without_rivals(extraction, *c)).collect();
-    let mut of_end = vec![Vec::new(); extraction.ends.len()];
-    for (row, candidate) in candidates.iter().enumerate() {
-        of_end[candidate.end].push(row);
-    }
+    let mut of_end = rows_by_end(extraction, candidates);
     // Per free end the points that its shortest candidates reach.
     let mut first: Vec<Vec<usize>> = vec![Vec::new(); extraction.ends.len()];
     for (end, rows) in of_end.iter_mut().enumerate() {

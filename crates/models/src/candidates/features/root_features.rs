@@ -12,7 +12,8 @@ pub type RootFeature = fn(&Extraction, &Fragment) -> f64;
 /// The features of a root, by name. Their products with the clutter let a whole brain of a hundred fragments and a circle of
 /// ten differ: in a circle an inlet's tree is often a root, in a brain it is one of several parts of one tree.
 pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
-    ("one", one),
+    // 1: how readily a fragment is a root.
+    ("one", |_, _| 1.0),
     ("inlet", inlet),
     ("slim", slenderness),
     ("share", share),
@@ -20,8 +21,10 @@ pub const ROOT_FEATURES: &[(&str, RootFeature)] = &[
     ("resolution", width_in_spacings),
     ("clutter", clutter),
     ("radius_variation", radius_variation),
-    ("free_ends", log_free_ends),
-    ("junctions", log_junctions),
+    // ln of the number of its free ends, at least 0: what branches is a vessel, and has more ends to be attached by.
+    ("free_ends", |_, fragment| (fragment.free_ends as f64).max(1.0).ln()),
+    // ln of one more than the number of its junctions.
+    ("junctions", |_, fragment| (fragment.junctions as f64).ln_1p()),
     ("inlet_clutter", |e, f| inlet(e, f) * clutter(e, f)),
     ("slim_clutter", |e, f| slenderness(e, f) * clutter(e, f)),
     ("share_clutter", |e, f| share(e, f) * clutter(e, f)),
@@ -39,11 +42,6 @@ pub fn root_features(extraction: &Extraction) -> Array2<f64> {
     Array2::from_shape_fn((fragments.len(), ROOT_FEATURES.len()), |(row, column)| {
         ROOT_FEATURES[column].1(extraction, &fragments[row])
     })
-}
-
-/// 1: how readily a fragment is a root.
-pub fn one(_: &Extraction, _: &Fragment) -> f64 {
-    1.0
 }
 
 /// Whether it holds an inlet, 1 or 0.
@@ -69,16 +67,6 @@ pub fn clutter(extraction: &Extraction, _: &Fragment) -> f64 {
 /// The standard deviation of ln of its radii along it, at most 0.6: vessels taper, noise has any radius.
 pub fn radius_variation(_: &Extraction, fragment: &Fragment) -> f64 {
     fragment.radius_spread.min(MOST_VARIATION)
-}
-
-/// ln of the number of its free ends, at least 0: what branches is a vessel, and has more ends to be attached by.
-pub fn log_free_ends(_: &Extraction, fragment: &Fragment) -> f64 {
-    (fragment.free_ends as f64).max(1.0).ln()
-}
-
-/// ln of one more than the number of its junctions.
-pub fn log_junctions(_: &Extraction, fragment: &Fragment) -> f64 {
-    (fragment.junctions as f64).ln_1p()
 }
 
 /// The radius (m) of its widest free end, half a spacing at least.

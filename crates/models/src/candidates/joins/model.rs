@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::features::join_feature_names;
-use super::image::features::IMAGE_FEATURES;
+use super::image::features::image_feature_names;
 use super::rivals::SECOND_FEATURES;
 use willis_core::error::Fault;
 use willis_core::support::boosted_trees::{Boosted, check_features};
@@ -140,15 +140,16 @@ impl JoinModel {
         let names = join_feature_names();
         check_features("features", &model.features, &names)?;
         model.passes[0].check("pass 1", names.len())?;
-        model.passes[1].check("pass 2", names.len() + SECOND_FEATURES.len())?;
+        model.passes[1].check("pass 2", names.len() + SECOND_FEATURES)?;
         if let Some(image) = &model.image {
-            check_features("image.features", &image.features, &IMAGE_FEATURES)?;
+            let names = image_feature_names();
+            check_features("image.features", &image.features, &names)?;
             let [least, most] = image.noise;
             if !(least >= 0.0 && least <= most) {
                 let accepted = "expected the least and the most, from 0 on";
                 return Err(Fault::item("image.noise", format!("[{least}, {most}]"), accepted));
             }
-            image.trees.check("image.pass", IMAGE_FEATURES.len())?;
+            image.trees.check("image.pass", names.len())?;
         }
         Ok(model)
     }

@@ -6,8 +6,9 @@ use ndarray::Array2;
 
 use super::course::EndCourse;
 use crate::candidates::features::Extraction;
-use crate::candidates::search::EndCandidate;
+use crate::candidates::pairs::{Pairs, unordered};
 use crate::candidates::search::point_index::PointIndex;
+use crate::candidates::search::{EndCandidate, rows_by_end};
 use willis_core::support::geometry::{dot, norm_squared, sub};
 use willis_core::support::statistics::sigmoid;
 use willis_core::support::ties::steady;
@@ -39,48 +40,6 @@ pub struct Rivals {
     pub in_cone: usize,
 }
 
-/// The candidates of one search as pairs of points, both directions together.
-pub struct Pairs {
-    /// Per candidate its pair.
-    pub of: Vec<usize>,
-    /// Per pair its points, the lower first.
-    pub points: Vec<[usize; 2]>,
-    /// Per pair its first candidate.
-    pub first: Vec<usize>,
-}
-
-impl Pairs {
-    /// The pairs, in the order of their first candidates.
-    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
-        let mut number = BTreeMap::new();
-        let mut this = Self { of: Vec::with_capacity(candidates.len()), points: Vec::new(), first: Vec::new() };
-        for (row, c) in candidates.iter().enumerate() {
-            let points = unordered(c.points(e));
-            let pair = *number.entry(points).or_insert_with(|| {
-                this.points.push(points);
-                this.first.push(row);
-                this.points.len() - 1
-            });
-            this.of.push(pair);
-        }
-        this
-    }
-
-    /// Per pair the mean of a quantity over its candidates.
-    pub fn mean(&self, of_candidate: &[f64]) -> Vec<f64> {
-        let (mut sum, mut count) = (vec![0.0; self.points.len()], vec![0.0; self.points.len()]);
-        for (pair, x) in self.of.iter().zip(of_candidate) {
-            sum[*pair] += x;
-            count[*pair] += 1.0;
-        }
-        sum.iter().zip(count).map(|(sum, n)| sum / n).collect()
-    }
-}
-
-fn unordered([a, b]: [usize; 2]) -> [usize; 2] {
-    [a.min(b), a.max(b)]
-}
-
 fn site(e: &Extraction, point: usize) -> f64 {
     SITE_SPACINGS * e.spacing + e.radius_at(point)
 }
@@ -89,10 +48,7 @@ fn site(e: &Extraction, point: usize) -> f64 {
 pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<Rivals> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
     let mut out = vec![Rivals::default(); candidates.len()];
-    let mut of_end = vec![Vec::new(); e.ends.len()];
-    for (row, c) in candidates.iter().enumerate() {
-        of_end[c.end].push(row);
-    }
+    let of_end = rows_by_end(e, candidates);
     // Per free end the branches that are cheapest from it.
     let mut preferred: Vec<Option<usize>> = vec![None; e.ends.len()];
     for (end, rows) in of_end.iter().enumerate() {
@@ -158,22 +114,10 @@ fn in_cone(e: &Extraction, course: &EndCourse, c: &EndCandidate) -> usize {
     .count()
 }
 
-/// What the second pass sees of the first, by name.
-pub const SECOND_FEATURES: [&str; 13] = [
-    "score",
-    "own_score",
-    "child_other",
-    "child_sum",
-    "child_margin",
-    "parent_other",
-    "parent_sum",
-    "parent_margin",
-    "fragment_child_sum",
-    "fragment_parent_sum",
-    "two_steps",
-    "pair_other",
-    "pair_sum",
-];
+/// How many features the second pass has of the first: the mean score of both directions and the own one; of the others at the child, and
+/// of those at the parent, the best, the sum of probabilities and the margin; the sums of both fragments, the best way by a third fragment, and
+/// the best and the sum of the other pairs of these two.
+pub const SECOND_FEATURES: usize = 13;
 
 /// A score where there is no other candidate, and the bound of all features.
 const NO_SCORE: f64 = -8.0;
@@ -210,7 +154,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
         let best = rivals.iter().map(|pair| score[*pair]).fold(NO_SCORE, f64::max);
         (best, rivals.iter().map(|pair| p[*pair]).sum::<f64>().min(MOST_SUM))
     };
-    let mut out = Array2::zeros((candidates.len(), SECOND_FEATURES.len()));
+    let mut out = Array2::zeros((candidates.len(), SECOND_FEATURES));
     for (row, c) in candidates.iter().enumerate() {
         let (pair, child) = (pairs.of[row], e.ends[c.end].point);
         let other_place = |pair: &usize, from: usize| {
@@ -234,7 +178,7 @@ pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pair
         let two_steps = if own == parent { 0.0 } else { steps[few].iter().filter_map(two).fold(0.0, f64::max) };
         let same = &between[&unordered([own, parent])];
         let others = same.iter().filter(|o| **o != pair);
-        let features = [
+        let features: [f64; SECOND_FEATURES] = [
             score[pair],
             scores[row],
             at_child.0,

@@ -1,13 +1,12 @@
 //! The candidates of an extraction with their features, and the weights that a pass gives them.
 
-use std::collections::BTreeMap;
-
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 
 use super::pass::PassWeights;
 use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::features;
 use crate::candidates::features::root_features::root_features;
+use crate::candidates::pairs::{Pairs, unordered};
 use crate::candidates::search::EndCandidate;
 use willis_core::error::{Error, Result};
 use willis_core::forest_posterior::{Edge, Forests, MOST_PAIRS, is_tangle};
@@ -27,10 +26,8 @@ pub struct CandidateTable {
     pub within_features: Array2<f64>,
     /// Child and parent fragment of each candidate between fragments.
     pub fragments: Vec<[usize; 2]>,
-    /// The number of its pair of points, which the candidates of both directions share.
-    pub pair: Vec<usize>,
-    /// How many pairs there are.
-    pub pairs: usize,
+    /// Those between fragments as pairs of points.
+    pub pairs: Pairs,
     /// The features of those between fragments, shape (candidates, features).
     pub features: Array2<f64>,
     /// Features of the fragments as roots, shape (fragments, features).
@@ -49,17 +46,10 @@ impl CandidateTable {
         let all = features(extraction, found);
         let [features, within_features] = [&between, &within].map(|rows| all.select(Axis(0), rows));
         let [candidates, within] = [between, within].map(|rows| rows.into_iter().map(|row| found[row]).collect::<Vec<_>>());
-        let mut pairs = BTreeMap::new();
-        let mut pair = Vec::with_capacity(candidates.len());
-        let mut fragments = Vec::with_capacity(candidates.len());
-        for candidate in &candidates {
-            let points = candidate.points(extraction);
-            let next = pairs.len();
-            pair.push(*pairs.entry([points[0].min(points[1]), points[0].max(points[1])]).or_insert(next));
-            fragments.push(candidate.fragments(extraction));
-        }
-        let (pairs, root_features) = (pairs.len(), root_features(extraction));
-        Ok(Self { candidates, within, within_features, fragments, pair, pairs, features, root_features })
+        let pairs = Pairs::new(extraction, &candidates);
+        let fragments = candidates.iter().map(|candidate| candidate.fragments(extraction)).collect();
+        let root_features = root_features(extraction);
+        Ok(Self { candidates, within, within_features, fragments, pairs, features, root_features })
     }
 
     /// The features of the candidates with more columns.
@@ -72,11 +62,7 @@ impl CandidateTable {
 
     /// Per pair the sum of a quantity over its candidates, at most 1.
     pub fn summed_by_pair(&self, of_candidate: &[f64]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.pairs];
-        for (pair, x) in self.pair.iter().zip(of_candidate) {
-            sum[*pair] += x;
-        }
-        sum.into_iter().map(|x: f64| x.min(1.0)).collect()
+        self.pairs.sum(of_candidate).into_iter().map(|x: f64| x.min(1.0)).collect()
     }
 
     /// The forests that the weights of a pass make of the features of its candidates.
@@ -100,7 +86,7 @@ impl CandidateTable {
 /// More than 500 million pairs of fragments meet when they are eliminated one after another.
 fn check_tangle(extraction: &Extraction, candidates: &[EndCandidate]) -> Result<()> {
     let between = || candidates.iter().filter(|candidate| !candidate.within);
-    let mut links: Vec<[usize; 2]> = between().map(|c| c.fragments(extraction)).map(|[a, b]| [a.min(b), a.max(b)]).collect();
+    let mut links: Vec<[usize; 2]> = between().map(|c| unordered(c.fragments(extraction))).collect();
     links.sort_unstable();
     links.dedup();
     let count = extraction.fragments.len();

@@ -39,7 +39,7 @@ pub fn posterior(extraction: &Extraction, candidates: &[EndCandidate], weights: 
     let (forests, marginals) = last_pass(extraction, &table, weights)?;
     let calibration = weights.calibration_of(&marginals);
     let of_pair: Vec<f64> = table.summed_by_pair(&marginals.edges).into_iter().map(|p| calibration.apply(p)).collect();
-    let probability = table.pair.iter().map(|pair| of_pair[*pair]).collect();
+    let probability = table.pairs.of.iter().map(|pair| of_pair[*pair]).collect();
     let root_scores = root_scores(extraction, &marginals);
     let closures = if weights.closure.is_empty() {
         Vec::new()
@@ -94,5 +94,5 @@ pub fn root_scores(extraction: &Extraction, marginals: &Marginals) -> Vec<f64> {
 pub fn attachment_scores(table: &CandidateTable, marginals: &Marginals, calibration: Calibration) -> Vec<f64> {
     let sum = table.summed_by_pair(&marginals.edges);
     let share = |(p, pair): (&f64, &usize)| if sum[*pair] > 0.0 { calibration.apply(sum[*pair]) * (p / sum[*pair]) } else { 0.0 };
-    marginals.edges.iter().zip(&table.pair).map(share).collect()
+    marginals.edges.iter().zip(&table.pairs.of).map(share).collect()
 }

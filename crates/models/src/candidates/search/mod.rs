@@ -9,7 +9,7 @@ pub mod point_index;
 pub use meeting_points::MeetingPoints;
 pub use point_index::join_nearest;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::features::extraction::Extraction;
 use super::options::{Attach, CandidateOptions, NEAREST};
@@ -112,6 +112,15 @@ pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Re
     from_each_end(extraction, reach, |around, _| around.nearest(options))
 }
 
+/// Per free end the rows of its candidates.
+pub fn rows_by_end(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Vec<usize>> {
+    let mut rows = vec![Vec::new(); e.ends.len()];
+    for (row, candidate) in candidates.iter().enumerate() {
+        rows[candidate.end].push(row);
+    }
+    rows
+}
+
 /// How long (m) the path along the vessels is at least, for a candidate within a fragment that bridges this gap (m).
 pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
     (DETOUR * gap).max(DETOUR_WIDTHS * (2.0 * end.radius + extraction.spacing))
@@ -185,13 +194,9 @@ impl Neighbourhood<'_> {
             }));
         }
         places.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let (k, mut chosen) = (options.k.unwrap_or(NEAREST), Vec::new());
-        for (_, point) in places {
-            if chosen.len() < k && !chosen.contains(&point) {
-                chosen.push(point);
-            }
-        }
-        chosen
+        let mut chosen = BTreeSet::new();
+        let distinct = places.into_iter().map(|(_, point)| point).filter(|point| chosen.insert(*point));
+        distinct.take(options.k.unwrap_or(NEAREST)).collect()
     }
 
     /// The hits of the nearest branches, branch by branch, in order.

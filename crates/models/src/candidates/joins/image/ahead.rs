@@ -3,12 +3,12 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-use super::path::{price, rounded};
+use super::path::price;
 use crate::candidates::features::Extraction;
 use crate::candidates::search::meeting_points::snapped;
 use crate::candidates::search::{EndCandidate, least_detour};
 use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::{Point, distance, norm};
+use willis_core::support::geometry::{Point, distance, norm, smooth};
 use willis_core::support::in_order;
 use willis_io::masks::Scene;
 
@@ -229,6 +229,6 @@ impl Front {
         }
         points.push(from);
         points.reverse();
-        rounded(points)
+        smooth(&points, 2)
     }
 }

@@ -9,7 +9,7 @@ use ndarray::Array2;
 use super::ahead::{Ahead, MOST_COST, MOST_MET};
 use super::path::{Between, CheapestPath, across, cheapest_path};
 use crate::candidates::features::Extraction;
-use crate::candidates::joins::rivals::Pairs;
+use crate::candidates::pairs::Pairs;
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::boosted_trees::stored;
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
@@ -17,47 +17,18 @@ use willis_core::support::in_order;
 use willis_core::support::statistics::quantile;
 use willis_io::masks::{Level, Scene};
 
-/// What the image stage sees, by name; `score` is that of the second pass.
-pub const IMAGE_FEATURES: [&str; 38] = [
-    "score",
-    "score_margin_near",
-    "score_margin_far",
-    "log_gap_spacings",
-    "log_gap_widths",
-    "noise",
-    "typical_contrast",
-    "dimmer_end",
-    "step_of_ends",
-    "line_least",
-    "line_quarter",
-    "line_mean",
-    "line_noise_mean",
-    "line_ring_least",
-    "line_ring_mean",
-    "line_inside",
-    "path_cost",
-    "path_cost_least",
-    "path_least",
-    "path_quarter",
-    "path_mean",
-    "path_noise_least",
-    "path_noise_quarter",
-    "path_noise_mean",
-    "path_ring_least",
-    "path_ring_quarter",
-    "path_ring_mean",
-    "path_ring_noise",
-    "path_tortuosity",
-    "path_inside",
-    "path_widest_dip",
-    "met_rank",
-    "met_cost",
-    "met_margin",
-    "cost_margin_near",
-    "cost_margin_far",
-    "contrast_margin_near",
-    "contrast_margin_far",
-];
+/// What the image stage sees, by name in one text; `score` is that of the second pass.
+const IMAGE_FEATURES: &str = "\
+    score score_margin_near score_margin_far log_gap_spacings log_gap_widths noise typical_contrast dimmer_end step_of_ends \
+    line_least line_quarter line_mean line_noise_mean line_ring_least line_ring_mean line_inside path_cost path_cost_least \
+    path_least path_quarter path_mean path_noise_least path_noise_quarter path_noise_mean path_ring_least path_ring_quarter \
+    path_ring_mean path_ring_noise path_tortuosity path_inside path_widest_dip met_rank met_cost met_margin cost_margin_near \
+    cost_margin_far contrast_margin_near contrast_margin_far";
+
+/// The names of what the image stage sees, in their order.
+pub fn image_feature_names() -> Vec<&'static str> {
+    IMAGE_FEATURES.split(' ').collect()
+}
 
 /// Places on a line or path lie so many spacings apart.
 const STEP: f64 = 0.5;
@@ -145,7 +116,7 @@ impl ImageTable {
             let best = rivals.filter_map(|other| of(*other)).fold(f64::NEG_INFINITY, f64::max);
             (own - best).clamp(-MOST_MARGIN, MOST_MARGIN)
         };
-        let mut out = Array2::zeros((pairs.points.len(), IMAGE_FEATURES.len()));
+        let mut out = Array2::zeros((pairs.points.len(), image_feature_names().len()));
         for (pair, seen) in self.rows.iter().enumerate() {
             let Some(seen) = seen.as_ref().filter(|_| is_rival(pair)) else { continue };
             let margins = |of: &dyn Fn(usize) -> Option<f64>| {

@@ -1,6 +1,6 @@
 //! The cheapest path through an image between two places, among those that go forward along the straight line between them.
 
-use willis_core::support::geometry::{Point, cross, distance, lerp, sub, unit};
+use willis_core::support::geometry::{Point, cross, distance, lerp, smooth, sub, unit};
 use willis_io::masks::Scene;
 
 /// Paths go through places on cross-sections of the line: cross-sections and places on them lie about so many spacings apart.
@@ -123,24 +123,13 @@ pub fn cheapest_path(scene: &Scene, between: &Between) -> Option<CheapestPath> {
         points.push(place(section - 1, inner / wide * side + inner % wide));
     }
     points.reverse();
-    Some(CheapestPath { points: rounded(points), cost: f64::from(least[middle]) })
+    Some(CheapestPath { points: smooth(&points, 2), cost: f64::from(least[middle]) })
 }
 
 /// The cost of a step as a share of its length, by the contrast as a share of that of the vessels.
 pub(super) fn price(contrast: f64) -> f32 {
     let share = (FLOOR / (contrast + FLOOR)) as f32;
     share * share
-}
-
-/// The points with their corners taken off; the ends stay.
-pub(super) fn rounded(mut points: Vec<Point>) -> Vec<Point> {
-    for _ in 0..2 {
-        let old = points.clone();
-        for (n, w) in old.windows(3).enumerate() {
-            points[n + 1] = [0, 1, 2].map(|k| 0.25 * w[0][k] + 0.5 * w[1][k] + 0.25 * w[2][k]);
-        }
-    }
-    points
 }
 
 /// Two directions across a unit vector.
