@@ -13,7 +13,7 @@ use crate::internals::output::write_file;
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::internals::report::{Summary, agreement};
+use crate::internals::report::{RunRecord, agreement};
 use crate::{ArterySource, BoundaryOptions, InferOptions, Keep, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare};
 use clap::Args;
 use serde_json::Value;
@@ -218,7 +218,7 @@ impl Inferences {
     }
 
     /// The output folder of one input.
-    fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<Summary>> {
+    fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<RunRecord>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen(1);
         let folder = StagedFolder::new(output, force)?;
@@ -228,7 +228,7 @@ impl Inferences {
     }
 
     /// Writes the folder of an input, or one in it for each of several occlusion probabilities.
-    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: TextTerminal) -> Result<Vec<Summary>> {
+    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: TextTerminal) -> Result<Vec<RunRecord>> {
         let path = folder.path();
         // Before the first of several looks at what is there.
         for options in &self.runs {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::arteries::FoundArteries;
 use super::artery_options::PhenotypeOptions;
@@ -197,7 +197,7 @@ fn phenotype(
         counted,
         phenotype: &json,
         known_by: &found.known_by,
-        landmarks: found.record(),
+        landmarks: json!(found.landmarks),
         collateral: collateral_json(&collaterals),
         supply: supply_json(network, &supplies),
         notes: &notes,

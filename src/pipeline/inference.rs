@@ -23,10 +23,9 @@ use willis_io::output::names::SUPPLY;
 use willis_io::output::write_file;
 use willis_io::output::write_record;
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
-use willis_report::run_record::Built;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, questions, review_columns, supply_columns, supply_json, topology_columns,
-    vessel_columns, write_outcome, write_phenotype, write_tables,
+    CircleFigures, Outcome, RunRecord, infer_record, phenotype_json, questions, review_columns, supply_columns, supply_json,
+    topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -375,35 +374,40 @@ impl Inference {
     /// # Errors
     ///
     /// A file that cannot be written.
-    pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(Summary, Vec<String>)> {
+    pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(RunRecord, Vec<String>)> {
         options.validate()?;
         let prepared = &self.prepared;
         let outcome = self.outcome();
-        let built = prepared.candidates.as_ref().map_or(Built::Given, Built::Candidates);
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
         let tables = write_tables(folder, &outcome)?;
-        let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
-        summary.state_prior(json!(prepared.records.prior));
-        summary.state_cut(json!(prepared.records.cut));
-        summary.state_image(json!(prepared.records.image));
-        summary.state_decisions(json!(prepared.records.decisions));
-        summary.time = self.time.clone();
+        let built = prepared.candidates.as_ref();
+        let mut record = infer_record(&outcome, &prepared.provenance, &run, built, prepared.outlets);
+        if let Value::Object(sources) = json!(prepared.records) {
+            let stated = sources.into_iter().filter(|(_, source)| !source.is_null());
+            stated.for_each(|(name, source)| record.field("parameters")[name] = source);
+        }
+        record.field("time").clone_from(&self.time);
         if let (Some((posterior, _)), Some(circle), Some(found)) = (&self.posterior, &self.circle, &prepared.arteries) {
             let variant = posterior.best();
             let phenotype = phenotype_json(&prepared.graph, &variant, circle, Some(posterior));
             let subject = stem(Path::new(&prepared.provenance.input));
             write_phenotype(folder, &subject, (&variant, circle), Some(posterior), &phenotype)?;
-            summary.state_phenotype(phenotype, &found.known_by, found.record());
-            summary.named = found.by_geometry_record();
-            summary.supply = supply_json(&prepared.graph, &self.supplies);
+            *record.field("phenotype") = phenotype;
+            record.field("parameters")["arteries"] = json!(found.known_by);
+            record.field("parameters")["landmarks"] = json!(found.landmarks);
+            *record.field("supply") = supply_json(&prepared.graph, &self.supplies);
+            // For a later command to go on from.
+            if let Some(named) = found.by_geometry_record() {
+                *record.field("named") = named;
+            }
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
-        let notes = write_outcome(folder, &outcome, tables, &mut summary, options.dpi)?;
+        let notes = write_outcome(folder, &outcome, tables, &mut record, options.dpi)?;
         // Known only once all else is written.
-        summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
-        write_record(folder, &summary)?;
-        Ok((summary, notes))
+        record.field("time")["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
+        write_record(folder, &record)?;
+        Ok((record, notes))
     }
 }

@@ -20,7 +20,7 @@ use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Column, NamedArray};
 use willis_io::output::atomic::StagedFolder;
 use willis_report::{
-    FlowRecord, ModulationOutcome, Provenance, Simulated, occlusion_columns, simulated_nodes, simulated_vessels,
+    ModulationOutcome, Provenance, RunRecord, Simulated, flow_record, occlusion_columns, simulated_nodes, simulated_vessels,
     territory_columns, transit_columns, waveform_arrays, write_modulation, write_simulated,
 };
 
@@ -183,9 +183,9 @@ impl SimulationRun<'_> {
     }
 
     /// The record of the run.
-    pub fn record(&self) -> FlowRecord {
+    pub fn record(&self) -> RunRecord {
         let Solved { input, provenance, outlets, .. } = &self.solved;
-        FlowRecord::new(&self.simulated(), provenance, input.options.radius_rule, *outlets)
+        flow_record(&self.simulated(), provenance, input.options.radius_rule, *outlets)
     }
 
     /// Saves every file in a new folder, which appears whole or not at all; an earlier run's is replaced with `force`. Returns what a

@@ -14,7 +14,7 @@ pub mod node_blocks;
 pub mod page;
 mod phenotype;
 mod readers;
-pub mod run_record;
+mod run_record;
 mod simulation;
 mod supply;
 
@@ -30,10 +30,10 @@ pub use phenotype::{
     Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
 };
 pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
-pub use run_record::{Provenance, Summary, outlets_found};
+pub use run_record::{Provenance, RunRecord, infer_record};
 pub use simulation::node_columns as simulated_nodes;
 pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};
 pub use simulation::transport::{end_name, territory_columns, transit_columns};
 pub use simulation::vessel_columns as simulated_vessels;
-pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, occlusion_columns, write_simulated};
+pub use simulation::{MOST_COLLATERALS, Simulated, flow_record, occlusion_columns, write_simulated};
 pub use supply::{supply_columns, supply_json};

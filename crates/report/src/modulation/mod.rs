@@ -16,8 +16,6 @@ use willis_io::output::names;
 use willis_io::output::write_file;
 use willis_io::output::write_record;
 
-use record::ModulationRecord;
-
 pub use outcome::ModulationOutcome;
 
 /// Writes every file of a modulation into a folder; samples.npz only if `samples` is true.
@@ -49,7 +47,7 @@ pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples:
     {
         figures.push(PagePicture::write(title, caption, &picture, folder, dpi)?);
     }
-    let record = ModulationRecord::of(outcome);
+    let record = outcome.record();
     write_record(folder, &record)?;
     let page = modulation_page(outcome, &record, tables, figures);
     write_file(&folder.join(names::PAGE), |out| write_page(out, &page))

@@ -15,7 +15,7 @@ use super::lead;
 use super::scene::PageScene;
 use crate::figures::colour::Rgb;
 use crate::figures::{DEFAULT_DPI, Figure};
-use crate::run_record::{ConditionRecord, ConditionRecords, Recorded};
+use crate::run_record::ConditionRecord;
 use willis_core::error::Result;
 use willis_core::network::Role;
 use willis_io::formats::{Column, Values};
@@ -93,7 +93,7 @@ const MOST_WARNINGS: usize = 6;
 pub fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<String> {
     let mut all = Vec::new();
     // The direction of the lines in the file states a source.
-    let inlets = conditions.iter().filter(|c| c.role == Role::Inlet && c.found && !c.source).count();
+    let inlets = conditions.iter().filter(|c| c.role == Role::Inlet.name() && c.found && !c.source).count();
     match inlets {
         0 => {}
         1 => all.push(
@@ -104,7 +104,7 @@ pub fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<String> {
             "Nobody stated where blood enters: {n} free ends are assumed to be inlets. The option inlet states them."
         )),
     }
-    if !conditions.is_empty() && conditions.iter().all(|c| c.role != Role::Outlet) {
+    if !conditions.is_empty() && conditions.iter().all(|c| c.role != Role::Outlet.name()) {
         all.push("There is no outlet, so that no blood flows.".to_owned());
     }
     match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
@@ -249,22 +249,6 @@ pub struct Threshold {
     pub nodes: usize,
 }
 
-/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show; and its
-/// boundary conditions.
-pub fn record<R: Recorded>(of: &R) -> (Value, ConditionRecords) {
-    let mut of = of.clone();
-    let conditions = std::mem::take(of.conditions());
-    let mut record = serde_json::to_value(of).unwrap_or_default();
-    if let Some(fields) = record.as_object_mut() {
-        fields.remove("time");
-    }
-    take(&mut record, "boundary_conditions");
-    if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
-        convergence.remove("undecided_edges");
-    }
-    (record, conditions)
-}
-
 /// The heading of a run: its command and the name of its input.
 pub fn title(command: &str, record: &Value) -> String {
     let path = record["input"]["path"].as_str().unwrap_or_default();
@@ -340,17 +324,18 @@ fn word(value: &Value) -> String {
 pub fn conditions(of: &[ConditionRecord]) -> Option<PageTable> {
     let text = |name, text: fn(&ConditionRecord) -> &str| Column::text(name, of.iter().map(text));
     let yes = |yes: bool| if yes { "yes" } else { "no" };
-    let figure = |name, at: usize| Column::real(name, of.iter().map(move |c| c.figures()[at].unwrap_or(f64::NAN)));
+    let figure =
+        |name, figure: fn(&ConditionRecord) -> Option<f64>| Column::real(name, of.iter().map(|c| figure(c).unwrap_or(f64::NAN)));
     let columns = vec![
         Column::real("node", of.iter().map(|c| c.node as f64)),
         text("id", |c| &c.id),
-        text("role", |c| c.role.name()),
+        text("role", |c| c.role),
         Column::text("found", of.iter().map(|c| yes(c.found))),
         Column::text("holds", of.iter().map(|c| c.holds.map_or("", yes))),
-        figure("pressure_mmHg", 0),
-        figure("resistance_mmHg_s_per_mL", 1),
-        figure("venous_pressure_mmHg", 2),
-        figure("flow_mL_per_min", 3),
+        figure("pressure_mmHg", |c| c.pressure),
+        figure("resistance_mmHg_s_per_mL", |c| c.resistance),
+        figure("venous_pressure_mmHg", |c| c.venous),
+        figure("flow_mL_per_min", |c| c.flow),
     ];
     (!of.is_empty()).then(|| PageTable::new("Boundary conditions", columns, false))
 }

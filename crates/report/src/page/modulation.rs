@@ -1,9 +1,9 @@
 //! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
 
-use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, record, warnings};
+use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, warnings};
 use super::scene::scene;
 use crate::modulation::ModulationOutcome;
-use crate::run_record::Recorded;
+use crate::run_record::RunRecord;
 use willis_io::formats::{Column, Values};
 
 /// The tables of the output folder.
@@ -31,14 +31,9 @@ const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The page of a modulation.
-pub fn page(
-    outcome: &ModulationOutcome<'_>,
-    of_run: &impl Recorded,
-    tables: ModulationTables,
-    figures: Vec<PagePicture>,
-) -> Page {
-    let (record, conditions_of_run) = record(of_run);
-    let warnings = warnings(&record, &conditions_of_run);
+pub fn page(outcome: &ModulationOutcome<'_>, of_run: &RunRecord, tables: ModulationTables, figures: Vec<PagePicture>) -> Page {
+    let record = of_run.for_page();
+    let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::modulation(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let facts = facts(
@@ -62,7 +57,7 @@ pub fn page(
     all.push(PageTable::new("Classes", tables.classes, false));
     all.push(PageTable::new("Nodes", tables.nodes, false));
     all.push(PageTable::new("Hypertension", tables.hypertension, false));
-    all.extend(conditions(&conditions_of_run));
+    all.extend(conditions(&of_run.conditions));
     let scene = scene(outcome.network, outcome.boundary);
     let colourings = colourings(&classes);
     Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, figures) }

@@ -1,10 +1,10 @@
 //! The page of a forward simulation: vessels by flow, before and after the changes.
 
-use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable, conditions, list, record, take, warnings};
+use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable, conditions, list, take, warnings};
 use super::pulse::cycle;
 use super::scene::scene;
 use crate::figures::colour::Rgb;
-use crate::run_record::Recorded;
+use crate::run_record::RunRecord;
 use crate::simulation::Simulated;
 use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
 use willis_core::simulation::PERTURBED;
@@ -23,14 +23,14 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
     simulated: &Simulated<'_>,
-    flow_record: &impl Recorded,
+    of_run: &RunRecord,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
     figures: Vec<PagePicture>,
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
-    let (mut record, conditions_of_run) = record(flow_record);
-    let warnings = warnings(&record, &conditions_of_run);
+    let mut record = of_run.for_page();
+    let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::simulation(&record);
     let mut facts = content::facts(&record, &FACTS);
     facts.extend(content::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
@@ -39,7 +39,7 @@ pub fn page(
         list("Perturbations", &part("perturbations"), &PERTURBATION),
         list("Collaterals", &part("collaterals"), &COLLATERAL),
         list("Reversed flows", &part("reversed"), &COLLATERAL),
-        conditions(&conditions_of_run),
+        conditions(&of_run.conditions),
     ];
     let mut tables = vec![PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)];
     tables.extend(lists.into_iter().flatten());

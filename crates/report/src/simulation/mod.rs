@@ -6,13 +6,12 @@ pub mod transport;
 
 use std::path::Path;
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::tables::condition_columns;
 use super::page::{PagePicture, simulation_page, write_page};
-use super::run_record::{ConditionRecords, Provenance, Recorded, conditions, counts, outlets_found};
+use super::run_record::{Provenance, RunRecord, conditions, counts, outlets_found};
 use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
 use simulated::picture_names;
 use transport::{transport_columns, write_transports};
@@ -37,84 +36,56 @@ pub use simulated::Simulated;
 /// How many collaterals are listed, those of the largest gain of flow.
 pub const MOST_COLLATERALS: usize = 5;
 
-/// The content of run.json of a simulation.
-#[derive(Debug, Clone, Serialize)]
-pub struct FlowRecord {
-    willis: &'static str,
-    command: String,
-    input: Value,
-    parameters: Value,
-    boundary_conditions: ConditionRecords,
-    counts: Value,
-    #[serde(rename = "rho_G_W_per_m3")]
-    network_resilience: f64,
-    #[serde(rename = "rho_G_W_per_m3_perturbed", skip_serializing_if = "Option::is_none")]
-    network_resilience_perturbed: Option<f64>,
-    #[serde(rename = "total_inflow_mL_per_min")]
-    inflow: f64,
-    #[serde(rename = "total_inflow_mL_per_min_perturbed", skip_serializing_if = "Option::is_none")]
-    inflow_perturbed: Option<f64>,
-    not_laminar: Value,
-    perturbations: Vec<Value>,
-    collaterals: Vec<Value>,
-    reversed: Vec<Value>,
-    murray: Value,
-    #[serde(skip_serializing_if = "Value::is_null")]
-    pulse: Value,
-    notes: Vec<String>,
-}
-
-impl Recorded for FlowRecord {
-    fn conditions(&mut self) -> &mut ConditionRecords {
-        &mut self.boundary_conditions
+/// Gathers the record of a simulation.
+pub fn flow_record(
+    simulated: &Simulated<'_>,
+    provenance: &Provenance,
+    radius_rule: RadiusRule,
+    outlets: FoundOutlets,
+) -> RunRecord {
+    let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+    let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+    let changes = simulated.perturbations;
+    let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
+        after.map_or_else(Vec::new, |after| find(before, after, changes))
+    };
+    let turbulent = |state: &State| -> Vec<Value> {
+        let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
+        state.beyond_laminar().map(beyond).collect()
+    };
+    let mut counts = counts(network, boundary);
+    counts["diffused"] = json!(before.diffused());
+    let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
+    if let Some(after) = after {
+        counts["diffused_perturbed"] = json!(after.diffused());
+        not_laminar["vessels_perturbed"] = json!(turbulent(after));
     }
-}
-
-impl FlowRecord {
-    /// Gathers the record of a simulation.
-    pub fn new(simulated: &Simulated<'_>, provenance: &Provenance, radius_rule: RadiusRule, outlets: FoundOutlets) -> Self {
-        let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
-        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
-        let changes = simulated.perturbations;
-        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
-            after.map_or_else(Vec::new, |after| find(before, after, changes))
-        };
-        let turbulent = |state: &State| -> Vec<Value> {
-            let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
-            state.beyond_laminar().map(beyond).collect()
-        };
-        let mut counts = counts(network, boundary);
-        counts["diffused"] = json!(before.diffused());
-        let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
-        if let Some(after) = after {
-            counts["diffused_perturbed"] = json!(after.diffused());
-            not_laminar["vessels_perturbed"] = json!(turbulent(after));
-        }
-        Self {
-            willis: env!("CARGO_PKG_VERSION"),
-            command: provenance.command.clone(),
-            input: provenance.of_input(),
-            parameters: json!({
-                "viscosity_cP": centipoise(simulated.viscosity),
-                "radius": radius_rule.name(),
-                "outlets_found": outlets_found(outlets),
-                "stenosis_model": "poiseuille",
-            }),
-            boundary_conditions: conditions(network, boundary, None),
-            counts,
-            network_resilience: before.network_resilience,
-            network_resilience_perturbed: after.map(|state| state.network_resilience),
-            inflow: ml_per_min(before.inflow),
-            inflow_perturbed: after.map(|state| ml_per_min(state.inflow)),
-            not_laminar,
-            perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
-            collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
-            reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
-            murray: murray(network, boundary, outlets),
-            pulse: simulated.pulses.map(|(_, record)| record.clone()).unwrap_or_default(),
-            notes: provenance.notes.clone(),
-        }
-    }
+    let parameters = json!({
+        "viscosity_cP": centipoise(simulated.viscosity),
+        "radius": radius_rule.name(),
+        "outlets_found": outlets_found(outlets),
+        "stenosis_model": "poiseuille",
+    });
+    let inflow = |state: &State| json!(ml_per_min(state.inflow));
+    let list = |found: &[FlowChange]| found.iter().map(|c| collateral(network, c)).collect::<Value>();
+    let gained = changed(gains);
+    let of_states = [
+        Some(("rho_G_W_per_m3", json!(before.network_resilience))),
+        after.map(|state| ("rho_G_W_per_m3_perturbed", json!(state.network_resilience))),
+        Some(("total_inflow_mL_per_min", inflow(before))),
+        after.map(|state| ("total_inflow_mL_per_min_perturbed", inflow(state))),
+    ];
+    let results = [
+        ("not_laminar", not_laminar),
+        ("perturbations", changes.iter().map(|p| perturbation(network, p)).collect()),
+        ("collaterals", list(&gained[..gained.len().min(MOST_COLLATERALS)])),
+        ("reversed", list(&changed(reversals))),
+        ("murray", murray(network, boundary, outlets)),
+    ];
+    let pulse = simulated.pulses.map(|(_, record)| ("pulse", record.clone()));
+    let fields = [("counts", counts)].into_iter().chain(of_states.into_iter().flatten()).chain(results).chain(pulse);
+    let fields = fields.chain([("notes", json!(provenance.notes))]);
+    RunRecord::new(provenance, [("parameters", parameters)], conditions(network, boundary, None), fields)
 }
 
 /// The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
@@ -207,7 +178,7 @@ fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRecord, dpi: u32) -> Result<Vec<String>> {
+pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &RunRecord, dpi: u32) -> Result<Vec<String>> {
     let mut notes = Vec::new();
     let vessels = vessel_columns(simulated);
     write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
