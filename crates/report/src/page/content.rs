@@ -10,6 +10,7 @@ use flate2::write::GzEncoder;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::encode::{colours, sorted};
 use super::image::{ImagePlace, Segmentation};
 use super::lead;
 use super::scene::PageScene;
@@ -18,57 +19,67 @@ use crate::figures::{DEFAULT_DPI, Figure};
 use crate::run_record::ConditionRecord;
 use willis_core::error::Result;
 use willis_core::network::Role;
+use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, Values};
+use willis_io::masks::cubes::{SIDE, STEP};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
-/// The page of a run, of any command.
-#[derive(Debug, Clone)]
+/// The page of a run, of any command. Its keys are in alphabetical order.
+#[derive(Debug, Default, Serialize)]
 pub struct Page {
-    /// The heading.
-    pub title: String,
-    /// The record of the run, as in run.json: command, seed, parameters, notes.
-    pub record: Value,
-    /// The sentence that it begins with; empty where the page makes one of its vessels.
-    pub lead: Vec<lead::Part>,
-    /// What a reader should know before anything else.
-    pub warnings: Vec<String>,
-    /// The figures at the end of the page.
-    pub facts: Vec<Fact>,
-    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
-    pub phenotype: Option<Value>,
-    /// The vessels in space, or the reason why they cannot be shown.
-    pub scene: std::result::Result<PageScene, String>,
     /// The figures that can colour the vessels of the scene; the page starts with the first.
-    pub colourings: Vec<Colouring>,
-    /// What an image shows around doubtful vessels.
-    pub image_places: Vec<ImagePlace>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) colourings: Vec<Colouring>,
+    pub(super) colours: Vec<Rgb>,
+    /// The figures at the end of the page.
+    pub(super) facts: Vec<Fact>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) figures: Vec<PagePicture>,
+    pub(super) image_places: Value,
+    /// The sentence that it begins with; empty where the page makes one of its vessels.
+    pub(super) lead: Vec<lead::Part>,
+    pub(super) no_scene: Option<String>,
+    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
+    pub(super) phenotype: Option<Value>,
+    pub(super) record: Value,
+    pub(super) scene: Option<PageScene>,
     /// The segmentation that the vessels were found in.
-    pub segmentation: Option<Segmentation>,
-    /// A threshold that the reader can move.
-    pub threshold: Option<Threshold>,
-    /// The pictures.
-    pub figures: Vec<PagePicture>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) segmentation: Option<Segmentation>,
     /// The tables.
-    pub tables: Vec<PageTable>,
+    pub(super) tables: Vec<PageTable>,
+    /// A threshold that the reader can move.
+    #[serde(serialize_with = "sorted")]
+    pub(super) threshold: Option<Threshold>,
+    /// The heading.
+    pub(super) title: String,
+    /// What a reader should know before anything else.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Page {
-    /// The page of a run of a command with the least that every run has.
-    pub fn new(command: &str, record: Value, scene: std::result::Result<PageScene, String>, figures: Vec<PagePicture>) -> Self {
+    /// The page of a run of a command with the least that every run has: its record, as in run.json, the vessels in space, or the reason why
+    /// they cannot be shown, what an image shows around doubtful ones, and pictures.
+    pub fn new(
+        command: &str,
+        record: Value,
+        scene: std::result::Result<PageScene, String>,
+        image_places: &[ImagePlace],
+        figures: Vec<PagePicture>,
+    ) -> Self {
+        let path = Path::new(record["input"]["path"].as_str().unwrap_or_default());
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let (no_scene, scene) = (scene.as_ref().err().cloned(), scene.ok());
+        let image_places = json!({ "side": SIDE, "step_mm": millimetres(STEP), "of": image_places });
         Self {
-            title: title(command, &record),
+            title: format!("willis {command}: {name}"),
+            colours: colours(),
             record,
-            lead: Vec::new(),
-            warnings: Vec::new(),
-            facts: Vec::new(),
-            phenotype: None,
+            no_scene,
             scene,
-            colourings: Vec::new(),
-            image_places: Vec::new(),
-            segmentation: None,
-            threshold: None,
+            image_places,
             figures,
-            tables: Vec::new(),
+            ..Self::default()
         }
     }
 }
@@ -247,13 +258,6 @@ pub struct Threshold {
     pub worth: f64,
     /// How many nodes there are.
     pub nodes: usize,
-}
-
-/// The heading of a run: its command and the name of its input.
-pub fn title(command: &str, record: &Value) -> String {
-    let path = record["input"]["path"].as_str().unwrap_or_default();
-    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
-    format!("willis {command}: {name}")
 }
 
 /// Removes a part of the record that becomes a table.

@@ -127,14 +127,13 @@ pub fn page(
         facts: facts(&record, &names),
         phenotype,
         colourings: colourings(unit, evidence),
-        image_places: outcome.image_places.to_vec(),
         segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold),
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
             .collect(),
-        ..Page::new("infer", record, scene, figures)
+        ..Page::new("infer", record, scene, outcome.image_places, figures)
     }
 }
 

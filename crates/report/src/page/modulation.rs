@@ -60,7 +60,7 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &RunRecord, tables: Modulat
     all.extend(conditions(&of_run.conditions));
     let scene = scene(outcome.network, outcome.boundary);
     let colourings = colourings(&classes);
-    Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, figures) }
+    Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, &[], figures) }
 }
 
 /// One row per vessel, from the rows of edges.csv of one class.

@@ -54,7 +54,7 @@ pub fn page(
         colourings.push(over_the_cycle);
     }
     let scene = scene(simulated.network, simulated.boundary);
-    Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, figures) }
+    Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, &[], figures) }
 }
 
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
