@@ -1,19 +1,17 @@
 //! A cohort: many subjects, one row and one folder each; made in one command, or of runs that were made separately (`willis merge`).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
+use std::{fs, thread};
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
-use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
-use crate::internals::output::{read_json, relative, write_json};
+use crate::internals::output::{InProgress, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
 use serde::{Deserialize, Serialize};

@@ -9,8 +9,7 @@ use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv,
 use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
-use crate::internals::output::write_file;
-use crate::internals::output::write_record;
+use crate::internals::output::{write_file, write_record};
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
 use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};

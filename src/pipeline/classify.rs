@@ -21,8 +21,8 @@ use willis_io::output::names::{PAGE, SUPPLY};
 use willis_io::output::{final_path, relative, write_file};
 use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
-    CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns,
-    supply_json, write_classified, write_phenotype,
+    CircleFigures, Provenance, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
+    write_classified, write_phenotype,
 };
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
@@ -192,17 +192,19 @@ fn phenotype(
     let counted = kept.iter().filter(|kept| **kept).count();
     let circle = found.circle_figures(network, &variant, &kept, phenotypes);
     let json = phenotype_json(network, &variant, &circle, posterior.as_ref());
-    let classified = Classified {
-        network,
-        counted,
-        phenotype: &json,
-        known_by: &found.known_by,
-        landmarks: json!(found.landmarks),
-        collateral: collateral_json(&collaterals),
-        supply: supply_json(network, &supplies),
-        notes: &notes,
-    };
-    let record = classification_record(&classified, &input.provenance);
+    let Provenance { command, notes: of_input, .. } = &input.provenance;
+    let record = json!({
+        "willis": env!("CARGO_PKG_VERSION"),
+        "command": command,
+        "input": input.provenance.of_input(),
+        "parameters": { "arteries": found.known_by },
+        "landmarks": found.landmarks,
+        "counts": { "nodes": network.node_count(), "vessels": network.vessel_count(), "counted": counted },
+        "phenotype": json,
+        "collateral": collateral_json(&collaterals),
+        "supply": supply_json(network, &supplies),
+        "notes": of_input.iter().chain(&notes).collect::<Vec<_>>(),
+    });
     let supply_table = supply_columns(network, &supplies);
     let known_by = found.known_by;
     let of_run = input.run.as_ref().map(|run| run.graph.with_file_name(PAGE));

@@ -20,8 +20,7 @@ use willis_core::support::endings::stem;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::SUPPLY;
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::{
     CircleFigures, Outcome, RunRecord, infer_record, phenotype_json, questions, review_columns, supply_columns, supply_json,

@@ -43,9 +43,12 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
-    let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
-    let opened = CutGraph::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
-    let undecided = Decidable { graph: opened.graph, contacts: opened.contacts, uniform_prior: loaded.prior.is_uniform() };
+    let (graph, scene, unseen, unlike) = over_connected(vessels, &loaded, &given, view, &mut notes)?;
+    let (graph, contacts, crowded) = match &loaded.cuts {
+        Some(cuts) => cuts.open(graph, scene.as_ref(), notes.follow),
+        None => (graph, Contacts::default(), None),
+    };
+    let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() };
     let keep = options.keep.unwrap_or(loaded.prior.usual_rule(&undecided.graph));
     let decided = loaded.decisions.take().map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
     let before = decided.is_some().then(|| Arc::new(undecided.clone()));
@@ -61,11 +64,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
     let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
-    let said = loaded.notes.clone().into_iter().chain(unused).chain(built.unlike).chain(opened.crowded).chain(of_arteries);
+    let said = loaded.notes.clone().into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
     said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
         .chain(stated_resistances(options.preset, &early.given))
         .for_each(|note| notes.say(note));
-    let image_places = built.scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
+    let image_places = scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
     if options.image_places.is_some() {
         let size = image_places.iter().map(|place| place.samples.len()).sum::<usize>() as f64 / 1e6;
         notes.follow.step(Step::Note(&format!(
@@ -85,7 +88,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
-            image: loaded.image.map(|image| image.record(built.unseen)),
+            image: loaded.image.map(|image| image.record(unseen)),
             decisions: decided,
         },
         contacts,
@@ -208,56 +211,26 @@ impl EarlyArteries {
 /// What the note begins with that says why there is no phenotype.
 pub(super) const NO_PHENOTYPE: &str = "no phenotype: ";
 
-/// The over-connected graph, before contacts are opened.
-struct OverConnected {
-    graph: Network,
-    /// The image as it was measured, where it shows the vessels, ...
-    scene: Option<Scene>,
-    /// ... and why it does not.
-    unseen: Option<Unseen>,
-    /// What to tell a person where the model knows no such fragments.
-    unlike: Option<String>,
-}
-
-impl OverConnected {
-    fn build(vessels: Network, loaded: &Loaded<'_>, given: &[Given], view: Option<View>, notes: &mut Notes<'_>) -> Result<Self> {
-        let Loaded { prior, building, is_fragments, .. } = loaded;
-        let (graph, looked, unlike) = prior.graph(vessels, *is_fragments, given, building, view)?;
-        let (scene, unseen) = match looked {
-            None => (None, None),
-            Some(Ok(scene)) => (Some(scene), None),
-            Some(Err(why)) => (None, Some(why)),
-        };
-        if *is_fragments {
-            notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: prior.is_evidence() });
-            // Said with the step.
-            notes.kept.extend(nothing_built(&graph, building).map(str::to_owned));
-        }
-        let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), prior));
-        remarks.into_iter().flatten().for_each(|note| notes.say(note));
-        Ok(Self { graph, scene, unseen, unlike })
+/// The over-connected graph before contacts are opened; the image as it was measured, where it shows the vessels, and why it does not; and
+/// what to tell a person where the model knows no such fragments.
+fn over_connected(
+    vessels: Network,
+    loaded: &Loaded<'_>,
+    given: &[Given],
+    view: Option<View>,
+    notes: &mut Notes<'_>,
+) -> Result<(Network, Option<Scene>, Option<Unseen>, Option<String>)> {
+    let Loaded { prior, building, is_fragments, .. } = loaded;
+    let (graph, looked, unlike) = prior.graph(vessels, *is_fragments, given, building, view)?;
+    let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
+    if *is_fragments {
+        notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: prior.is_evidence() });
+        // Said with the step.
+        notes.kept.extend(nothing_built(&graph, building).map(str::to_owned));
     }
-}
-
-/// The over-connected graph with its contacts cut apart, where they are.
-struct CutGraph {
-    graph: Network,
-    contacts: Contacts,
-    /// What to tell a person of contacts.
-    crowded: Option<String>,
-}
-
-impl CutGraph {
-    fn of(graph: Network, loaded: &Loaded<'_>, scene: Option<&Scene>, follow: &mut dyn Follow) -> Self {
-        let Some(cuts) = &loaded.cuts else { return Self { graph, contacts: Contacts::default(), crowded: None } };
-        let (graph, contacts, crowded) = cuts.open(graph, scene);
-        follow.step(if cuts.record.only_suggested {
-            Step::CutsSuggested { suggested: contacts.suggested.len() }
-        } else {
-            Step::Cut { graph: &graph, with_mask: cuts.record.mask, with_image: cuts.looks_at(scene) }
-        });
-        Self { graph, contacts, crowded }
-    }
+    let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), prior));
+    remarks.into_iter().flatten().for_each(|note| notes.say(note));
+    Ok((graph, scene, unseen, unlike))
 }
 
 /// What a run with the choices of the paper says of outlets that are not at ground.

@@ -26,9 +26,7 @@ pub use inference::{
 pub use modulation::{ModulationOutcome, write_modulation};
 pub use morphometry::{MeasuredSubject, named_figures};
 pub use page::{ImagePlace, Segmentation};
-pub use phenotype::{
-    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
-};
+pub use phenotype::{collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype};
 pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
 pub use run_record::{Provenance, RunRecord, infer_record};
 pub use simulation::node_columns as simulated_nodes;

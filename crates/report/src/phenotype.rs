@@ -6,38 +6,15 @@ use serde_json::{Value, json};
 
 use super::circle_figures::CircleFigures;
 use super::page::phenotype::write_phenotype_page;
-use super::run_record::Provenance;
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::network::units::ml_per_min;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
-use willis_io::output::write_file;
-use willis_io::output::{write_json, write_record};
+use willis_io::output::{write_file, write_json, write_record};
 use willis_models::circle_of_willis::{
     Artery, BodySide, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, TERRITORIES, Variant,
 };
-
-/// A classification with everything that its files need.
-#[derive(Debug)]
-pub struct Classified<'a> {
-    /// The vessels.
-    pub network: &'a Network,
-    /// How many of them count as present.
-    pub counted: usize,
-    /// The phenotype as by [`phenotype_json`].
-    pub phenotype: &'a Value,
-    /// How the arteries were found: `names`, `icafe`, `topcow` or `landmarks`.
-    pub known_by: &'a str,
-    /// Path and SHA-256 of the landmarks, or null.
-    pub landmarks: Value,
-    /// The collateral flow as by [`collateral_json`], or null where no blood can flow.
-    pub collateral: Value,
-    /// Who feeds what as by [`supply_json`](super::supply::supply_json).
-    pub supply: Value,
-    /// Notes about where the arteries are.
-    pub notes: &'a [String],
-}
 
 /// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
 /// segments with their diameters, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
@@ -144,26 +121,6 @@ fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures
     }
     columns.push(text("hypoplastic", &names(&circle.thin()).join(" ")));
     columns
-}
-
-/// The record of a classification.
-pub fn classification_record(classified: &Classified<'_>, provenance: &Provenance) -> Value {
-    json!({
-        "willis": env!("CARGO_PKG_VERSION"),
-        "command": provenance.command,
-        "input": provenance.of_input(),
-        "parameters": { "arteries": classified.known_by },
-        "landmarks": classified.landmarks,
-        "counts": {
-            "nodes": classified.network.node_count(),
-            "vessels": classified.network.vessel_count(),
-            "counted": classified.counted,
-        },
-        "phenotype": classified.phenotype,
-        "collateral": classified.collateral,
-        "supply": classified.supply,
-        "notes": provenance.notes.iter().chain(classified.notes).collect::<Vec<_>>(),
-    })
 }
 
 /// Writes phenotype.json and phenotype.csv into a folder.

@@ -8,8 +8,7 @@ use serde_json::{Value, json};
 
 use super::inference::Outcome;
 use willis_core::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
-use willis_core::flow::boundary_conditions::Total;
-use willis_core::flow::boundary_conditions::unfed_fragments;
+use willis_core::flow::boundary_conditions::{Total, unfed_fragments};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Condition, Frame, Network, Origin, Role, fragments};

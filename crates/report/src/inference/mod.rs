@@ -24,8 +24,7 @@ use willis_io::formats::{
 use willis_io::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, REVIEW, SUGGESTED_CUTS, TOPOLOGY,
 };
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 
 pub use outcome::{Outcome, few_perfused};
 pub use questions::{questions, review_columns};

@@ -12,9 +12,7 @@ use willis_core::error::Result;
 use willis_core::modulation::{Instances, Reading};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_io::formats::{NamedArray, write_arrays, write_csv};
-use willis_io::output::names;
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{names, write_file, write_record};
 
 pub use outcome::ModulationOutcome;
 

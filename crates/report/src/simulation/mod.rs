@@ -28,8 +28,7 @@ use willis_io::formats::{
     write_vtp,
 };
 use willis_io::output::names::{EDGES, NODES, OCCLUSIONS, PAGE, TOPOLOGY};
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 
 pub use simulated::Simulated;
 
