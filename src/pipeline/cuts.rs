@@ -53,10 +53,8 @@ impl FromStr for Cut {
 impl fmt::Display for Cut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Auto => f.write_str("auto"),
-            Self::Always => f.write_str("always"),
-            Self::Never => f.write_str("never"),
             Self::File(path) => write!(f, "{}", path.display()),
+            word => word.serialize(f),
         }
     }
 }
