@@ -13,7 +13,7 @@ use crate::internals::output::atomic::{StagedFile, StagedFolder, clear_leftovers
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
+use crate::internals::report::cohort::{CohortRow, CohortRun, infer_figures, label_figures, phenotype_figures, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -36,14 +36,8 @@ pub trait Work: Sync + Sized {
     /// The files besides the input that go into it.
     fn files(&self, input: &Path) -> Vec<PathBuf>;
 
-    /// Refuses options that cannot be.
-    fn check(&self) -> Result<()>;
-
     /// Writes all files of a subject, run.json among them, into a folder.
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()>;
-
-    /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
-    fn figures(&self, record: &Value) -> Figures;
 }
 
 /// A cohort to be made, or resumed.
@@ -202,7 +196,6 @@ impl Cohort<'_> {
         }
         let own = subjects.iter().map(|subject| {
             let own = subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error))?;
-            own.as_ref().unwrap_or(work).check().map_err(|error| subject.fault(error))?;
             Ok(own)
         });
         let own = own.collect::<Result<Vec<Option<W>>>>()?;
@@ -227,6 +220,12 @@ impl Cohort<'_> {
         ledger.write(self.output)?;
         let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
         let failures = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
+        // From run.json alone, so that a subject that was done before has the same.
+        let figures = match self.command {
+            "classify" => phenotype_figures,
+            "label" => label_figures,
+            _ => infer_figures,
+        };
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
             let failure = failures[at].clone();
@@ -237,7 +236,7 @@ impl Cohort<'_> {
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
                 covariates: covariates(&subjects[at]),
                 page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
-                figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
+                figures: failure.map_or_else(|| record().map(|record| figures(&record)), Err),
             }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();

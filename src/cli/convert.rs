@@ -168,9 +168,7 @@ pub fn put_into(
 ) -> Result<(Vec<String>, WrittenFiles)> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
-    for note in &written.notes {
-        terminal.say("note", note);
-    }
+    terminal.notes(&written.notes);
     for what in &written.lost {
         terminal.say("lost", what);
     }

@@ -152,9 +152,7 @@ impl MeasureArgs {
             _ => Vec::new(),
         };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
-        for note in &found.notes {
-            terminal.say("note", note);
-        }
+        terminal.notes(&found.notes);
         Ok((found, read))
     }
 

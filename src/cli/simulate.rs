@@ -89,9 +89,7 @@ impl SimulateArgs {
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
         say_simulated(terminal, &run.simulated());
-        for note in run.save(&self.output, force, &save)? {
-            terminal.say("note", note);
-        }
+        terminal.notes(&run.save(&self.output, force, &save)?);
         if self.json {
             print_json(&run.record())?;
         }

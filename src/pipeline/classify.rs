@@ -77,7 +77,7 @@ pub fn classify(
     if input.run.is_none() && input.is_fragments && *chosen == ArterySource::Geometry {
         return classify_by_geometry(input, phenotypes);
     }
-    let divide = input.run.is_none() && input.is_fragments && !chosen.is_landmarks();
+    let divide = input.run.is_none() && input.is_fragments && chosen.file().is_none();
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.

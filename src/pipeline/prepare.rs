@@ -175,7 +175,7 @@ impl<'a> Loaded<'a> {
 impl EarlyArteries {
     fn find(vessels: &Network, loaded: &Loaded<'_>, notes: &mut Notes<'_>) -> Result<Self> {
         let found = match &loaded.arteries {
-            Some(source) if source.is_landmarks() => return loaded.find(source, vessels).map(Self::Landmarks),
+            Some(source) if source.file().is_some() => return loaded.find(source, vessels).map(Self::Landmarks),
             Some(ArterySource::Geometry) => Self::by_geometry(vessels, loaded),
             _ => return Ok(Self::Nothing),
         };

@@ -94,6 +94,11 @@ impl TextTerminal {
         }
     }
 
+    /// Says what a person should know.
+    pub fn notes(self, notes: &[String]) {
+        notes.iter().for_each(|note| self.say("note", note));
+    }
+
     /// Prints a fact with `--verbose` only.
     pub fn detail(self, heading: &str, fact: impl AsRef<str>) {
         if self.verbose {
@@ -224,9 +229,7 @@ pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
     };
     let heading = format!("{}, {}{assumed}", source.format, source.units);
     terminal.say("read", format!("{}: {heading}: {size}{}", source.input, radii(network)));
-    for note in &source.notes {
-        terminal.say("note", note);
-    }
+    terminal.notes(&source.notes);
 }
 
 /// The range of the radii, after a comma.
