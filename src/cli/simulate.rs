@@ -88,7 +88,7 @@ impl SimulateArgs {
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
-        say_simulated(terminal, &run.simulated());
+        say_simulated(terminal, &run);
         terminal.notes(&run.save(&self.output, force, &save)?);
         if self.json {
             print_json(&run.record())?;

@@ -107,7 +107,7 @@ pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
 
 /// What the command says of a simulation: facts under headings.
 pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
-    taken(|terminal| say_simulated(terminal, &run.simulated()))
+    taken(|terminal| say_simulated(terminal, run))
 }
 
 /// A text of the library, such as an error, with the arguments that it names as they are written: `max_gap` becomes max_gap=.

@@ -8,7 +8,6 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::decisions::{ConnectionDecision, Decidable, Decided, DecisionList, GraphEdit};
-use super::options::SaveOptions;
 use super::prepared::Prepared;
 use super::progress::{Follow, Notes, Step};
 use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
@@ -22,6 +21,7 @@ use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::SUPPLY;
 use willis_io::output::{write_file, write_record};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
+use willis_report::figures::SaveOptions;
 use willis_report::{
     CircleFigures, Outcome, RunRecord, infer_record, phenotype_json, questions, review_columns, supply_columns, supply_json,
     topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,

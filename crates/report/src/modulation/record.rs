@@ -2,14 +2,14 @@
 
 use serde_json::{Value, json};
 
-use super::outcome::ModulationOutcome;
+use super::outcome::ModulationRun;
 use crate::run_record::{RunRecord, conditions, counts, outlets_found};
 use willis_core::modulation::{Hypertension, Instances};
 use willis_core::network::units::{centipoise, ml_per_min, mmhg_per_mm2};
 use willis_core::support::Distribution;
 
 /// The results of a class, or of the unperturbed instance.
-fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {
+fn figures(outcome: &ModulationRun<'_>, instances: &Instances, hypertension: &Hypertension) -> Value {
     let mean = |values: Vec<f64>| Distribution::of(values).mean;
     json!({
         "rho_G_W_per_m3": mean(instances.network_resilience.clone()),
@@ -21,10 +21,10 @@ fn figures(outcome: &ModulationOutcome<'_>, instances: &Instances, hypertension:
     })
 }
 
-impl ModulationOutcome<'_> {
+impl ModulationRun<'_> {
     /// The content of run.json.
-    pub fn record(&self) -> RunRecord {
-        let (network, boundary, params) = (self.network, self.boundary, self.params);
+    pub(super) fn run_record(&self) -> RunRecord {
+        let (network, boundary, params) = (&*self.network, &self.boundary, &self.params);
         let modulated = params.vessels.as_ref().map(|vessels| (0..vessels.len()).filter(|v| vessels[*v]).collect::<Vec<_>>());
         let by_class = self.result.classes.iter().zip(&self.hypertension.classes);
         let classes = by_class.map(|((class, instances), hypertension)| {
@@ -42,7 +42,7 @@ impl ModulationOutcome<'_> {
             "outlets_found": outlets_found(self.outlets),
         });
         RunRecord::new(
-            self.provenance,
+            &self.provenance,
             [("seed", json!(params.seed)), ("parameters", parameters)],
             conditions(network, boundary, None),
             [

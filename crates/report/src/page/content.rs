@@ -7,14 +7,13 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
-use super::encode::{colours, sorted};
 use super::image::{ImagePlace, Segmentation};
 use super::lead;
 use super::scene::PageScene;
-use crate::figures::colour::Rgb;
+use crate::figures::colour::{Rgb, colour};
 use crate::figures::{DEFAULT_DPI, Figure};
 use crate::run_record::ConditionRecord;
 use willis_core::error::Result;
@@ -82,6 +81,19 @@ impl Page {
             ..Self::default()
         }
     }
+}
+
+/// Steps of the colour map; the page interpolates between them.
+const COLOURS: u32 = 32;
+
+/// The colour map in equal steps, from low to high.
+pub fn colours() -> Vec<Rgb> {
+    (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect()
+}
+
+/// A part of a page with its keys in alphabetical order, as in all records.
+fn sorted<T: Serialize, S: Serializer>(part: &T, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    json!(part).serialize(serializer)
 }
 
 /// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.

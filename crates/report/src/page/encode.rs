@@ -6,26 +6,11 @@ use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
 use serde::ser::{SerializeMap as _, Serializer};
-use serde_json::json;
 
 use super::content::PageTable;
 use super::scene::PageScene;
-use crate::figures::colour::{Rgb, colour};
 use willis_core::support::geometry::bounds;
 use willis_io::formats::{Column, Texts, Values};
-
-/// Steps of the colour map; the page interpolates between them.
-const COLOURS: u32 = 32;
-
-/// The colour map in equal steps, from low to high.
-pub fn colours() -> Vec<Rgb> {
-    (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect()
-}
-
-/// A part of a page with its keys in alphabetical order, as in all records.
-pub fn sorted<T: Serialize, S: Serializer>(part: &T, serializer: S) -> Result<S::Ok, S::Error> {
-    json!(part).serialize(serializer)
-}
 
 impl Serialize for PageScene {
     /// The points as four u16 each (x, y, z, radius), with the corner and the two step sizes that convert them to mm.

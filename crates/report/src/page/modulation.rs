@@ -2,7 +2,7 @@
 
 use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, warnings};
 use super::scene::scene;
-use crate::modulation::ModulationOutcome;
+use crate::modulation::ModulationRun;
 use crate::run_record::RunRecord;
 use willis_io::formats::{Column, Values};
 
@@ -31,7 +31,7 @@ const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The page of a modulation.
-pub fn page(outcome: &ModulationOutcome<'_>, of_run: &RunRecord, tables: ModulationTables, figures: Vec<PagePicture>) -> Page {
+pub fn page(outcome: &ModulationRun<'_>, of_run: &RunRecord, tables: ModulationTables, figures: Vec<PagePicture>) -> Page {
     let record = of_run.for_page();
     let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::modulation(&record);
@@ -58,13 +58,13 @@ pub fn page(outcome: &ModulationOutcome<'_>, of_run: &RunRecord, tables: Modulat
     all.push(PageTable::new("Nodes", tables.nodes, false));
     all.push(PageTable::new("Hypertension", tables.hypertension, false));
     all.extend(conditions(&of_run.conditions));
-    let scene = scene(outcome.network, outcome.boundary);
+    let scene = scene(&outcome.network, &outcome.boundary);
     let colourings = colourings(&classes);
     Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, &[], figures) }
 }
 
 /// One row per vessel, from the rows of edges.csv of one class.
-fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
+fn of_class(outcome: &ModulationRun<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
     let vessels = outcome.network.vessel_count();
     let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;
     let figures = |name: &str| match tidy.iter().find(|c| c.name == name).map(|c| &c.values) {

@@ -4,8 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::content::{PageTable, warnings};
-use super::encode::colours;
+use super::content::{PageTable, colours, warnings};
 use super::template::Template;
 use willis_io::formats::Column;
 

@@ -1,7 +1,7 @@
 //! The pulse on the page: the flow of every vessel at even times of the cycle, by which a slider colours the vessels.
 
 use super::content::{ColourScale, Colouring, PageTable};
-use crate::simulation::Simulated;
+use crate::simulation::SimulationRun;
 use crate::simulation::pulse::flows_by_time;
 use willis_core::network::units::milliseconds;
 use willis_core::simulation::pulse::Pulses;
@@ -15,8 +15,8 @@ const MOST_FIGURES: usize = 400_000;
 pub const OVER_THE_CYCLE: &str = "flow over the cycle";
 
 /// The table of flows by time, and the colouring that it gives, where the table is number `at`; none of a large network.
-pub fn cycle(simulated: &Simulated<'_>, pulses: &Pulses, at: usize) -> Option<(PageTable, Colouring)> {
-    let network = simulated.network;
+pub fn cycle(simulated: &SimulationRun<'_>, pulses: &Pulses, at: usize) -> Option<(PageTable, Colouring)> {
+    let network = &*simulated.network;
     if network.vessel_count() * STOPS > MOST_FIGURES {
         return None;
     }

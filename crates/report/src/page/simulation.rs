@@ -5,7 +5,7 @@ use super::pulse::cycle;
 use super::scene::scene;
 use crate::figures::colour::Rgb;
 use crate::run_record::RunRecord;
-use crate::simulation::Simulated;
+use crate::simulation::SimulationRun;
 use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
 use willis_core::simulation::PERTURBED;
 use willis_io::formats::Column;
@@ -22,7 +22,7 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
-    simulated: &Simulated<'_>,
+    simulated: &SimulationRun<'_>,
     of_run: &RunRecord,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
@@ -44,16 +44,18 @@ pub fn page(
     let mut tables = vec![PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)];
     tables.extend(lists.into_iter().flatten());
     let mut colourings = colourings(perturbed);
-    if let Some(transports) = simulated.transports {
+    if let Some(transports) = &simulated.transports {
         colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
         tables.push(PageTable::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
         tables.push(PageTable::new("Arrival", transit_columns(simulated, transports), false));
     }
-    if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
+    if let Some((flows, over_the_cycle)) =
+        simulated.pulses.as_ref().and_then(|(pulses, _)| cycle(simulated, pulses, tables.len()))
+    {
         tables.push(flows);
         colourings.push(over_the_cycle);
     }
-    let scene = scene(simulated.network, simulated.boundary);
+    let scene = scene(&*simulated.network, &simulated.boundary);
     Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, &[], figures) }
 }
 
