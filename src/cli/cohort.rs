@@ -219,7 +219,7 @@ impl Cohort<'_> {
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
         let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
-        let failures = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
+        let made = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
         // From run.json alone, so that a subject that was done before has the same.
         let figures = match self.command {
             "classify" => phenotype_figures,
@@ -228,7 +228,7 @@ impl Cohort<'_> {
         };
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
-            let failure = failures[at].clone();
+            let failure = made[at].clone().and_then(Result::err);
             let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
             CohortRow {
                 subject: name.clone(),
@@ -312,12 +312,16 @@ pub struct Each<'a> {
 }
 
 impl Each<'_> {
-    /// Works on the subjects that are not done, several at a time, and says how each went; of each why it failed, if it did.
+    /// Works on the subjects that are not done, several at a time, and says how each went; of each that was not done what was made, or why it failed.
     ///
     /// # Errors
     ///
     /// A stop.
-    pub fn make(&self, make: impl Fn(usize) -> Result<()> + Sync, terminal: TextTerminal) -> Result<Vec<Option<String>>> {
+    pub fn make<T: Send>(
+        &self,
+        make: impl Fn(usize) -> Result<T> + Sync,
+        terminal: TextTerminal,
+    ) -> Result<Vec<Option<Result<T, String>>>> {
         let (subjects, total) = (self.subjects, self.subjects.len());
         let open: Vec<usize> = (0..total).filter(|at| !self.done[*at]).collect();
         let skipped = total - open.len();
@@ -333,14 +337,14 @@ impl Each<'_> {
                 if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
                     return;
                 }
-                let failure = made.err().map(|error| with_flags(&error));
+                let made = made.map_err(|error| with_flags(&error));
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 let place = format!("{}/{total} {}", skipped + ended.len() + 1, subjects[at].name);
-                match &failure {
-                    None => terminal.say("done", place),
-                    Some(error) => terminal.say("failed", format!("{place}: {error}")),
+                match &made {
+                    Ok(_) => terminal.say("done", place),
+                    Err(error) => terminal.say("failed", format!("{place}: {error}")),
                 }
-                ended.push((at, failure));
+                ended.push((at, made));
             }
         };
         // What is said of a subject stays together when one is done after the other.
@@ -354,14 +358,14 @@ impl Each<'_> {
         });
         let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
         if ended.len() < open.len() {
-            let done = skipped + ended.iter().filter(|(_, failure)| failure.is_none()).count();
+            let done = skipped + ended.iter().filter(|(_, made)| made.is_ok()).count();
             return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
-        let mut failures = vec![None; total];
-        for (at, failure) in ended {
-            failures[at] = failure;
+        let mut all: Vec<_> = (0..total).map(|_| None).collect();
+        for (at, made) in ended {
+            all[at] = Some(made);
         }
-        Ok(failures)
+        Ok(all)
     }
 }
 

@@ -146,9 +146,7 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
             why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks=FILE`"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
-    let given: Vec<usize> =
-        prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();
-    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &given, None, true)?;
+    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &prepared.given(), None, true)?;
     let posterior = found.posterior_from(network, &topologies, phenotypes)?;
     let mut notes = found.notes.clone();
     notes.push(how);

@@ -158,10 +158,8 @@ impl Prepared {
         let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
         let (mut posterior, mut circle, mut supplies) = (None, None, Vec::new());
         if let Some(found) = &self.arteries {
-            let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
-            let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above, true)?;
+            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &self.given(), above, true)?;
             let phenotypes = &self.options.infer.phenotypes;
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
             circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));
