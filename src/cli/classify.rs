@@ -9,7 +9,7 @@ use crate::internals::output::atomic::{StagedFile, StagedFolder};
 use crate::internals::output::names::{ACCURACY, RECORD};
 use crate::internals::output::{read_json, write_file};
 use crate::internals::report::{Segments, accuracy_columns};
-use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
+use crate::{ArterySource, InferOptions, Phenotype, classify};
 use clap::Args;
 use serde_json::Value;
 
@@ -40,7 +40,7 @@ pub struct ClassifyArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     #[command(flatten)]
-    arteries: ArteryArgs,
+    pub(super) arteries: ArteryArgs,
     /// The column of a manifest that has the true variants, as their missing segments (complete, or L-PComm, R-P1): accuracy.csv tells how often
     /// the answer is right
     #[arg(long, value_name = "COLUMN")]
@@ -107,14 +107,9 @@ impl ClassifyArgs {
         self.arteries.source().map(|source| for_input(&source, input))
     }
 
-    /// What is known of people's circles before one is seen.
-    pub(super) fn phenotypes(&self) -> &PhenotypeOptions {
-        &self.arteries.phenotypes
-    }
-
     fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
         let input = self.runs.reading.read_run(path, command, terminal)?;
-        let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
+        let phenotype = classify(&input, self.source(path).as_ref(), &self.arteries.phenotypes, &mut Follower::new(terminal))?;
         terminal.notes(&phenotype.notes);
         terminal.say("counted", format!("{}, arteries by {}", plural(phenotype.counted, "vessel"), phenotype.known_by));
         say_variant(terminal, &phenotype.variant, &phenotype.circle.thin(), phenotype.posterior.as_ref());

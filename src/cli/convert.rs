@@ -114,7 +114,7 @@ impl ConvertArgs {
             let found = format!("for {}", target.format.name());
             return Err(Error::parameter("to", found, "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`"));
         }
-        check(&target, force)?;
+        StagedFiles::check(&target.path, &target.nodes, force)?;
         let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
@@ -147,11 +147,6 @@ impl ConvertArgs {
             "lost": lost,
         }))
     }
-}
-
-/// Refuses a target whose files stand already, or cannot be written.
-pub fn check(target: &Target, force: bool) -> Result<()> {
-    StagedFiles::check(&target.path, &target.nodes, force)
 }
 
 /// Writes the files of a target, says what is lost, and returns their names and what came of it.

@@ -72,7 +72,7 @@ pub fn modulate(input: &Path, network: &Network, words: &[String]) -> Result<(Bo
 /// A word that is no option, or a value that it does not take.
 pub fn classify(input: &Path, words: &[String]) -> Result<(Option<ArterySource>, PhenotypeOptions)> {
     let args = parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?;
-    Ok((args.source(input), args.phenotypes().clone()))
+    Ok((args.source(input), args.arteries.phenotypes.clone()))
 }
 
 /// The whole anatomy that `willis phantom KIND` makes, by its words.

@@ -89,7 +89,15 @@ pub(super) struct Solved<'a> {
 
 impl<'a> Solved<'a> {
     pub(super) fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
-        let (boundary, outlets) = conditions(input, options, progress)?;
+        // The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
+        let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
+        let boundary = options.resolve(&input.network, outlets, &input.inlets_by_labels(), progress)?;
+        // Every vessel is there, and a condition that was found holds at a free end only.
+        let boundary = boundary.held(&input.network, |_| true);
+        if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
+            progress.step(Step::OutletsAllStated);
+        }
+        progress.step(Step::Boundary { graph: &input.network, boundary: &boundary });
         let (network, provenance) = (Cow::Borrowed(&input.network), Cow::Borrowed(&input.provenance));
         let whole = Self { network, boundary, outlets, rows: None, provenance };
         let part = if unfed == Unfed::Drop { whole.boundary.fed_part(&input.network) } else { None };
@@ -106,18 +114,6 @@ impl<'a> Solved<'a> {
     fn row(&self, row: usize) -> Option<usize> {
         self.rows.as_ref().map_or(Some(row), |rows| rows.binary_search(&row).ok())
     }
-}
-
-/// The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
-fn conditions(input: &Input, options: &BoundaryOptions, progress: &mut dyn Follow) -> Result<(Boundary, FoundOutlets)> {
-    let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
-    // Every vessel is there, and a condition that was found holds at a free end only.
-    let boundary = options.resolve(&input.network, outlets, &input.inlets_by_labels(), progress)?.held(&input.network, |_| true);
-    if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
-        progress.step(Step::OutletsAllStated);
-    }
-    progress.step(Step::Boundary { graph: &input.network, boundary: &boundary });
-    Ok((boundary, outlets))
 }
 
 /// Modulates the resistances of an input's vessels at random. `threshold` (Pa/m²) is where hypertension becomes a risk; by default a

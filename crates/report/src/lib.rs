@@ -19,7 +19,7 @@ mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
-pub use circle_figures::{CircleFigures, NamedFigures};
+pub use circle_figures::{CircleFigures, NamedFigures, by_artery};
 pub use inference::{
     Outcome, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
 };

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::circle_figures::CircleFigures;
+use super::circle_figures::{CircleFigures, by_artery};
 use super::page::phenotype::write_phenotype_page;
 use willis_core::error::Result;
 use willis_core::network::Network;
@@ -42,14 +42,12 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
             "share": d.share_with, "variant_with": d.with, "variant_without": d.without,
         })
     };
-    let segments: serde_json::Map<String, Value> =
-        RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
     json!({
         "not_seen": names(&of_ring(posterior.not_seen)),
         "impossible": names(&of_ring(posterior.impossible)),
         "variant": posterior.probability(),
         "margin": posterior.margin(),
-        "segments": segments,
+        "segments": by_artery(&RING, posterior.segments),
         "fetal": { "L-PCA": posterior.fetal[0], "R-PCA": posterior.fetal[1] },
         "variants": posterior.variants.iter().take(MOST_LISTED).map(variant).collect::<Vec<_>>(),
         "deciding": posterior.deciding.iter().take(MOST_LISTED).map(deciding).collect::<Vec<_>>(),
@@ -70,10 +68,7 @@ fn names(arteries: &[Artery]) -> Vec<String> {
 fn anatomy_json(variant: &Variant) -> Value {
     let has = |artery| variant.has(artery);
     let [left, right] = BodySide::BOTH;
-    let mut segments = serde_json::Map::new();
-    for (artery, present) in presence(variant) {
-        segments.insert(artery.to_string(), json!(present));
-    }
+    let segments: Value = presence(variant).map(|(artery, present)| (artery.to_string(), json!(present))).collect();
     let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
     json!({
         "anterior": {
@@ -143,8 +138,7 @@ pub fn write_phenotype(
 /// For each feeder that is closed the artery that takes over and, for each territory, the share of its flow that is left.
 pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     let each = |collateral: &Collateral| {
-        let shares = TERRITORIES.iter().zip(collateral.residual());
-        let residual: serde_json::Map<String, Value> = shares.map(|(artery, share)| (artery.to_string(), json!(share))).collect();
+        let residual = by_artery(&TERRITORIES, collateral.residual());
         let takes_over = collateral.takes_over.map(|artery| artery.to_string());
         (collateral.occluded.to_string(), json!({ "takes_over": takes_over, "residual": residual }))
     };

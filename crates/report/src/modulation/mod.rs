@@ -10,7 +10,7 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::figures::SaveOptions;
-use super::page::{ModulationTables, PagePicture, modulation_page, write_page};
+use super::page::{PagePicture, modulation_page, write_page};
 use willis_core::error::Result;
 use willis_core::modulation::{Instances, Reading};
 use willis_core::network::units::{ml_per_min, mmhg};
@@ -32,18 +32,13 @@ impl ModulationRun<'_> {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, instances: bool, options: &SaveOptions) -> Result<()> {
         options.validate()?;
-        let tables = ModulationTables {
-            classes: tables::class_columns(self),
-            nodes: tables::node_columns(self),
-            vessels: tables::vessel_columns(self),
-            hypertension: tables::hypertension_columns(self),
-        };
-        for (name, columns) in [
-            (names::CLASSES, &tables.classes),
-            (names::NODES, &tables.nodes),
-            (names::EDGES, &tables.vessels),
-            (names::HYPERTENSION, &tables.hypertension),
-        ] {
+        let tables = [
+            tables::class_columns(self),
+            tables::node_columns(self),
+            tables::vessel_columns(self),
+            tables::hypertension_columns(self),
+        ];
+        for (name, columns) in [names::CLASSES, names::NODES, names::EDGES, names::HYPERTENSION].into_iter().zip(&tables) {
             write_file(&folder.join(name), |out| write_csv(out, columns))?;
         }
         if instances {

@@ -18,7 +18,7 @@ pub use comparison::write_comparison_page;
 pub use content::{Page, PagePicture};
 pub use image::{ImagePlace, Segmentation};
 pub use inference::page as infer_page;
-pub use modulation::{ModulationTables, page as modulation_page};
+pub use modulation::page as modulation_page;
 pub use scene::scene;
 pub use simulation::page as simulation_page;
 pub use template::write_page;

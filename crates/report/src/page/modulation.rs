@@ -6,19 +6,6 @@ use crate::modulation::ModulationRun;
 use crate::run_record::RunRecord;
 use willis_io::formats::{Column, Values};
 
-/// The tables of the output folder.
-#[derive(Debug)]
-pub struct ModulationTables {
-    /// classes.csv.
-    pub classes: Vec<Column>,
-    /// nodes.csv.
-    pub nodes: Vec<Column>,
-    /// edges.csv, in the order of class, vessel, quantity (flow, drop, resilience, hypertension).
-    pub vessels: Vec<Column>,
-    /// hypertension.csv.
-    pub hypertension: Vec<Column>,
-}
-
 /// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns, column of its variation.
 const QUANTITIES: [(&str, &str, &str, &str); 4] = [
     ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
@@ -31,7 +18,12 @@ const VARIATION: [&str; 4] =
     ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The page of a modulation.
-pub fn page(outcome: &ModulationRun<'_>, of_run: &RunRecord, tables: ModulationTables, figures: Vec<PagePicture>) -> Page {
+pub fn page(
+    outcome: &ModulationRun<'_>,
+    of_run: &RunRecord,
+    [of_classes, nodes, vessels, hypertension]: [Vec<Column>; 4],
+    figures: Vec<PagePicture>,
+) -> Page {
     let record = of_run.for_page();
     let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::modulation(&record);
@@ -52,11 +44,11 @@ pub fn page(outcome: &ModulationRun<'_>, of_run: &RunRecord, tables: ModulationT
     let of_vessels = classes
         .iter()
         .enumerate()
-        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
+        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &vessels, at), true));
     let mut all: Vec<PageTable> = of_vessels.collect();
-    all.push(PageTable::new("Classes", tables.classes, false));
-    all.push(PageTable::new("Nodes", tables.nodes, false));
-    all.push(PageTable::new("Hypertension", tables.hypertension, false));
+    all.push(PageTable::new("Classes", of_classes, false));
+    all.push(PageTable::new("Nodes", nodes, false));
+    all.push(PageTable::new("Hypertension", hypertension, false));
     all.extend(conditions(&of_run.conditions));
     let scene = scene(&outcome.network, &outcome.boundary);
     let colourings = colourings(&classes);
