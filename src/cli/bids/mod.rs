@@ -21,11 +21,11 @@ use super::at_work::{self, with_flags};
 use super::cohort::{Cohort, Each, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, say_notes_of};
 use super::command_line::{infer_words, line_of_words};
 use super::infer::{InferenceArgs, Inferences};
-use super::print::{TextTerminal, plural};
+use super::print::{TextTerminal, listed, plural};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::Subject;
-use dataset::{Choice, Dataset, DatasetMask, check_labels, listed};
+use dataset::{Choice, Dataset, DatasetMask, MOST, check_labels};
 use derivative::Derivative;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
@@ -99,7 +99,7 @@ impl BidsArgs {
             format!("{} of {}, in {}", plural(masks.len(), "mask"), plural(people.len(), "participant"), Dataset::places(&masks));
         terminal.say("found", found);
         if !without.is_empty() {
-            terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter())));
+            terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter(), MOST)));
         }
         let record = |run: &MaskRun<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
         let is_done = |(run, earlier): (&MaskRun<'_>, &Option<Ledger>)| {
@@ -154,7 +154,7 @@ impl BidsArgs {
         });
         let without: Vec<String> = dataset.participants().iter().filter(|name| !people.contains(*name)).cloned().collect();
         if !without.is_empty() {
-            terminal.say("note", format!("no run of {}", listed(without.into_iter())));
+            terminal.say("note", format!("no run of {}", listed(without.into_iter(), MOST)));
         }
 
         let output = derivative.group();

@@ -12,7 +12,7 @@ use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{Change, Network, SimulationRun, Stenosis};
 
-use super::{TextTerminal, brief, count, plural};
+use super::{TextTerminal, brief, count, listed, plural};
 
 /// The least share of an outlet's blood that is named.
 const LEAST_SHARE: f64 = 0.005;
@@ -191,12 +191,4 @@ fn name(network: &Network, row: usize) -> String {
 /// The change as a share of what was before, with a minus sign that every terminal has.
 fn relative(before: f64, after: f64) -> String {
     change(before, after).replace('\u{2212}', "-")
-}
-
-/// The first of some words, and how many more there are.
-fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
-    let all: Vec<String> = words.collect();
-    let more = all.len().saturating_sub(most);
-    let rest = if more > 0 { format!(" and {} more", count(more as u64)) } else { String::new() };
-    format!("{}{rest}", all[..all.len() - more].join(", "))
 }

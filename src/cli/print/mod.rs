@@ -198,6 +198,14 @@ pub fn plural(n: usize, noun: &str) -> String {
     format!("{} {noun}{}", count(n as u64), if n == 1 { "" } else { "s" })
 }
 
+/// The first of some words, and how many more there are.
+pub fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
+    let all: Vec<String> = words.collect();
+    let more = all.len().saturating_sub(most);
+    let rest = if more > 0 { format!(" and {} more", count(more as u64)) } else { String::new() };
+    format!("{}{rest}", all[..all.len() - more].join(", "))
+}
+
 /// Three or so significant digits.
 pub fn brief(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {

@@ -55,7 +55,8 @@ pub fn page(
     Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, &[], figures) }
 }
 
-/// One row per vessel, from the rows of edges.csv of one class.
+/// One row per vessel, from the rows of edges.csv of one class; these are in the order of class, vessel, quantity (flow, drop, resilience,
+/// hypertension).
 fn of_class(outcome: &ModulationRun<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
     let vessels = outcome.network.vessel_count();
     let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;

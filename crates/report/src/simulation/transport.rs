@@ -32,6 +32,7 @@ fn figure<'a, T>(name: &str, suffix: &str, rows: &'a [T], of: impl Fn(&'a T) -> 
 }
 
 /// What drains a row of territories.csv: a vessel or an outlet.
+#[derive(Clone, Copy)]
 enum Drain {
     Vessel(usize),
     Outlet(usize),
@@ -44,14 +45,7 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     let carries = |row: &usize| transports.states().any(|(state, _)| state.of_vessel(*row).is_some());
     let vessels = (0..network.vessel_count()).filter(carries).map(Drain::Vessel);
     let places = vessels.chain(transports.exits().into_iter().map(Drain::Outlet));
-    let rows: Vec<(Drain, usize)> = places
-        .flat_map(|place| {
-            sources.iter().map(move |source| match place {
-                Drain::Vessel(row) => (Drain::Vessel(row), *source),
-                Drain::Outlet(node) => (Drain::Outlet(node), *source),
-            })
-        })
-        .collect();
+    let rows: Vec<(Drain, usize)> = places.flat_map(|place| sources.iter().map(move |source| (place, *source))).collect();
     let text = |name: &'static str, of: &dyn Fn(&(Drain, usize)) -> String| Column::text(name, rows.iter().map(of));
     let mut columns = vec![
         text("kind", &|(place, _)| if matches!(place, Drain::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
@@ -177,10 +171,8 @@ pub fn supply_columns(simulated: &SimulationRun<'_>, transports: &Transports) ->
                     sources.iter().zip(&colours).map(|(source, (_, colour))| Some(share(*row, *source)? * f64::from(colour[at])));
                 parts.sum::<Option<f64>>().map(f64::round)
             };
-            channel(0)
-                .zip(channel(1))
-                .zip(channel(2))
-                .map_or(f64::NAN, |((red, green), blue)| (red * 256.0 + green) * 256.0 + blue)
+            let [red, green, blue] = [0, 1, 2].map(channel);
+            red.zip(green).zip(blue).map_or(f64::NAN, |((red, green), blue)| (red * 256.0 + green) * 256.0 + blue)
         };
         columns.push(figure(MIXED, suffix, &rows, mixed));
     }
