@@ -9,7 +9,6 @@ mod inference;
 pub mod lead;
 mod modulation;
 pub(crate) mod phenotype;
-mod pulse;
 pub mod scene;
 mod simulation;
 mod template;
