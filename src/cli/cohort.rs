@@ -226,22 +226,22 @@ impl Cohort<'_> {
             "label" => label_figures,
             _ => infer_figures,
         };
+        let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
             let failure = made[at].clone().and_then(Result::err);
-            let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
+            let record = || records[at].as_ref().ok_or_else(|| format!("{name}: run.json is not there any more"));
             CohortRow {
                 subject: name.clone(),
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
                 covariates: covariates(&subjects[at]),
                 page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
-                figures: failure.map_or_else(|| record().map(|record| figures(&record)), Err),
+                figures: failure.map_or_else(|| record().map(figures), Err),
             }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();
-        let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
-        say_notes_of(&records, terminal);
+        say_notes_of(records.iter().flatten(), terminal);
         self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
@@ -375,8 +375,8 @@ pub fn failed(failed: usize, total: usize) -> Result<()> {
 }
 
 /// Says the notes of many runs, those that are alike once.
-pub fn say_notes_of(records: &[Value], terminal: TextTerminal) {
-    let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
+pub fn say_notes_of<'a>(records: impl IntoIterator<Item = &'a Value>, terminal: TextTerminal) {
+    let notes = records.into_iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
     // Where the landmarks of each lie is said nowhere but there.
     say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
 }

@@ -114,12 +114,11 @@ impl BidsArgs {
         let ended = each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
 
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
-        let made: Vec<Value> = records.iter().flatten().cloned().collect();
-        say_notes_of(&made, terminal);
+        say_notes_of(records.iter().flatten(), terminal);
         if json {
             runs.iter().zip(&records).try_for_each(|(run, record)| print_json(&run.row(record.as_ref(), derivative).record()))?;
         }
-        terminal.say("written", format!("{}: {}", self.output.display(), plural(made.len(), "run")));
+        terminal.say("written", format!("{}: {}", self.output.display(), plural(records.iter().flatten().count(), "run")));
         // A run may stand, and its files under names of BIDS not.
         let is_lost =
             |(record, ended): &(&Option<Value>, &Option<Result<(), String>>)| record.is_none() || matches!(ended, Some(Err(_)));
