@@ -14,7 +14,7 @@ use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expec
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
 use willis_core::network::Network;
-use willis_core::sampling::{FIRST_STABLE, Likelihood, Method, PartialRun, Sampling, SamplingOptions};
+use willis_core::sampling::{FIRST_STABLE, Likelihood, PartialRun, Sampling, SamplingOptions};
 use willis_core::support::endings::stem;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::atomic::StagedFolder;
@@ -23,8 +23,8 @@ use willis_io::output::{write_file, write_record};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::figures::SaveOptions;
 use willis_report::{
-    CircleFigures, Outcome, RunRecord, infer_record, phenotype_json, questions, review_columns, supply_columns, supply_json,
-    topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
+    CircleFigures, Outcome, RunRecord, SolverRecord, infer_record, phenotype_json, questions, review_columns, supply_columns,
+    supply_json, topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -33,7 +33,7 @@ pub struct Inference {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    method: Method,
+    solver: SolverRecord,
     decision: Decision,
     /// Whether every decision on L is clear, where the run was to go on until it is.
     stable: Option<bool>,
@@ -52,35 +52,8 @@ struct Stored {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    solver: StoredMethod,
+    solver: SolverRecord,
     time: Value,
-}
-
-/// How the samples were computed.
-#[derive(Serialize, Deserialize)]
-struct StoredMethod {
-    flow: String,
-    size: usize,
-    forest: String,
-    forest_joins: Option<usize>,
-}
-
-impl StoredMethod {
-    fn of(method: Method) -> Self {
-        let Method { solver, solver_size, forest, forest_joins, .. } = method;
-        Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
-    }
-
-    /// The same for the record of a run.
-    fn method(&self) -> Method {
-        Method {
-            solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("reference"),
-            solver_size: self.size,
-            forest: if self.forest == "bottleneck" { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest_joins,
-            instructions: "",
-        }
-    }
 }
 
 impl Prepared {
@@ -125,7 +98,7 @@ impl Prepared {
         let rate = (part.done() - before) as f64 / seconds;
         let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
         let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
-        self.decide(options, sampled?, method, time)
+        self.decide(options, sampled?, method.into(), time)
     }
 
     /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
@@ -142,7 +115,7 @@ impl Prepared {
         let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
         let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
         let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
-        self.decide(&options, sampling.likelihood(part), sampling.method(), time)
+        self.decide(&options, sampling.likelihood(part), sampling.method().into(), time)
     }
 
     /// Decides on every vessel, given what the samples say.
@@ -150,7 +123,7 @@ impl Prepared {
         self: &Arc<Self>,
         options: &SamplingOptions,
         likelihood: Likelihood,
-        method: Method,
+        solver: SolverRecord,
         time: Value,
     ) -> Result<Inference> {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
@@ -167,7 +140,7 @@ impl Prepared {
             supplies = who_feeds(&found.circle, &self.graph, &topologies.weighted, &self.boundary, options.viscosity);
         }
         let (prepared, sampling) = (self.clone(), options.clone());
-        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, circle, supplies, time })
+        Ok(Inference { prepared, sampling, likelihood, solver, decision, stable, posterior, circle, supplies, time })
     }
 }
 
@@ -235,7 +208,7 @@ impl Inference {
             above_median: topology(&self.decision.above_median),
             expected: expected_errors(graph, &self.decision.kept),
             sampling: &self.sampling,
-            method: self.method,
+            solver: &self.solver,
         }
     }
 
@@ -249,7 +222,7 @@ impl Inference {
         let mut prepared = Prepared::clone(&self.prepared);
         prepared.keep = rule;
         prepared.options.infer.keep = Some(rule);
-        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
+        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.solver.clone(), self.time.clone())
     }
 
     /// The run again with decisions of a person, as if a list had all of them: accepted connections are certain, rejected ones are gone, those
@@ -327,7 +300,7 @@ impl Inference {
             prepared: self.prepared.clone(),
             sampling: self.sampling.clone(),
             likelihood: self.likelihood.clone(),
-            solver: StoredMethod::of(self.method),
+            solver: self.solver.clone(),
             time: self.time.clone(),
         };
         serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
@@ -345,7 +318,7 @@ impl Inference {
         if !prepared.is_whole() || !likelihood.fits(prepared.graph.vessel_count()) {
             return Err(wrong("expected the bytes of a run".to_owned()));
         }
-        prepared.decide(&sampling, likelihood, solver.method(), time)
+        prepared.decide(&sampling, likelihood, solver, time)
     }
 
     /// How long sampling took, s.

@@ -21,7 +21,8 @@ mod supply;
 pub use accuracy::{Segments, accuracy_columns};
 pub use circle_figures::{CircleFigures, NamedFigures, by_artery};
 pub use inference::{
-    Outcome, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
+    Outcome, SolverRecord, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome,
+    write_tables,
 };
 pub use modulation::ModulationRun;
 pub use morphometry::{MeasuredSubject, named_figures};

@@ -252,13 +252,8 @@ pub fn infer_record(
         "within_standard_errors": (!by_evidence).then_some(UNDECIDED_Z),
         "within_probability": by_evidence.then_some(UNDECIDED_BAND),
     });
-    let solver = json!({
-        "flow": outcome.method.solver,
-        "size": outcome.method.solver_size,
-        "forest": outcome.method.forest,
-        "forest_joins": outcome.method.forest_joins,
-        "residual": result.residual,
-    });
+    let mut solver = json!(outcome.solver);
+    solver["residual"] = json!(result.residual);
     RunRecord::new(
         provenance,
         [("seed", json!(outcome.sampling.seed)), ("options", json!(options)), ("parameters", parameters)],

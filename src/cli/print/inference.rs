@@ -23,7 +23,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     } else {
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
-    say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    say("sampled", format!("{took}, {} solver", outcome.solver.flow));
     if let Some(warning) = outcome.few_perfused() {
         say("warning", warning);
     }

@@ -26,7 +26,7 @@ use willis_io::output::names::{
 };
 use willis_io::output::{write_file, write_record};
 
-pub use outcome::{Outcome, few_perfused};
+pub use outcome::{Outcome, SolverRecord, few_perfused};
 pub use questions::{questions, review_columns};
 pub use tables::{agreement, vessel_columns};
 
