@@ -169,7 +169,7 @@ impl Labelled {
                 "landmarks": self.landmarks.len(),
                 "doubtful": self.doubtful(),
             },
-            "segments": by_artery(&RING, &self.names.presence),
+            "segments": by_artery(&RING, self.names.presence),
         })
     }
 

@@ -18,7 +18,7 @@ use willis_core::flow::{FoundOutlets, Given};
 use willis_core::network::units::Scale;
 use willis_core::network::{Condition, Network, Origin};
 use willis_io::formats::Format;
-use willis_io::masks::{Scene, Unseen, View};
+use willis_io::masks::View;
 use willis_models::candidates::CandidateOptions;
 use willis_models::candidates::kind::CenterlineKind;
 use willis_report::{Provenance, Segmentation};
@@ -43,7 +43,17 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
-    let (graph, scene, unseen, unlike) = over_connected(vessels, &loaded, &given, view, &mut notes)?;
+    let (graph, looked, unlike) = loaded.prior.graph(vessels, loaded.is_fragments, &given, &loaded.building, view)?;
+    // The image as it was measured, where it shows the vessels, and why it does not.
+    let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
+    if loaded.is_fragments {
+        let by_evidence = loaded.prior.is_evidence();
+        notes.follow.step(Step::Built { graph: &graph, options: &loaded.building, by_evidence });
+        // Said with the step.
+        notes.kept.extend(nothing_built(&graph, &loaded.building).map(str::to_owned));
+    }
+    let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), &loaded.prior));
+    remarks.into_iter().flatten().for_each(|note| notes.say(note));
     let (graph, contacts, crowded) = match &loaded.cuts {
         Some(cuts) => cuts.open(graph, scene.as_ref(), notes.follow),
         None => (graph, Contacts::default(), None),
@@ -210,28 +220,6 @@ impl EarlyArteries {
 
 /// What the note begins with that says why there is no phenotype.
 pub(super) const NO_PHENOTYPE: &str = "no phenotype: ";
-
-/// The over-connected graph before contacts are opened; the image as it was measured, where it shows the vessels, and why it does not; and
-/// what to tell a person where the model knows no such fragments.
-fn over_connected(
-    vessels: Network,
-    loaded: &Loaded<'_>,
-    given: &[Given],
-    view: Option<View>,
-    notes: &mut Notes<'_>,
-) -> Result<(Network, Option<Scene>, Option<Unseen>, Option<String>)> {
-    let Loaded { prior, building, is_fragments, .. } = loaded;
-    let (graph, looked, unlike) = prior.graph(vessels, *is_fragments, given, building, view)?;
-    let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
-    if *is_fragments {
-        notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: prior.is_evidence() });
-        // Said with the step.
-        notes.kept.extend(nothing_built(&graph, building).map(str::to_owned));
-    }
-    let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), prior));
-    remarks.into_iter().flatten().for_each(|note| notes.say(note));
-    Ok((graph, scene, unseen, unlike))
-}
 
 /// What a run with the choices of the paper says of outlets that are not at ground.
 fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {

@@ -96,7 +96,9 @@ impl TextTerminal {
 
     /// Says what a person should know.
     pub fn notes(self, notes: &[String]) {
-        notes.iter().for_each(|note| self.say("note", note));
+        for note in notes {
+            self.say("note", note);
+        }
     }
 
     /// Prints a fact with `--verbose` only.

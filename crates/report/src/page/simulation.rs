@@ -57,8 +57,8 @@ pub fn page(
         tables.push(flows);
         colourings.push(over_the_cycle);
     }
-    let scene = scene(&*simulated.network, &simulated.boundary);
-    Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, &[], figures) }
+    let scene = scene(&simulated.network, &simulated.boundary);
+    Page { colourings, facts, lead, tables, warnings, ..Page::new("simulate", record, scene, &[], figures) }
 }
 
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];

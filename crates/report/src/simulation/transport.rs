@@ -118,7 +118,7 @@ pub fn transport_columns(simulated: &SimulationRun<'_>, transports: &Transports)
         };
         let territory = |row: &usize| {
             let blood = state.of_vessel(*row);
-            blood.map_or_else(String::new, |blood| end_name(&*simulated.network, state.sources[blood.territory().0]))
+            blood.map_or_else(String::new, |blood| end_name(&simulated.network, state.sources[blood.territory().0]))
         };
         columns.push(Column::text(format!("territory{suffix}"), rows.iter().map(territory)));
         columns.push(of("territory_share", &|blood| blood.territory().1));
@@ -148,7 +148,7 @@ pub fn inlet_colours(simulated: &SimulationRun<'_>, transports: &Transports) -> 
         sources.iter().filter(more).count()
     };
     let colour = |source: &usize| INLETS.get(rank(source)).copied().unwrap_or(GREY);
-    sources.iter().map(|source| (end_name(&*simulated.network, *source), colour(source))).collect()
+    sources.iter().map(|source| (end_name(&simulated.network, *source), colour(source))).collect()
 }
 
 /// The blood at the upstream end of every vessel: its share from each inlet, and these mixed as a colour.
@@ -183,7 +183,7 @@ pub fn supply_columns(simulated: &SimulationRun<'_>, transports: &Transports) ->
 fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) -> Figure {
     let sources = transports.sources();
     let supply = |exit: &usize| OutletSupply {
-        name: end_name(&*simulated.network, *exit),
+        name: end_name(&simulated.network, *exit),
         flow: transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max),
         states: transports
             .states()
