@@ -103,22 +103,23 @@ const LISTS: [(&str, &str); 3] = [("inlet", "inlets"), ("outlet", "outlets"), ("
 pub fn argument(parser: &clap::Command, quoted: &str) -> Option<String> {
     let (field, value) = field_of(quoted);
     let flag = field.replace('_', "-");
-    let is_long =
-        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
     let mut arguments = parser.get_subcommands().flat_map(clap::Command::get_arguments).chain(parser.get_arguments());
     // Where a result goes is not named.
-    let is_option = field != "output" && arguments.any(is_long);
+    let is_option = field != "output" && arguments.any(|arg| is_called(arg, &flag));
     let name = LISTS.iter().find(|(one, _)| *one == field).map_or(field, |(_, several)| *several);
     is_option.then(|| format!("{name}={}", value.unwrap_or_default()))
+}
+
+/// Whether an option is typed so, after its dashes.
+fn is_called(arg: &clap::Arg, flag: &str) -> bool {
+    arg.get_long() == Some(flag) || arg.get_short().is_some_and(|short| flag == short.to_string())
 }
 
 /// A field as the option of the subcommand at work.
 fn flag(field: &str) -> Option<String> {
     let flag = field.replace('_', "-");
-    let is_flag =
-        |arg: &clap::Arg| arg.get_long() == Some(&flag) || arg.get_short().is_some_and(|short| flag == short.to_string());
     let is_common = matches!(flag.as_str(), "threads" | "force");
-    let has = |command: &clap::Command| is_common || command.get_arguments().any(is_flag);
+    let has = |command: &clap::Command| is_common || command.get_arguments().any(|arg| is_called(arg, &flag));
     let is_one = of_line(|line| line.parser.find_subcommand(line.command.as_ref()?).map(has))?;
     let dashes = if flag.len() == 1 { "-" } else { "--" };
     is_one.then(|| format!("{dashes}{flag}"))

@@ -7,11 +7,9 @@ use crate::internals::circle_of_willis::{Artery, RING, present_segments};
 use crate::internals::formats::{is_there, write_csv};
 use crate::internals::output::atomic::{StagedFiles, StagedFolder};
 use crate::internals::output::names::{ACCURACY, RECORD};
-use crate::internals::output::read_json;
-use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{Figures, phenotype_figures};
+use crate::internals::output::{read_json, write_file};
 use crate::internals::report::{Segments, accuracy_columns};
-use crate::{ArterySource, InferOptions, Phenotype, PhenotypeOptions, classify};
+use crate::{ArterySource, InferOptions, Phenotype, classify};
 use clap::Args;
 use serde_json::Value;
 
@@ -42,7 +40,7 @@ pub struct ClassifyArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     #[command(flatten)]
-    arteries: ArteryArgs,
+    pub(super) arteries: ArteryArgs,
     /// The column of a manifest that has the true variants, as their missing segments (complete, or L-PComm, R-P1): accuracy.csv tells how often
     /// the answer is right
     #[arg(long, value_name = "COLUMN")]
@@ -64,8 +62,7 @@ impl ClassifyArgs {
             Inputs::Many(subjects) => {
                 let phenotypes = self.arteries.phenotypes.clone();
                 let infer = InferOptions { arteries: self.arteries.source(), phenotypes, ..InferOptions::default() };
-                let options = RunOptions { read: self.runs.reading.shared()?, infer };
-                let parameters = self.runs.reading.compared(options.comparable(&Value::Null));
+                let parameters = self.runs.reading.parameters(infer)?;
                 let cohort = Cohort { command: "classify", parameters, output: &self.output, force, json: self.json };
                 let truths = self.truth.as_ref().map(|column| truths(column, &subjects)).transpose()?;
                 let done = cohort.run(&subjects, &self, terminal);
@@ -108,17 +105,10 @@ impl ClassifyArgs {
         self.arteries.source().map(|source| for_input(&source, input))
     }
 
-    /// What is known of people's circles before one is seen.
-    pub(super) fn phenotypes(&self) -> &PhenotypeOptions {
-        &self.arteries.phenotypes
-    }
-
     fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
         let input = self.runs.reading.read_run(path, command, terminal)?;
-        let phenotype = classify(&input, self.source(path).as_ref(), self.phenotypes(), &mut Follower::new(terminal))?;
-        for note in &phenotype.notes {
-            terminal.say("note", note);
-        }
+        let phenotype = classify(&input, self.source(path).as_ref(), &self.arteries.phenotypes, &mut Follower::new(terminal))?;
+        terminal.notes(&phenotype.notes);
         terminal.say("counted", format!("{}, arteries by {}", plural(phenotype.counted, "vessel"), phenotype.known_by));
         say_variant(terminal, &phenotype.variant, &phenotype.circle.thin(), phenotype.posterior.as_ref());
         say_collaterals(terminal, &phenotype.collaterals);
@@ -140,27 +130,18 @@ fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
 
 impl Work for ClassifyArgs {
     fn of(words: &[String]) -> Result<Self> {
-        parsed(words)
+        let args: Self = parsed(words)?;
+        args.runs.reading.shared()?;
+        Ok(args)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let record = Some(input.join(RECORD)).filter(|path| is_there(path));
-        let landmarks = match self.source(input) {
-            Some(ArterySource::Landmarks(path)) => Some(path),
-            _ => None,
-        };
+        let landmarks = self.source(input).as_ref().and_then(ArterySource::file).map(Path::to_owned);
         [self.runs.reading.loops(input), landmarks, record].into_iter().flatten().collect()
-    }
-
-    fn check(&self) -> Result<()> {
-        self.runs.reading.shared().map(drop)
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         self.phenotype(&subject.input, subject.line.clone(), terminal)?.write(&folder.path(), &subject.name)
-    }
-
-    fn figures(&self, record: &Value) -> Figures {
-        phenotype_figures(record)
     }
 }

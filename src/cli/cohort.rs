@@ -1,21 +1,19 @@
 //! A cohort: many subjects, one row and one folder each; made in one command, or of runs that were made separately (`willis merge`).
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::thread;
+use std::{fs, thread};
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
-use crate::internals::output::InProgress;
 use crate::internals::output::atomic::{StagedFiles, StagedFolder, clear_leftovers};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
-use crate::internals::output::{read_json, relative, write_json};
+use crate::internals::output::{InProgress, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
+use crate::internals::report::cohort::{CohortRow, CohortRun, infer_figures, label_figures, phenotype_figures, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -38,14 +36,8 @@ pub trait Work: Sync + Sized {
     /// The files besides the input that go into it.
     fn files(&self, input: &Path) -> Vec<PathBuf>;
 
-    /// Refuses options that cannot be.
-    fn check(&self) -> Result<()>;
-
     /// Writes all files of a subject, run.json among them, into a folder.
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()>;
-
-    /// The figures of its row, from run.json alone, so that a subject that was done before has the same.
-    fn figures(&self, record: &Value) -> Figures;
 }
 
 /// A cohort to be made, or resumed.
@@ -204,7 +196,6 @@ impl Cohort<'_> {
         }
         let own = subjects.iter().map(|subject| {
             let own = subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error))?;
-            own.as_ref().unwrap_or(work).check().map_err(|error| subject.fault(error))?;
             Ok(own)
         });
         let own = own.collect::<Result<Vec<Option<W>>>>()?;
@@ -228,23 +219,29 @@ impl Cohort<'_> {
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
         let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
-        let failures = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
+        let made = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
+        // From run.json alone, so that a subject that was done before has the same.
+        let figures = match self.command {
+            "classify" => phenotype_figures,
+            "label" => label_figures,
+            _ => infer_figures,
+        };
+        let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
-            let failure = failures[at].clone();
-            let record = || self.record(name).ok_or_else(|| format!("{name}: run.json is not there any more"));
+            let failure = made[at].clone().and_then(Result::err);
+            let record = || records[at].as_ref().ok_or_else(|| format!("{name}: run.json is not there any more"));
             CohortRow {
                 subject: name.clone(),
                 input: entry.input.clone(),
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
                 covariates: covariates(&subjects[at]),
                 page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
-                figures: failure.map_or_else(|| record().map(|record| work.figures(&record)), Err),
+                figures: failure.map_or_else(|| record().map(figures), Err),
             }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();
-        let records: Vec<Value> = subjects.iter().filter_map(|subject| self.record(&subject.name)).collect();
-        say_notes_of(&records, terminal);
+        say_notes_of(records.iter().flatten(), terminal);
         self.write_table(self.output, &rows)?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(subjects.len(), "subject")));
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
@@ -315,12 +312,16 @@ pub struct Each<'a> {
 }
 
 impl Each<'_> {
-    /// Works on the subjects that are not done, several at a time, and says how each went; of each why it failed, if it did.
+    /// Works on the subjects that are not done, several at a time, and says how each went; of each that was not done what was made, or why it failed.
     ///
     /// # Errors
     ///
     /// A stop.
-    pub fn make(&self, make: impl Fn(usize) -> Result<()> + Sync, terminal: TextTerminal) -> Result<Vec<Option<String>>> {
+    pub fn make<T: Send>(
+        &self,
+        make: impl Fn(usize) -> Result<T> + Sync,
+        terminal: TextTerminal,
+    ) -> Result<Vec<Option<Result<T, String>>>> {
         let (subjects, total) = (self.subjects, self.subjects.len());
         let open: Vec<usize> = (0..total).filter(|at| !self.done[*at]).collect();
         let skipped = total - open.len();
@@ -336,14 +337,14 @@ impl Each<'_> {
                 if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
                     return;
                 }
-                let failure = made.err().map(|error| with_flags(&error));
+                let made = made.map_err(|error| with_flags(&error));
                 let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
                 let place = format!("{}/{total} {}", skipped + ended.len() + 1, subjects[at].name);
-                match &failure {
-                    None => terminal.say("done", place),
-                    Some(error) => terminal.say("failed", format!("{place}: {error}")),
+                match &made {
+                    Ok(_) => terminal.say("done", place),
+                    Err(error) => terminal.say("failed", format!("{place}: {error}")),
                 }
-                ended.push((at, failure));
+                ended.push((at, made));
             }
         };
         // What is said of a subject stays together when one is done after the other.
@@ -357,14 +358,14 @@ impl Each<'_> {
         });
         let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
         if ended.len() < open.len() {
-            let done = skipped + ended.iter().filter(|(_, failure)| failure.is_none()).count();
+            let done = skipped + ended.iter().filter(|(_, made)| made.is_ok()).count();
             return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
-        let mut failures = vec![None; total];
-        for (at, failure) in ended {
-            failures[at] = failure;
+        let mut all: Vec<_> = (0..total).map(|_| None).collect();
+        for (at, made) in ended {
+            all[at] = Some(made);
         }
-        Ok(failures)
+        Ok(all)
     }
 }
 
@@ -374,8 +375,8 @@ pub fn failed(failed: usize, total: usize) -> Result<()> {
 }
 
 /// Says the notes of many runs, those that are alike once.
-pub fn say_notes_of(records: &[Value], terminal: TextTerminal) {
-    let notes = records.iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
+pub fn say_notes_of<'a>(records: impl IntoIterator<Item = &'a Value>, terminal: TextTerminal) {
+    let notes = records.into_iter().filter_map(|record| record["notes"].as_array()).flatten().filter_map(Value::as_str);
     // Where the landmarks of each lie is said nowhere but there.
     say_notes(terminal, &counted(notes.filter(|note| !note.ends_with(LANDMARK_NOTE_ENDING))), "subject");
 }

@@ -32,13 +32,8 @@ pub fn command_line(again: &str) -> String {
     line_of_words(at_work::words(), again)
 }
 
-/// The words of this process's command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
+/// The words `all` of a command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
 /// in the place of those of all.
-pub fn words_of_row(input: &Path, given: &[PathBuf], options: &[(String, String)]) -> Vec<String> {
-    row_words(at_work::words(), input, given, options)
-}
-
-/// The same of the words `all`.
 pub fn row_words(
     mut all: impl Iterator<Item = String>,
     input: &Path,
@@ -59,11 +54,6 @@ pub fn row_words(
     }
     words.extend(own.iter().map(|(name, value)| format!("{name}={value}")));
     words
-}
-
-/// The line of `willis infer` that makes the run of one mask that `willis bids` makes.
-pub fn command_line_of_mask(input: &Path, places: &[String]) -> String {
-    line_of_words(infer_words(at_work::words(), &input.to_string_lossy(), places).into_iter(), "again")
 }
 
 /// The words of `willis infer` for one mask of those that `willis bids` was given; `places` are the words that say which dataset, where to

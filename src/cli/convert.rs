@@ -114,7 +114,7 @@ impl ConvertArgs {
             let found = format!("for {}", target.format.name());
             return Err(Error::parameter("to", found, "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`"));
         }
-        check(&target, force)?;
+        StagedFiles::check(&target.path, &target.nodes, force)?;
         let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
@@ -149,11 +149,6 @@ impl ConvertArgs {
     }
 }
 
-/// Refuses a target whose files stand already, or cannot be written.
-pub fn check(target: &Target, force: bool) -> Result<()> {
-    StagedFiles::check(&target.path, &target.nodes, force)
-}
-
 /// Writes the files of a target, says what is lost, and returns their names and what came of it.
 pub fn put(network: &Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<(Vec<String>, WrittenFiles)> {
     put_into(StagedFiles::new(&target.path, force)?, network, target, terminal)
@@ -168,9 +163,7 @@ pub fn put_into(
 ) -> Result<(Vec<String>, WrittenFiles)> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
-    for note in &written.notes {
-        terminal.say("note", note);
-    }
+    terminal.notes(&written.notes);
     for what in &written.lost {
         terminal.say("lost", what);
     }

@@ -8,12 +8,10 @@ use crate::error::{Error, Fault, Result};
 use crate::internals::formats::write_csv;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::AGREEMENT;
-use crate::internals::output::write_error;
-use crate::internals::output::write_file;
+use crate::internals::output::{write_error, write_file};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::internals::report::{Summary, agreement};
+use crate::internals::report::{RunRecord, agreement};
 use crate::{ArterySource, BoundaryOptions, InferOptions, Keep, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare};
 use clap::Args;
 use serde_json::Value;
@@ -218,7 +216,7 @@ impl Inferences {
     }
 
     /// The output folder of one input.
-    fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<Summary>> {
+    fn one(&self, input: &Path, output: &Path, terminal: TextTerminal, force: bool) -> Result<Vec<RunRecord>> {
         let prepared = self.prepared(input, command_line("again"), terminal)?;
         listen(1);
         let folder = StagedFolder::new(output, force)?;
@@ -228,7 +226,7 @@ impl Inferences {
     }
 
     /// Writes the folder of an input, or one in it for each of several occlusion probabilities.
-    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: TextTerminal) -> Result<Vec<Summary>> {
+    fn write(&self, prepared: &Arc<Prepared>, folder: &StagedFolder, terminal: TextTerminal) -> Result<Vec<RunRecord>> {
         let path = folder.path();
         // Before the first of several looks at what is there.
         for options in &self.runs {
@@ -246,9 +244,7 @@ impl Inferences {
             let written = prepared.sample(options, &mut follower).and_then(|inference| {
                 say_outcome(terminal, &inference.outcome(), inference.seconds());
                 let (record, notes) = inference.write(&sub, &self.save)?;
-                for note in &notes {
-                    terminal.say("note", note);
-                }
+                terminal.notes(&notes);
                 if let Some((posterior, how)) = inference.posterior() {
                     terminal.say("drawn", how);
                     say_variant(terminal, &posterior.best(), &inference.hypoplastic(), Some(posterior));
@@ -290,22 +286,20 @@ impl Inferences {
             let accepted = "goes with one INPUT; a cohort has its failures as rows";
             return Err(Error::parameter("record_failure", "with several", accepted));
         }
-        let options = RunOptions { read: args.reading.shared()?, infer: self.options.clone() };
-        Ok(args.reading.compared(options.comparable(&Value::Null)))
+        args.reading.parameters(self.options.clone())
     }
 }
 
 impl Work for Inferences {
     fn of(words: &[String]) -> Result<Self> {
-        Self::new(parsed::<InferArgs>(words)?.inference)
+        let work = Self::new(parsed::<InferArgs>(words)?.inference)?;
+        work.args.reading.shared()?;
+        Ok(work)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let options = self.for_input(input);
-        let landmarks = match options.arteries {
-            Some(ArterySource::Landmarks(path)) => Some(path),
-            _ => None,
-        };
+        let landmarks = options.arteries.as_ref().and_then(ArterySource::file).map(Path::to_owned);
         let prior = match options.prior {
             Some(Prior::File(path)) => Some(path),
             _ => None,
@@ -316,16 +310,8 @@ impl Work for Inferences {
             .collect()
     }
 
-    fn check(&self) -> Result<()> {
-        self.args.reading.shared().map(drop)
-    }
-
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         let prepared = self.prepared(&subject.input, self.line_of(subject), terminal)?;
         self.write(&prepared, folder, terminal).map(drop)
-    }
-
-    fn figures(&self, record: &Value) -> Figures {
-        infer_figures(record)
     }
 }

@@ -9,11 +9,9 @@ use crate::internals::formats::convert::Target;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::LABELLED;
 use crate::internals::output::write_record;
-use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{Figures, label_figures};
 use crate::{InferOptions, LabelOptions, Labelled, label};
 use clap::Args;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::args::candidates::CandidateArgs;
 use super::args::reading::ReadingArgs;
@@ -67,8 +65,7 @@ impl LabelArgs {
                     let accepted = "is the name of a file; expected a folder, since there are several inputs";
                     return Err(Error::parameter("output", self.output.display(), accepted));
                 }
-                let options = RunOptions { read: self.reading.shared()?, infer: self.options().infer };
-                let mut parameters = self.reading.compared(options.comparable(&Value::Null));
+                let mut parameters = self.reading.parameters(self.options().infer)?;
                 parameters["model"] = json!(self.model);
                 let cohort = Cohort { command: "label", parameters, output: &self.output, force, json: self.json };
                 return cohort.run(&subjects, &self, terminal);
@@ -97,9 +94,7 @@ impl LabelArgs {
     fn label(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Labelled> {
         let input = self.reading.read(input, command, terminal)?;
         let found = label(input, &self.options(), &mut Follower::new(terminal))?;
-        for note in &found.notes() {
-            terminal.say("note", note);
-        }
+        terminal.notes(&found.notes());
         terminal.say(
             "named",
             format!(
@@ -118,24 +113,18 @@ impl LabelArgs {
 
 impl Work for LabelArgs {
     fn of(words: &[String]) -> Result<Self> {
-        parsed(words)
+        let args: Self = parsed(words)?;
+        args.reading.shared()?;
+        Ok(args)
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         [self.reading.loops(input), self.model.clone()].into_iter().flatten().collect()
     }
 
-    fn check(&self) -> Result<()> {
-        self.reading.shared().map(drop)
-    }
-
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
         let found = self.label(&subject.input, format!("{}.graphml", subject.line), terminal)?;
         found.write(&Target::new(&folder.path().join(LABELLED), None)?, false)?;
         write_record(&folder.path(), &found.record())
-    }
-
-    fn figures(&self, record: &Value) -> Figures {
-        label_figures(record)
     }
 }

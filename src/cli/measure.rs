@@ -2,15 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
 use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
-use crate::internals::output::write_file;
-use crate::internals::output::write_record;
+use crate::internals::output::{write_file, write_record};
 use crate::internals::report::cohort::{CohortRow, cohort_columns};
 use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
@@ -101,32 +99,21 @@ impl MeasureArgs {
         }
         let known = self.covariates(&subjects)?;
         let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
-        let measured = Mutex::new((0..subjects.len()).map(|_| None).collect::<Vec<Option<(Measurement, Vec<TwiceRead>)>>>());
-        let one = |at: usize, terminal: TextTerminal| -> Result<()> {
-            let found = self.measure(&subjects[at], terminal)?;
-            measured.lock().unwrap_or_else(PoisonError::into_inner)[at] = Some(found);
-            Ok(())
-        };
-        let failures = if let [_] = &*subjects {
-            one(0, terminal)?;
-            vec![None]
+        let measured = if let [subject] = &*subjects {
+            vec![Ok(self.measure(subject, terminal)?)]
         } else {
             listen(2);
             let done = vec![false; subjects.len()];
             let each = Each { subjects: &subjects, done: &done, heading: "measured", noun: "subject", place: &self.output };
-            each.make(|at| one(at, terminal.of_many()), terminal)?
+            each.make(|at| self.measure(&subjects[at], terminal.of_many()), terminal)?.into_iter().flatten().collect()
         };
-        let (measured, read): (Vec<Option<Measurement>>, Vec<Vec<TwiceRead>>) = measured
-            .into_inner()
-            .unwrap_or_else(PoisonError::into_inner)
+        let (measured, read): (Vec<Result<Measurement, String>>, Vec<Vec<TwiceRead>>) = measured
             .into_iter()
-            .map(Option::unzip)
-            .map(|(found, read)| (found, read.unwrap_or_default()))
+            .map(|made| made.map_or_else(|why| (Err(why), Vec::new()), |(found, read)| (Ok(found), read)))
             .unzip();
         let read = (!self.reader.is_empty()).then(|| read.concat());
-        let rows: Vec<CohortRow> = (0..subjects.len())
-            .map(|at| row_of(&subjects[at], &known[at], measured[at].as_ref(), failures[at].clone()))
-            .collect();
+        let rows = subjects.iter().zip(&known).zip(&measured);
+        let rows: Vec<CohortRow> = rows.map(|((subject, known), made)| row_of(subject, known, made)).collect();
         let compared = |(names, first): ([String; 2], Vec<Option<bool>>)| -> Result<_> {
             Ok((self.comparison(&names, &first, &measured, terminal)?, first))
         };
@@ -153,9 +140,7 @@ impl MeasureArgs {
             _ => Vec::new(),
         };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
-        for note in &found.notes {
-            terminal.say("note", note);
-        }
+        terminal.notes(&found.notes);
         Ok((found, read))
     }
 
@@ -193,11 +178,11 @@ impl MeasureArgs {
         &self,
         names: &[String; 2],
         first: &[Option<bool>],
-        measured: &[Option<Measurement>],
+        measured: &[Result<Measurement, String>],
         terminal: TextTerminal,
     ) -> Result<Vec<Column>> {
         let subjects: Vec<(&Measurement, bool)> =
-            measured.iter().zip(first).filter_map(|(found, first)| Some((found.as_ref()?, (*first)?))).collect();
+            measured.iter().zip(first).filter_map(|(made, first)| Some((made.as_ref().ok()?, (*first)?))).collect();
         let options = ComparisonOptions { measures: self.measures.clone(), seed: self.seed };
         let columns = compare_groups(names, &subjects, &options)?;
         let left_out = measured.len() - subjects.len();
@@ -280,13 +265,15 @@ fn groups(column: &str, known: &[Covariates]) -> Result<([String; 2], Vec<Option
 }
 
 /// The row of a subject.
-fn row_of(subject: &Subject, known: &Covariates, measured: Option<&Measurement>, failure: Option<String>) -> CohortRow {
+fn row_of(subject: &Subject, known: &Covariates, made: &Result<Measurement, String>) -> CohortRow {
+    let sha256 =
+        made.as_ref().map_or_else(|_| checksum_of_file(&subject.input).unwrap_or_default(), |found| found.sha256.clone());
     CohortRow {
         subject: subject.name.clone(),
         input: subject.input.display().to_string(),
-        sha256: measured.map(|found| found.sha256.clone()).or_else(|| checksum_of_file(&subject.input).ok()).unwrap_or_default(),
+        sha256,
         covariates: known.clone(),
         page: None,
-        figures: measured.map(Measurement::row).ok_or_else(|| failure.unwrap_or_default()),
+        figures: made.as_ref().map(Measurement::row).map_err(String::clone),
     }
 }

@@ -7,9 +7,8 @@ use crate::internals::modulation::{Class, Reading};
 use crate::internals::network::units::pascals_per_square_metre;
 use crate::internals::network::vessels_called;
 use crate::internals::output::atomic::StagedFolder;
-use crate::internals::report::ModulationOutcome;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, ModulationOptions, Network, SaveOptions, Unfed, modulate_with};
+use crate::{BoundaryOptions, ModulationOptions, ModulationRun, Network, SaveOptions, Unfed, modulate_with};
 use clap::Args;
 
 use super::args::figures::{viscosity, whole};
@@ -106,7 +105,7 @@ impl ModulateArgs {
         let run = modulate_with(&input, &boundary, &options, threshold, &mut follower);
         follower.finish();
         let run = run?;
-        say_outcome(terminal, &run.outcome());
+        say_outcome(terminal, &run);
         run.write(&folder.path(), self.save_samples, &save).map_err(|error| terminal.stopped(error, total, total))?;
         if is_stopped() {
             return Err(Error::Stopped { done: total, total });
@@ -171,7 +170,7 @@ fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
 }
 
 /// What became of the network in each class.
-fn say_outcome(terminal: TextTerminal, outcome: &ModulationOutcome<'_>) {
+fn say_outcome(terminal: TextTerminal, outcome: &ModulationRun<'_>) {
     let rest = &outcome.result.unperturbed;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let instances = outcome.result.classes.iter().map(|(_, i)| i.count()).sum::<usize>();

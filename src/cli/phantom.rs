@@ -109,12 +109,7 @@ impl PhantomArgs {
                 let params = Breaks { spacing: recipe.spacing.unwrap_or(defaults.spacing), ..defaults };
                 let (lines, truth) = break_up(&network, &params)?;
                 let mut staged = StagedFiles::new(&self.output, force)?;
-                if kind == Anatomy::Cerebral {
-                    let marks = landmarks(&network, &truth.lost);
-                    staged.write(&sibling(&self.output, "landmarks.csv"), |out| {
-                        write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks)
-                    })?;
-                }
+                self.stage_landmarks(kind, &network, &truth.lost, &mut staged)?;
                 self.write_broken(&lines, &truth, staged, terminal)
             }
         }
@@ -126,9 +121,7 @@ impl PhantomArgs {
         if self.broken || self.image.is_some() {
             return Err(Error::parameter("break", "", "makes files; give `output`"));
         }
-        let network = self.anatomy(kind, &self.recipe(kind)?, TextTerminal::new(true, false))?;
-        let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
-        Ok(boundary.stated_in(network))
+        with_conditions(self.anatomy(kind, &self.recipe(kind)?, TextTerminal::new(true, false))?)
     }
 
     /// What the options ask for, where they go with the kind.
@@ -160,25 +153,41 @@ impl PhantomArgs {
     }
 
     fn write_whole(&self, kind: Anatomy, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
-        let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
-        let network = boundary.stated_in(network);
+        let network = with_conditions(network)?;
         let (names, _) = put(&network, target, terminal, force)?;
         terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
         let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
         self.print(json!({ "counts": counts }))
     }
 
+    /// The file that goes with the output.
+    fn sibling(&self, ending: &str) -> PathBuf {
+        sibling(&self.output, ending)
+    }
+
+    /// Whether there are landmarks beside the output.
+    fn has_landmarks(&self, kind: Anatomy) -> bool {
+        self.broken && kind == Anatomy::Cerebral
+    }
+
+    fn stage_landmarks(&self, kind: Anatomy, network: &Network, lost: &[usize], staged: &mut StagedFiles) -> Result<()> {
+        if !self.has_landmarks(kind) {
+            return Ok(());
+        }
+        let marks = landmarks(network, lost);
+        staged.write(&self.sibling("landmarks.csv"), |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks))
+    }
+
     /// The files beside broken centerlines that are known before the work.
     fn beside(&self, kind: Anatomy) -> Vec<PathBuf> {
-        let endings = [("truth.json", self.broken), ("landmarks.csv", self.broken && kind == Anatomy::Cerebral)];
-        endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| sibling(&self.output, ending)).collect()
+        let endings = [("truth.json", self.broken), ("landmarks.csv", self.has_landmarks(kind))];
+        endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| self.sibling(ending)).collect()
     }
 
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
     fn write_mask(&self, kind: Anatomy, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
-        let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
-        let has_marks = self.broken && kind == Anatomy::Cerebral;
-        let others = [&answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
+        let (answer, marks) = (self.sibling("truth.json"), self.sibling("landmarks.csv"));
+        let others = [&answer].into_iter().chain(self.has_landmarks(kind).then_some(&marks)).chain(&self.image);
         StagedFiles::check(&self.output, others, force)?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
@@ -193,10 +202,7 @@ impl PhantomArgs {
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write_main(|out| write_nifti(out, &mask, has_ending(&self.output, ".gz")))?;
         staged.write(&answer, |out| truth.write_json(out))?;
-        if has_marks {
-            let marked = landmarks(&network, &truth.lost);
-            staged.write(&marks, |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marked))?;
-        }
+        self.stage_landmarks(kind, &network, &truth.lost, &mut staged)?;
         if let Some((path, image)) = self.image.as_ref().zip(image) {
             staged.write(path, |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
         }
@@ -205,20 +211,17 @@ impl PhantomArgs {
         let voxels = mask.classes.iter().filter(|class| **class > 0).count();
         let made = format!("{}, {}", plural(truth.breaks.len(), "break"), plural(truth.contacts.len(), "contact"));
         let size = format!("{x} x {y} x {z} voxels of {mm:.4} mm, {} of vessels", count(voxels as u64));
-        terminal.say("written", format!("{}: {size}, {made}", self.output.display()));
-        terminal.say("truth", answer.display().to_string());
-        self.print(json!({
-            "truth": answer.display().to_string(),
-            "counts": {
-                "voxels": mask.classes.len(),
-                "foreground": voxels,
-                "vessels": truth.tubes.len(),
-                "spurious": truth.spurious().count(),
-                "lost": truth.lost.len(),
-                "gaps": truth.breaks.len(),
-                "contacts": truth.contacts.len(),
-            },
-        }))
+        let counts = json!({
+            "voxels": mask.classes.len(),
+            "foreground": voxels,
+            "vessels": truth.tubes.len(),
+            "spurious": truth.spurious().count(),
+            "lost": truth.lost.len(),
+            "gaps": truth.breaks.len(),
+            "contacts": truth.contacts.len(),
+        });
+        let written = format!("{}: {size}, {made}", self.output.display());
+        self.say_truth(terminal, written, json!({ "counts": counts }))
     }
 
     /// The broken graph with its candidates, and the truth.
@@ -232,39 +235,53 @@ impl PhantomArgs {
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let mut staged = StagedFiles::new(&self.output, force)?;
-        staged.write(&sibling(&self.output, "truth.json"), |out| truth.write_json(out))?;
+        staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
         let (files, _) = put_into(staged, &graph, target, terminal)?;
         let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
-        terminal.say("written", format!("{}: {size}, {made}", names.join(", ")));
-        terminal.say("truth", sibling(&self.output, "truth.json").display().to_string());
-        self.print(json!({
-            "truth": sibling(&self.output, "truth.json").display().to_string(),
-            "counts": {
-                "nodes": graph.node_count(),
-                "vessels": graph.vessel_count(),
-                "candidates": candidates,
-                "gaps": truth.breaks.len(),
-            },
-        }))
+        let written = format!("{}: {size}, {made}", names.join(", "));
+        let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
+        let counts = json!({ "nodes": nodes, "vessels": vessels, "candidates": candidates, "gaps": truth.breaks.len() });
+        self.say_truth(terminal, written, json!({ "counts": counts }))
     }
 
-    /// The broken centerlines, and the truth.
-    fn write_broken(&self, lines: &Centerlines, truth: &Truth, staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
-        let loops = write_extraction(&self.output, lines, truth, staged, terminal)?;
+    /// The broken centerlines, and the truth beside what else is staged; and the links that SWC cannot hold, where there are any.
+    fn write_broken(&self, lines: &Centerlines, truth: &Truth, mut staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
+        staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
+        let mut links = Vec::new();
+        staged.write_main(|out| {
+            links = write_centerlines_swc(out, lines)?;
+            Ok(())
+        })?;
+        let loops = Some(self.sibling("loops.csv")).filter(|_| !links.is_empty());
+        if let Some(path) = &loops {
+            staged.write(path, |out| write_loops(out, &links))?;
+            let links = plural(links.len(), "link");
+            terminal.say("note", format!("SWC cannot hold {links}: give them with --loops {}", path.display()));
+        }
+        staged.commit()?;
         let spurious = truth.spurious.iter().filter(|s| **s).count();
-        self.print(json!({
-            "truth": sibling(&self.output, "truth.json").display().to_string(),
-            "loops": loops.map(|path| path.display().to_string()),
-            "counts": {
-                "points": lines.points.len(),
-                "fragments": truth.spurious.len(),
-                "spurious": spurious,
-                "gaps": truth.breaks.len(),
-            },
-        }))
+        let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
+        let made = format!("{points} points in {fragments}, {spurious} of them spurious, {}", plural(truth.breaks.len(), "gap"));
+        let counts = json!({
+            "points": lines.points.len(),
+            "fragments": truth.spurious.len(),
+            "spurious": spurious,
+            "gaps": truth.breaks.len(),
+        });
+        let written = format!("{}: {made}", self.output.display());
+        self.say_truth(terminal, written, json!({ "loops": loops.map(|path| path.display().to_string()), "counts": counts }))
+    }
+
+    /// Says what was written and where the truth is; the summary with it.
+    fn say_truth(&self, terminal: TextTerminal, written: String, mut summary: Value) -> Result<()> {
+        let truth = self.sibling("truth.json").display().to_string();
+        terminal.say("written", written);
+        terminal.say("truth", &truth);
+        summary["truth"] = truth.into();
+        self.print(summary)
     }
 
     /// The summary, where it is asked for.
@@ -299,43 +316,8 @@ fn sibling(path: &Path, ending: &str) -> PathBuf {
     if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
 }
 
-/// Writes the damaged centerlines and the truth beside what else is staged; the path of the table of links that SWC cannot hold, where there
-/// are any.
-fn write_extraction(
-    path: &Path,
-    lines: &Centerlines,
-    truth: &Truth,
-    mut staged: StagedFiles,
-    terminal: TextTerminal,
-) -> Result<Option<PathBuf>> {
-    staged.write(&sibling(path, "truth.json"), |out| truth.write_json(out))?;
-    let mut loops = Vec::new();
-    staged.write_main(|out| {
-        loops = write_centerlines_swc(out, lines)?;
-        Ok(())
-    })?;
-    if !loops.is_empty() {
-        staged.write(&sibling(path, "loops.csv"), |out| write_loops(out, &loops))?;
-        terminal.say(
-            "note",
-            format!(
-                "SWC cannot hold {}: give them with --loops {}",
-                plural(loops.len(), "link"),
-                sibling(path, "loops.csv").display()
-            ),
-        );
-    }
-    staged.commit()?;
-    let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
-    let spurious = truth.spurious.iter().filter(|s| **s).count();
-    terminal.say(
-        "written",
-        format!(
-            "{}: {points} points in {fragments}, {spurious} of them spurious, {}",
-            path.display(),
-            plural(truth.breaks.len(), "gap")
-        ),
-    );
-    terminal.say("truth", sibling(path, "truth.json").display().to_string());
-    Ok((!loops.is_empty()).then(|| sibling(path, "loops.csv")))
+/// A network with its conditions.
+fn with_conditions(network: Network) -> Result<Network> {
+    let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
+    Ok(boundary.stated_in(network))
 }

@@ -65,13 +65,13 @@ pub struct SimulateArgs {
 #[command(next_help_heading = "Perturbations (VESSEL is a label, or edge:ROW; several with commas)")]
 struct ChangeArgs {
     /// Narrow a vessel by a share of its diameter, or of its area; @ narrows a stretch of it only
-    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', value_parser = stenosis, allow_hyphen_values = true)]
+    #[arg(long, value_name = "VESSEL=[area:]PERCENT%[@mid:LENGTH]", value_delimiter = ',', value_parser = change("stenosis", parse_stenosis), allow_hyphen_values = true)]
     stenosis: Vec<(String, Change)>,
     /// Close a vessel
     #[arg(long, value_name = "VESSEL", value_delimiter = ',', allow_hyphen_values = true)]
     occlude: Vec<String>,
     /// Lengthen a vessel by a factor of at least 1
-    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', value_parser = tortuosity, allow_hyphen_values = true)]
+    #[arg(long, value_name = "VESSEL=FACTOR", value_delimiter = ',', value_parser = change("tortuosity", parse_tortuosity), allow_hyphen_values = true)]
     tortuosity: Vec<(String, Change)>,
 }
 
@@ -88,10 +88,8 @@ impl SimulateArgs {
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
-        say_simulated(terminal, &run.simulated());
-        for note in run.save(&self.output, force, &save)? {
-            terminal.say("note", note);
-        }
+        say_simulated(terminal, &run);
+        terminal.notes(&run.save(&self.output, force, &save)?);
         if self.json {
             print_json(&run.record())?;
         }
@@ -121,22 +119,15 @@ impl SimulateArgs {
     }
 }
 
-/// What is to be done to a vessel, by name; `parse` says what is wrong.
+/// A parser of `VESSEL=...`, whose errors name the option.
 fn change(
     option: &'static str,
-    text: &str,
-    parse: impl FnOnce(&str) -> Result<(&str, Change), String>,
-) -> Result<(String, Change)> {
-    let (name, change) = parse(text).map_err(|why| Error::parameter(option, format!("\"{text}\""), why))?;
-    Ok((name.to_owned(), change))
-}
-
-fn stenosis(text: &str) -> Result<(String, Change)> {
-    change("stenosis", text, parse_stenosis)
-}
-
-fn tortuosity(text: &str) -> Result<(String, Change)> {
-    change("tortuosity", text, parse_tortuosity)
+    parse: fn(&str) -> Result<(&str, Change), String>,
+) -> impl Fn(&str) -> Result<(String, Change)> + Clone + Send + Sync + 'static {
+    move |text| match parse(text) {
+        Ok((name, change)) => Ok((name.to_owned(), change)),
+        Err(why) => Err(Error::parameter(option, format!("\"{text}\""), why)),
+    }
 }
 
 /// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.

@@ -11,8 +11,8 @@ use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD}
 use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
-use super::at_work::is_option;
-use super::command_line::{line_of_words, words_of_row};
+use super::at_work::{self, is_option};
+use super::command_line::{line_of_words, row_words};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -116,7 +116,7 @@ pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
     let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
     let subject = |(name, input): (String, PathBuf)| {
-        let line = line_of_words(words_of_row(&input, given, &[]).into_iter(), "again");
+        let line = line_of_words(row_words(at_work::words(), &input, given, &[]).into_iter(), "again");
         Subject { name, input, line, row: None }
     };
     Ok(Inputs::Many(named(&found).into_iter().zip(found).map(subject).collect()))
@@ -149,7 +149,7 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
-        let words = words_of_row(&input, given, &options);
+        let words = row_words(at_work::words(), &input, given, &options);
         let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };

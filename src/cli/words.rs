@@ -72,7 +72,7 @@ pub fn modulate(input: &Path, network: &Network, words: &[String]) -> Result<(Bo
 /// A word that is no option, or a value that it does not take.
 pub fn classify(input: &Path, words: &[String]) -> Result<(Option<ArterySource>, PhenotypeOptions)> {
     let args = parsed::<ClassifyArgs>(&[&input.to_string_lossy(), "-o", "again"], words)?;
-    Ok((args.source(input), args.phenotypes().clone()))
+    Ok((args.source(input), args.arteries.phenotypes.clone()))
 }
 
 /// The whole anatomy that `willis phantom KIND` makes, by its words.
@@ -107,7 +107,7 @@ pub fn said_of_run(run: &Inference) -> Vec<(String, String)> {
 
 /// What the command says of a simulation: facts under headings.
 pub fn said_of_simulation(run: &SimulationRun<'_>) -> Vec<(String, String)> {
-    taken(|terminal| say_simulated(terminal, &run.simulated()))
+    taken(|terminal| say_simulated(terminal, run))
 }
 
 /// A text of the library, such as an error, with the arguments that it names as they are written: `max_gap` becomes max_gap=.

@@ -138,14 +138,9 @@ impl FoundArteries {
         Ok(Self { named: Some(named), ..self })
     }
 
-    /// The record of the landmarks.
-    pub(crate) fn record(&self) -> Value {
-        json!(self.landmarks)
-    }
-
     /// All of it where geometry is all that it is known by: a search of the pose from other beginnings ends in other last digits.
-    pub(crate) fn by_geometry_record(&self) -> Value {
-        if self.landmarks.is_none() && self.named.is_some() { json!(self) } else { Value::Null }
+    pub(crate) fn by_geometry_record(&self) -> Option<Value> {
+        (self.landmarks.is_none() && self.named.is_some()).then(|| json!(self))
     }
 
     /// The names of vessels by row, where geometry named them.

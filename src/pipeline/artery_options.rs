@@ -30,8 +30,9 @@ pub enum ArterySource {
 }
 
 impl ArterySource {
-    pub(crate) fn is_landmarks(&self) -> bool {
-        matches!(self, Self::Landmarks(_))
+    /// The file that says it.
+    pub(crate) fn file(&self) -> Option<&Path> {
+        if let Self::Landmarks(path) = self { Some(path) } else { None }
     }
 
     pub(crate) fn is_labels(&self) -> bool {

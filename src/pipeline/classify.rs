@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
 use super::arteries::FoundArteries;
 use super::artery_options::PhenotypeOptions;
@@ -21,8 +21,8 @@ use willis_io::output::names::{PAGE, SUPPLY};
 use willis_io::output::{final_path, relative, write_file};
 use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
-    CircleFigures, Classified, classification_record, collateral_columns, collateral_json, phenotype_json, supply_columns,
-    supply_json, write_classified, write_phenotype,
+    CircleFigures, Provenance, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
+    write_classified, write_phenotype,
 };
 
 /// Which segments a Circle of Willis has, how probable that is, and what the loss of a feeder means.
@@ -77,7 +77,7 @@ pub fn classify(
     if input.run.is_none() && input.is_fragments && *chosen == ArterySource::Geometry {
         return classify_by_geometry(input, phenotypes);
     }
-    let divide = input.run.is_none() && input.is_fragments && !chosen.is_landmarks();
+    let divide = input.run.is_none() && input.is_fragments && chosen.file().is_none();
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
@@ -146,9 +146,7 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
             why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks=FILE`"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
-    let given: Vec<usize> =
-        prepared.boundary.conditions.iter().map(|(node, _)| *node).filter(|node| !prepared.boundary.is_found(*node)).collect();
-    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &given, None, true)?;
+    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &prepared.given(), None, true)?;
     let posterior = found.posterior_from(network, &topologies, phenotypes)?;
     let mut notes = found.notes.clone();
     notes.push(how);
@@ -192,17 +190,19 @@ fn phenotype(
     let counted = kept.iter().filter(|kept| **kept).count();
     let circle = found.circle_figures(network, &variant, &kept, phenotypes);
     let json = phenotype_json(network, &variant, &circle, posterior.as_ref());
-    let classified = Classified {
-        network,
-        counted,
-        phenotype: &json,
-        known_by: &found.known_by,
-        landmarks: found.record(),
-        collateral: collateral_json(&collaterals),
-        supply: supply_json(network, &supplies),
-        notes: &notes,
-    };
-    let record = classification_record(&classified, &input.provenance);
+    let Provenance { command, notes: of_input, .. } = &input.provenance;
+    let record = json!({
+        "willis": env!("CARGO_PKG_VERSION"),
+        "command": command,
+        "input": input.provenance.of_input(),
+        "parameters": { "arteries": found.known_by },
+        "landmarks": found.landmarks,
+        "counts": { "nodes": network.node_count(), "vessels": network.vessel_count(), "counted": counted },
+        "phenotype": json,
+        "collateral": collateral_json(&collaterals),
+        "supply": supply_json(network, &supplies),
+        "notes": of_input.iter().chain(&notes).collect::<Vec<_>>(),
+    });
     let supply_table = supply_columns(network, &supplies);
     let known_by = found.known_by;
     let of_run = input.run.as_ref().map(|run| run.graph.with_file_name(PAGE));

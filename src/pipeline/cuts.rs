@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::progress::{Follow, Step};
 use super::source_file::{ModelSource, SourceFile, ending, of_word};
 use willis_core::error::{Error, Result};
 use willis_core::network::Network;
@@ -52,10 +53,8 @@ impl FromStr for Cut {
 impl fmt::Display for Cut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Auto => f.write_str("auto"),
-            Self::Always => f.write_str("always"),
-            Self::Never => f.write_str("never"),
             Self::File(path) => write!(f, "{}", path.display()),
+            word => word.serialize(f),
         }
     }
 }
@@ -126,17 +125,21 @@ impl Cuts {
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
     /// them what to tell a person where P of contacts may be off.
-    pub(crate) fn open(&self, graph: Network, scene: Option<&Scene>) -> (Network, Contacts, Option<String>) {
+    pub(crate) fn open(
+        &self,
+        graph: Network,
+        scene: Option<&Scene>,
+        follow: &mut dyn Follow,
+    ) -> (Network, Contacts, Option<String>) {
         let (opened, note) = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
-        if !self.record.only_suggested {
-            return (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() }, note);
+        if self.record.only_suggested {
+            let suggested = suggested_cuts(&graph, &opened);
+            follow.step(Step::CutsSuggested { suggested: suggested.len() });
+            return (graph, Contacts { pairings: Vec::new(), suggested }, note);
         }
-        let suggested = suggested_cuts(&graph, &opened);
-        (graph, Contacts { pairings: Vec::new(), suggested }, note)
-    }
-
-    /// Whether contacts are judged by this image.
-    pub(crate) fn looks_at(&self, scene: Option<&Scene>) -> bool {
-        self.record.mask && self.model.image.is_some() && scene.is_some()
+        // Whether contacts are judged by the image too.
+        let with_image = self.record.mask && self.model.image.is_some() && scene.is_some();
+        follow.step(Step::Cut { graph: &opened.graph, with_mask: self.record.mask, with_image });
+        (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() }, note)
     }
 }

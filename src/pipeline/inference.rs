@@ -8,25 +8,23 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::decisions::{ConnectionDecision, Decidable, Decided, DecisionList, GraphEdit};
-use super::options::SaveOptions;
 use super::prepared::Prepared;
 use super::progress::{Follow, Notes, Step};
 use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Boundary;
 use willis_core::network::Network;
-use willis_core::sampling::{FIRST_STABLE, Likelihood, Method, PartialRun, Sampling, SamplingOptions};
+use willis_core::sampling::{FIRST_STABLE, Likelihood, PartialRun, Sampling, SamplingOptions};
 use willis_core::support::endings::stem;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::SUPPLY;
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
-use willis_report::run_record::Built;
+use willis_report::figures::SaveOptions;
 use willis_report::{
-    CircleFigures, Outcome, Summary, phenotype_json, questions, review_columns, supply_columns, supply_json, topology_columns,
-    vessel_columns, write_outcome, write_phenotype, write_tables,
+    CircleFigures, Outcome, RunRecord, SolverRecord, infer_record, phenotype_json, questions, review_columns, supply_columns,
+    supply_json, topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
 };
 
 /// What a run found.
@@ -35,7 +33,7 @@ pub struct Inference {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    method: Method,
+    solver: SolverRecord,
     decision: Decision,
     /// Whether every decision on L is clear, where the run was to go on until it is.
     stable: Option<bool>,
@@ -54,35 +52,8 @@ struct Stored {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
-    solver: StoredMethod,
+    solver: SolverRecord,
     time: Value,
-}
-
-/// How the samples were computed.
-#[derive(Serialize, Deserialize)]
-struct StoredMethod {
-    flow: String,
-    size: usize,
-    forest: String,
-    forest_joins: Option<usize>,
-}
-
-impl StoredMethod {
-    fn of(method: Method) -> Self {
-        let Method { solver, solver_size, forest, forest_joins, .. } = method;
-        Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
-    }
-
-    /// The same for the record of a run.
-    fn method(&self) -> Method {
-        Method {
-            solver: ["lanes", "gradients"].into_iter().find(|name| *name == self.flow).unwrap_or("reference"),
-            solver_size: self.size,
-            forest: if self.forest == "bottleneck" { "bottleneck" } else { "kruskal" },
-            forest_joins: self.forest_joins,
-            instructions: "",
-        }
-    }
 }
 
 impl Prepared {
@@ -127,7 +98,7 @@ impl Prepared {
         let rate = (part.done() - before) as f64 / seconds;
         let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
         let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
-        self.decide(options, sampled?, method, time)
+        self.decide(options, sampled?, method.into(), time)
     }
 
     /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
@@ -144,7 +115,7 @@ impl Prepared {
         let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
         let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
         let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
-        self.decide(&options, sampling.likelihood(part), sampling.method(), time)
+        self.decide(&options, sampling.likelihood(part), sampling.method().into(), time)
     }
 
     /// Decides on every vessel, given what the samples say.
@@ -152,7 +123,7 @@ impl Prepared {
         self: &Arc<Self>,
         options: &SamplingOptions,
         likelihood: Likelihood,
-        method: Method,
+        solver: SolverRecord,
         time: Value,
     ) -> Result<Inference> {
         let decision = decide(self.keep, &self.graph, &likelihood)?;
@@ -160,10 +131,8 @@ impl Prepared {
         let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
         let (mut posterior, mut circle, mut supplies) = (None, None, Vec::new());
         if let Some(found) = &self.arteries {
-            let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
-            let given: Vec<usize> = conditions.filter(|node| !self.boundary.is_found(*node)).collect();
             let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &given, above, true)?;
+            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &self.given(), above, true)?;
             let phenotypes = &self.options.infer.phenotypes;
             let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
             circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));
@@ -171,7 +140,7 @@ impl Prepared {
             supplies = who_feeds(&found.circle, &self.graph, &topologies.weighted, &self.boundary, options.viscosity);
         }
         let (prepared, sampling) = (self.clone(), options.clone());
-        Ok(Inference { prepared, sampling, likelihood, method, decision, stable, posterior, circle, supplies, time })
+        Ok(Inference { prepared, sampling, likelihood, solver, decision, stable, posterior, circle, supplies, time })
     }
 }
 
@@ -239,7 +208,7 @@ impl Inference {
             above_median: topology(&self.decision.above_median),
             expected: expected_errors(graph, &self.decision.kept),
             sampling: &self.sampling,
-            method: self.method,
+            solver: &self.solver,
         }
     }
 
@@ -253,7 +222,7 @@ impl Inference {
         let mut prepared = Prepared::clone(&self.prepared);
         prepared.keep = rule;
         prepared.options.infer.keep = Some(rule);
-        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.method, self.time.clone())
+        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.solver.clone(), self.time.clone())
     }
 
     /// The run again with decisions of a person, as if a list had all of them: accepted connections are certain, rejected ones are gone, those
@@ -331,7 +300,7 @@ impl Inference {
             prepared: self.prepared.clone(),
             sampling: self.sampling.clone(),
             likelihood: self.likelihood.clone(),
-            solver: StoredMethod::of(self.method),
+            solver: self.solver.clone(),
             time: self.time.clone(),
         };
         serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
@@ -349,7 +318,7 @@ impl Inference {
         if !prepared.is_whole() || !likelihood.fits(prepared.graph.vessel_count()) {
             return Err(wrong("expected the bytes of a run".to_owned()));
         }
-        prepared.decide(&sampling, likelihood, solver.method(), time)
+        prepared.decide(&sampling, likelihood, solver, time)
     }
 
     /// How long sampling took, s.
@@ -375,35 +344,40 @@ impl Inference {
     /// # Errors
     ///
     /// A file that cannot be written.
-    pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(Summary, Vec<String>)> {
+    pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(RunRecord, Vec<String>)> {
         options.validate()?;
         let prepared = &self.prepared;
         let outcome = self.outcome();
-        let built = prepared.candidates.as_ref().map_or(Built::Given, Built::Candidates);
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
         let tables = write_tables(folder, &outcome)?;
-        let mut summary = Summary::new(&outcome, &prepared.provenance, &run, built, prepared.outlets);
-        summary.state_prior(json!(prepared.records.prior));
-        summary.state_cut(json!(prepared.records.cut));
-        summary.state_image(json!(prepared.records.image));
-        summary.state_decisions(json!(prepared.records.decisions));
-        summary.time = self.time.clone();
+        let built = prepared.candidates.as_ref();
+        let mut record = infer_record(&outcome, &prepared.provenance, &run, built, prepared.outlets);
+        if let Value::Object(sources) = json!(prepared.records) {
+            let stated = sources.into_iter().filter(|(_, source)| !source.is_null());
+            stated.for_each(|(name, source)| record.field("parameters")[name] = source);
+        }
+        record.field("time").clone_from(&self.time);
         if let (Some((posterior, _)), Some(circle), Some(found)) = (&self.posterior, &self.circle, &prepared.arteries) {
             let variant = posterior.best();
             let phenotype = phenotype_json(&prepared.graph, &variant, circle, Some(posterior));
             let subject = stem(Path::new(&prepared.provenance.input));
             write_phenotype(folder, &subject, (&variant, circle), Some(posterior), &phenotype)?;
-            summary.state_phenotype(phenotype, &found.known_by, found.record());
-            summary.named = found.by_geometry_record();
-            summary.supply = supply_json(&prepared.graph, &self.supplies);
+            *record.field("phenotype") = phenotype;
+            record.field("parameters")["arteries"] = json!(found.known_by);
+            record.field("parameters")["landmarks"] = json!(found.landmarks);
+            *record.field("supply") = supply_json(&prepared.graph, &self.supplies);
+            // For a later command to go on from.
+            if let Some(named) = found.by_geometry_record() {
+                *record.field("named") = named;
+            }
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
-        let notes = write_outcome(folder, &outcome, tables, &mut summary, options.dpi)?;
+        let notes = write_outcome(folder, &outcome, tables, &mut record, options.dpi)?;
         // Known only once all else is written.
-        summary.time["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
-        write_record(folder, &summary)?;
-        Ok((summary, notes))
+        record.field("time")["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
+        write_record(folder, &record)?;
+        Ok((record, notes))
     }
 }

@@ -21,7 +21,7 @@ use willis_io::output::names::BESIDE_LABELLED;
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
-use willis_report::Provenance;
+use willis_report::{Provenance, by_artery};
 
 /// How arteries are named.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -156,8 +156,6 @@ impl Labelled {
     /// What came out, in short.
     pub fn record(&self) -> Value {
         let Provenance { command, notes, .. } = &self.prepared.provenance;
-        let segments: serde_json::Map<String, Value> =
-            RING.iter().zip(&self.names.presence).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
         json!({
             "willis": env!("CARGO_PKG_VERSION"),
             "command": command,
@@ -171,7 +169,7 @@ impl Labelled {
                 "landmarks": self.landmarks.len(),
                 "doubtful": self.doubtful(),
             },
-            "segments": segments,
+            "segments": by_artery(&RING, self.names.presence),
         })
     }
 

@@ -16,7 +16,6 @@ use willis_core::sampling::{SamplingOptions, Uncertain};
 use willis_io::formats::ReadOptions;
 use willis_io::masks::Appearance;
 use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};
-use willis_report::figures::{DEFAULT_DPI, check_dpi};
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -96,31 +95,6 @@ impl InferOptions {
         self.sampling.validate()?;
         self.phenotypes.validate()?;
         self.keep.map_or(Ok(()), Keep::validate)
-    }
-}
-
-/// How an output folder is written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct SaveOptions {
-    /// Resolution of the pictures, dots an inch, 30 to 1200.
-    pub dpi: u32,
-}
-
-impl Default for SaveOptions {
-    fn default() -> Self {
-        Self { dpi: DEFAULT_DPI }
-    }
-}
-
-impl SaveOptions {
-    /// Checks every field.
-    ///
-    /// # Errors
-    ///
-    /// Names the field, its value and the range.
-    pub fn validate(&self) -> Result<()> {
-        check_dpi(self.dpi)
     }
 }
 

@@ -18,7 +18,7 @@ use willis_core::flow::{FoundOutlets, Given};
 use willis_core::network::units::Scale;
 use willis_core::network::{Condition, Network, Origin};
 use willis_io::formats::Format;
-use willis_io::masks::{Scene, Unseen, View};
+use willis_io::masks::View;
 use willis_models::candidates::CandidateOptions;
 use willis_models::candidates::kind::CenterlineKind;
 use willis_report::{Provenance, Segmentation};
@@ -43,9 +43,22 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
     early.state_ends(&mut vessels, options);
     let given = options.boundary.given(&vessels, notes.follow)?;
-    let built = OverConnected::build(vessels, &loaded, &given, view, &mut notes)?;
-    let opened = CutGraph::of(built.graph, &loaded, built.scene.as_ref(), notes.follow);
-    let undecided = Decidable { graph: opened.graph, contacts: opened.contacts, uniform_prior: loaded.prior.is_uniform() };
+    let (graph, looked, unlike) = loaded.prior.graph(vessels, loaded.is_fragments, &given, &loaded.building, view)?;
+    // The image as it was measured, where it shows the vessels, and why it does not.
+    let (scene, unseen) = looked.transpose().map_or_else(|why| (None, Some(why)), |scene| (scene, None));
+    if loaded.is_fragments {
+        let by_evidence = loaded.prior.is_evidence();
+        notes.follow.step(Step::Built { graph: &graph, options: &loaded.building, by_evidence });
+        // Said with the step.
+        notes.kept.extend(nothing_built(&graph, &loaded.building).map(str::to_owned));
+    }
+    let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), &loaded.prior));
+    remarks.into_iter().flatten().for_each(|note| notes.say(note));
+    let (graph, contacts, crowded) = match &loaded.cuts {
+        Some(cuts) => cuts.open(graph, scene.as_ref(), notes.follow),
+        None => (graph, Contacts::default(), None),
+    };
+    let undecided = Decidable { graph, contacts, uniform_prior: loaded.prior.is_uniform() };
     let keep = options.keep.unwrap_or(loaded.prior.usual_rule(&undecided.graph));
     let decided = loaded.decisions.take().map(|list| list.on(&undecided.graph, &input.provenance.sha256)).transpose()?;
     let before = decided.is_some().then(|| Arc::new(undecided.clone()));
@@ -61,11 +74,11 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
     let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
-    let said = loaded.notes.clone().into_iter().chain(unused).chain(built.unlike).chain(opened.crowded).chain(of_arteries);
+    let said = loaded.notes.clone().into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
     said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
         .chain(stated_resistances(options.preset, &early.given))
         .for_each(|note| notes.say(note));
-    let image_places = built.scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
+    let image_places = scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
     if options.image_places.is_some() {
         let size = image_places.iter().map(|place| place.samples.len()).sum::<usize>() as f64 / 1e6;
         notes.follow.step(Step::Note(&format!(
@@ -85,7 +98,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
-            image: loaded.image.map(|image| image.record(built.unseen)),
+            image: loaded.image.map(|image| image.record(unseen)),
             decisions: decided,
         },
         contacts,
@@ -172,7 +185,7 @@ impl<'a> Loaded<'a> {
 impl EarlyArteries {
     fn find(vessels: &Network, loaded: &Loaded<'_>, notes: &mut Notes<'_>) -> Result<Self> {
         let found = match &loaded.arteries {
-            Some(source) if source.is_landmarks() => return loaded.find(source, vessels).map(Self::Landmarks),
+            Some(source) if source.file().is_some() => return loaded.find(source, vessels).map(Self::Landmarks),
             Some(ArterySource::Geometry) => Self::by_geometry(vessels, loaded),
             _ => return Ok(Self::Nothing),
         };
@@ -207,58 +220,6 @@ impl EarlyArteries {
 
 /// What the note begins with that says why there is no phenotype.
 pub(super) const NO_PHENOTYPE: &str = "no phenotype: ";
-
-/// The over-connected graph, before contacts are opened.
-struct OverConnected {
-    graph: Network,
-    /// The image as it was measured, where it shows the vessels, ...
-    scene: Option<Scene>,
-    /// ... and why it does not.
-    unseen: Option<Unseen>,
-    /// What to tell a person where the model knows no such fragments.
-    unlike: Option<String>,
-}
-
-impl OverConnected {
-    fn build(vessels: Network, loaded: &Loaded<'_>, given: &[Given], view: Option<View>, notes: &mut Notes<'_>) -> Result<Self> {
-        let Loaded { prior, building, is_fragments, .. } = loaded;
-        let (graph, looked, unlike) = prior.graph(vessels, *is_fragments, given, building, view)?;
-        let (scene, unseen) = match looked {
-            None => (None, None),
-            Some(Ok(scene)) => (Some(scene), None),
-            Some(Err(why)) => (None, Some(why)),
-        };
-        if *is_fragments {
-            notes.follow.step(Step::Built { graph: &graph, options: building, by_evidence: prior.is_evidence() });
-            // Said with the step.
-            notes.kept.extend(nothing_built(&graph, building).map(str::to_owned));
-        }
-        let remarks = loaded.image.as_ref().map(|image| image.remarks(unseen, scene.as_ref(), prior));
-        remarks.into_iter().flatten().for_each(|note| notes.say(note));
-        Ok(Self { graph, scene, unseen, unlike })
-    }
-}
-
-/// The over-connected graph with its contacts cut apart, where they are.
-struct CutGraph {
-    graph: Network,
-    contacts: Contacts,
-    /// What to tell a person of contacts.
-    crowded: Option<String>,
-}
-
-impl CutGraph {
-    fn of(graph: Network, loaded: &Loaded<'_>, scene: Option<&Scene>, follow: &mut dyn Follow) -> Self {
-        let Some(cuts) = &loaded.cuts else { return Self { graph, contacts: Contacts::default(), crowded: None } };
-        let (graph, contacts, crowded) = cuts.open(graph, scene);
-        follow.step(if cuts.record.only_suggested {
-            Step::CutsSuggested { suggested: contacts.suggested.len() }
-        } else {
-            Step::Cut { graph: &graph, with_mask: cuts.record.mask, with_image: cuts.looks_at(scene) }
-        });
-        Self { graph, contacts, crowded }
-    }
-}
 
 /// What a run with the choices of the paper says of outlets that are not at ground.
 fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {

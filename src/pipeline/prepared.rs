@@ -75,6 +75,12 @@ impl Prepared {
         &self.records.prior
     }
 
+    /// The nodes whose conditions were stated, not found.
+    pub(crate) fn given(&self) -> Vec<usize> {
+        let conditions = self.boundary.conditions.iter().map(|(node, _)| *node);
+        conditions.filter(|node| !self.boundary.is_found(*node)).collect()
+    }
+
     /// The graph before a person decided on it.
     pub(crate) fn undecided_graph(&self) -> &Network {
         self.undecided.as_ref().map_or(&self.graph, |before| &before.graph)

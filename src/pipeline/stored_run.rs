@@ -2,7 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
 use serde_json::Value;
 
 use super::arteries::FoundArteries;
@@ -33,28 +32,6 @@ pub(crate) struct StoredRun {
     sha256: String,
 }
 
-/// What is read of run.json.
-#[derive(Deserialize)]
-struct StoredRecord {
-    input: Value,
-    options: RunOptions,
-    parameters: Value,
-    boundary_conditions: Vec<StoredCondition>,
-    graph: Option<StoredGraph>,
-    named: Option<FoundArteries>,
-}
-
-#[derive(Deserialize)]
-struct StoredCondition {
-    node: usize,
-    found: bool,
-}
-
-#[derive(Deserialize)]
-struct StoredGraph {
-    sha256: String,
-}
-
 impl StoredRun {
     /// The run in a folder.
     ///
@@ -71,28 +48,30 @@ impl StoredRun {
         if !is_there(&path) {
             return Err(wrong("a folder without run.json"));
         }
-        let record: Value = read_json(&path, "expected the record of willis infer")?;
-        if record["graph"]["sha256"].is_null() {
-            return Err(wrong("a run without a graph of candidates"));
-        }
-        let mut record: StoredRecord =
-            serde_json::from_value(record).map_err(|_| wrong("parameters that are not those of willis infer"))?;
-        let samples =
-            record.parameters["samples"].as_u64().ok_or_else(|| wrong("parameters that are not those of willis infer"))?;
+        let mut record: Value = read_json(&path, "expected the record of willis infer")?;
+        let text = |value: &Value| value.as_str().map(str::to_owned);
+        let sha256 = text(&record["graph"]["sha256"]).ok_or_else(|| wrong("a run without a graph of candidates"))?;
+        let unlike = || wrong("parameters that are not those of willis infer");
+        let mut options: RunOptions = serde_json::from_value(record["options"].take()).map_err(|_| unlike())?;
+        let named = serde_json::from_value(record["named"].take()).map_err(|_| unlike())?;
+        let samples = record["parameters"]["samples"].as_u64().ok_or_else(unlike)?;
+        let conditions = record["boundary_conditions"].as_array().ok_or_else(unlike)?;
+        let stated = conditions.iter().filter(|condition| condition["found"] == false);
+        let given = stated.filter_map(|condition| condition["node"].as_u64()).map(|node| node as usize).collect();
         let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| is_there(path));
         copy.as_deref().map(open_regular).transpose()?;
-        if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut record.options.infer.arteries, copy) {
+        if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut options.infer.arteries, copy) {
             *path = copy;
         }
         Ok(Self {
             graph: folder.join(GRAPH),
-            options: record.options,
+            options,
             samples,
-            given: record.boundary_conditions.iter().filter(|c| !c.found).map(|c| c.node).collect(),
-            landmarks: record.parameters["landmarks"]["sha256"].as_str().map(str::to_owned),
-            named: record.named,
-            input_sha256: record.input["sha256"].as_str().unwrap_or_default().to_owned(),
-            sha256: record.graph.map(|graph| graph.sha256).unwrap_or_default(),
+            given,
+            landmarks: text(&record["parameters"]["landmarks"]["sha256"]),
+            named,
+            input_sha256: text(&record["input"]["sha256"]).unwrap_or_default(),
+            sha256,
         })
     }
 

@@ -36,7 +36,7 @@ fn solve(path: &std::path::Path, pulse: PulseOptions, viscosity: f64) -> (Networ
     let input = willis::read(path, &ReadOptions::default()).expect("a network");
     let options = FlowOptions { pulse: Some(pulse), viscosity, ..FlowOptions::default() };
     let run = willis::simulate(&input, &[], &options).expect("a flow");
-    let pulses = run.simulated().pulses.expect("it was asked for").0.clone();
+    let pulses = run.pulses.as_ref().expect("it was asked for").0.clone();
     (input.network, pulses)
 }
 

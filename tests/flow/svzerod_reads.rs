@@ -86,7 +86,7 @@ fn it_reads_every_circle_and_finds_its_steady_flow() {
         let model: Value = serde_json::from_slice(&std::fs::read(path).expect("the model")).expect("JSON");
         let input = willis::Input::from_network(network.clone());
         let run = willis::simulate(&input, &[], &FlowOptions::default()).expect("a flow");
-        let state = &run.simulated().result.unperturbed;
+        let state = &run.result.unperturbed;
         let largest = state.vessels.iter().map(|v| v.flow.abs()).fold(0.0, f64::max);
         for (row, vessel) in state.vessels.iter().enumerate() {
             let found = &said["vessels"][format!("branch{row}_seg0")];

@@ -36,8 +36,7 @@ fn the_circles_of_an_independent_program() {
         let input = willis::read(path.as_ref(), &ReadOptions::default()).expect("a circle");
         let options = FlowOptions { transport: true, ..FlowOptions::default() };
         let run = willis::simulate(&input, &[], &options).expect("a flow");
-        let simulated = run.simulated();
-        let found = &simulated.transports.expect("it was asked for").unperturbed;
+        let found = &run.transports.as_ref().expect("it was asked for").unperturbed;
         let node_of = |id: &str| (0..input.network.node_count()).find(|node| input.network.node(*node).id == id).expect("a node");
         for (id, inflow) in circle["inlets"].as_object().expect("inlets") {
             let at = found.sources.binary_search(&node_of(id)).expect("a source");
@@ -129,13 +128,12 @@ fn longer_takes_longer_and_closed_takes_nothing() {
     let options = FlowOptions { transport: true, ..FlowOptions::default() };
     let run = willis::simulate(&input, &[("L-ICA I", Change::Tortuosity(2.0)), ("R-PComm", Change::Occlusion)], &options)
         .expect("a flow");
-    let simulated = run.simulated();
-    let found = simulated.transports.expect("it was asked for");
+    let found = run.transports.as_ref().expect("it was asked for");
     let row =
         |label: &str| (0..input.network.vessel_count()).find(|row| input.network.vessel(*row).label == label).expect("a vessel");
     let after = found.perturbed.as_ref().expect("changes");
     let (carotid, volume) = (row("L-ICA I"), input.network.vessel(row("L-ICA I")).volume());
-    let flow = simulated.result.perturbed.as_ref().expect("changes").vessels[carotid].flow;
+    let flow = run.result.perturbed.as_ref().expect("changes").vessels[carotid].flow;
     close(after.vessels[carotid].expect("flow").1, 2.0 * volume / flow.abs(), 1e-12, "twice the volume");
     assert!(after.vessels[row("R-PComm")].is_none() && found.unperturbed.vessels[row("R-PComm")].is_some());
 }

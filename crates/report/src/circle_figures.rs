@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use willis_core::network::units::millimetres;
@@ -12,6 +13,11 @@ pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
 
 /// Figures of a whole network, by the names of their columns.
 pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
+
+/// What is said of each artery, by its name.
+pub fn by_artery<T: Serialize>(arteries: &[Artery], said: impl IntoIterator<Item = T>) -> Value {
+    arteries.iter().zip(said).map(|(artery, said)| (artery.to_string(), json!(said))).collect()
+}
 
 /// 2 (L - R)/(L + R).
 pub(crate) fn asymmetry(left: f64, right: f64) -> f64 {
@@ -67,9 +73,7 @@ impl CircleFigures {
 
     /// States them in a phenotype, which says already what is there.
     pub(crate) fn put(&self, phenotype: &mut Value) {
-        let diameters: serde_json::Map<String, Value> =
-            RING.iter().zip(self.diameters).map(|(artery, diameter)| (artery.to_string(), json!(diameter))).collect();
-        phenotype["diameters_mm"] = diameters.into();
+        phenotype["diameters_mm"] = by_artery(&RING, self.diameters);
         phenotype["hypoplastic"] = json!(self.thin().iter().map(ToString::to_string).collect::<Vec<_>>());
     }
 

@@ -14,26 +14,23 @@ pub mod node_blocks;
 pub mod page;
 mod phenotype;
 mod readers;
-pub mod run_record;
+mod run_record;
 mod simulation;
 mod supply;
 
 pub use accuracy::{Segments, accuracy_columns};
-pub use circle_figures::{CircleFigures, NamedFigures};
+pub use circle_figures::{CircleFigures, NamedFigures, by_artery};
 pub use inference::{
-    Outcome, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome, write_tables,
+    Outcome, SolverRecord, agreement, few_perfused, questions, review_columns, topology_columns, vessel_columns, write_outcome,
+    write_tables,
 };
-pub use modulation::{ModulationOutcome, write_modulation};
+pub use modulation::ModulationRun;
 pub use morphometry::{MeasuredSubject, named_figures};
 pub use page::{ImagePlace, Segmentation};
-pub use phenotype::{
-    Classified, classification_record, collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype,
-};
+pub use phenotype::{collateral_columns, collateral_json, phenotype_json, write_classified, write_phenotype};
 pub use readers::{ReadBy, TwiceRead, difference_columns, kappa_of, reader_columns};
-pub use run_record::{Provenance, Summary, outlets_found};
-pub use simulation::node_columns as simulated_nodes;
-pub use simulation::pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays};
-pub use simulation::transport::{end_name, territory_columns, transit_columns};
-pub use simulation::vessel_columns as simulated_vessels;
-pub use simulation::{FlowRecord, MOST_COLLATERALS, Simulated, occlusion_columns, write_simulated};
+pub use run_record::{Provenance, RunRecord, infer_record};
+pub use simulation::pulse::pulse_vessel_columns;
+pub use simulation::transport::end_name;
+pub use simulation::{MOST_COLLATERALS, SimulationRun};
 pub use supply::{supply_columns, supply_json};

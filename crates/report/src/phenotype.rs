@@ -4,40 +4,17 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::circle_figures::CircleFigures;
+use super::circle_figures::{CircleFigures, by_artery};
 use super::page::phenotype::write_phenotype_page;
-use super::run_record::Provenance;
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::network::units::ml_per_min;
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
-use willis_io::output::write_file;
-use willis_io::output::{write_json, write_record};
+use willis_io::output::{write_file, write_json, write_record};
 use willis_models::circle_of_willis::{
     Artery, BodySide, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, TERRITORIES, Variant,
 };
-
-/// A classification with everything that its files need.
-#[derive(Debug)]
-pub struct Classified<'a> {
-    /// The vessels.
-    pub network: &'a Network,
-    /// How many of them count as present.
-    pub counted: usize,
-    /// The phenotype as by [`phenotype_json`].
-    pub phenotype: &'a Value,
-    /// How the arteries were found: `names`, `icafe`, `topcow` or `landmarks`.
-    pub known_by: &'a str,
-    /// Path and SHA-256 of the landmarks, or null.
-    pub landmarks: Value,
-    /// The collateral flow as by [`collateral_json`], or null where no blood can flow.
-    pub collateral: Value,
-    /// Who feeds what as by [`supply_json`](super::supply::supply_json).
-    pub supply: Value,
-    /// Notes about where the arteries are.
-    pub notes: &'a [String],
-}
 
 /// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
 /// segments with their diameters, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
@@ -65,14 +42,12 @@ fn probabilities_json(network: &Network, posterior: &Posterior) -> Value {
             "share": d.share_with, "variant_with": d.with, "variant_without": d.without,
         })
     };
-    let segments: serde_json::Map<String, Value> =
-        RING.iter().zip(posterior.segments).map(|(artery, p)| (artery.to_string(), json!(p))).collect();
     json!({
         "not_seen": names(&of_ring(posterior.not_seen)),
         "impossible": names(&of_ring(posterior.impossible)),
         "variant": posterior.probability(),
         "margin": posterior.margin(),
-        "segments": segments,
+        "segments": by_artery(&RING, posterior.segments),
         "fetal": { "L-PCA": posterior.fetal[0], "R-PCA": posterior.fetal[1] },
         "variants": posterior.variants.iter().take(MOST_LISTED).map(variant).collect::<Vec<_>>(),
         "deciding": posterior.deciding.iter().take(MOST_LISTED).map(deciding).collect::<Vec<_>>(),
@@ -93,10 +68,7 @@ fn names(arteries: &[Artery]) -> Vec<String> {
 fn anatomy_json(variant: &Variant) -> Value {
     let has = |artery| variant.has(artery);
     let [left, right] = BodySide::BOTH;
-    let mut segments = serde_json::Map::new();
-    for (artery, present) in presence(variant) {
-        segments.insert(artery.to_string(), json!(present));
-    }
+    let segments: Value = presence(variant).map(|(artery, present)| (artery.to_string(), json!(present))).collect();
     let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
     json!({
         "anterior": {
@@ -146,26 +118,6 @@ fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures
     columns
 }
 
-/// The record of a classification.
-pub fn classification_record(classified: &Classified<'_>, provenance: &Provenance) -> Value {
-    json!({
-        "willis": env!("CARGO_PKG_VERSION"),
-        "command": provenance.command,
-        "input": provenance.of_input(),
-        "parameters": { "arteries": classified.known_by },
-        "landmarks": classified.landmarks,
-        "counts": {
-            "nodes": classified.network.node_count(),
-            "vessels": classified.network.vessel_count(),
-            "counted": classified.counted,
-        },
-        "phenotype": classified.phenotype,
-        "collateral": classified.collateral,
-        "supply": classified.supply,
-        "notes": provenance.notes.iter().chain(classified.notes).collect::<Vec<_>>(),
-    })
-}
-
 /// Writes phenotype.json and phenotype.csv into a folder.
 ///
 /// # Errors
@@ -186,8 +138,7 @@ pub fn write_phenotype(
 /// For each feeder that is closed the artery that takes over and, for each territory, the share of its flow that is left.
 pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     let each = |collateral: &Collateral| {
-        let shares = TERRITORIES.iter().zip(collateral.residual());
-        let residual: serde_json::Map<String, Value> = shares.map(|(artery, share)| (artery.to_string(), json!(share))).collect();
+        let residual = by_artery(&TERRITORIES, collateral.residual());
         let takes_over = collateral.takes_over.map(|artery| artery.to_string());
         (collateral.occluded.to_string(), json!({ "takes_over": takes_over, "residual": residual }))
     };

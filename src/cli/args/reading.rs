@@ -6,8 +6,9 @@ use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
+use crate::internals::pipeline::RunOptions;
 use crate::internals::support::geometry::Point;
-use crate::{Cavities, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read, read_run};
+use crate::{Cavities, InferOptions, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read, read_run};
 use clap::Args;
 use serde_json::Value;
 
@@ -132,12 +133,13 @@ impl ReadingArgs {
         matches!(self.spacing.as_deref(), Some([Spacing::Auto]))
     }
 
-    /// The options that many inputs share, for two runs to be compared: `options` with those that [`Self::shared`] cannot hold.
-    pub fn compared(&self, mut options: Value) -> Value {
+    /// The options that many inputs share, for two runs to be compared: those of reading with those of `infer`.
+    pub fn parameters(&self, infer: InferOptions) -> Result<Value> {
+        let mut options = RunOptions { read: self.shared()?, infer }.comparable(&Value::Null);
         if self.is_spacing_auto() {
             options["spacing_mm"] = "auto".into();
         }
-        options
+        Ok(options)
     }
 
     /// The unit of an input by the spacing that is stated for it.

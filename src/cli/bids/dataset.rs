@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::cli::print::listed;
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{Covariates, is_there, open_regular, read_participants, regular_bytes_of};
 use crate::internals::output::read_json;
@@ -24,7 +25,7 @@ const WHAT: [&str; 4] = ["desc", "label", "seg", "atlas"];
 /// Parts of the words that mean vessels there, in small letters.
 const VESSELS: [&str; 7] = ["vessel", "arter", "vasc", "lumen", "angio", "cow", "circleofwillis"];
 /// The most names that an error lists.
-const MOST: usize = 6;
+pub const MOST: usize = 6;
 
 /// `--filter KEY=VALUE`: what the name of a mask must have; without a value, what it must not have.
 #[derive(Debug, Clone, PartialEq)]
@@ -265,7 +266,7 @@ impl Dataset {
                     || "keep one of them".to_owned(),
                     |key| format!("choose with --filter, such as --filter {key}={}", first.value(key)),
                 );
-                let names = listed(meant.iter().map(|mask| self.shown(&mask.path)));
+                let names = listed(meant.iter().map(|mask| self.shown(&mask.path)), MOST);
                 let found = format!("{} masks could be meant for {}: {names}", meant.len(), first.run());
                 Err(Fault::file(found, way).in_file(&self.root))
             }
@@ -310,13 +311,13 @@ impl Dataset {
     /// That participants have no mask of vessels; `others` are masks that do not say so.
     fn none(&self, of: &[String], others: &[DatasetMask]) -> Error {
         let whose =
-            if of.len() == self.participants.len() { String::new() } else { format!(" of {}", listed(of.iter().cloned())) };
+            if of.len() == self.participants.len() { String::new() } else { format!(" of {}", listed(of.iter().cloned(), MOST)) };
         let others: Vec<&DatasetMask> = others.iter().filter(|mask| of.contains(&mask.participant)).collect();
         let found = format!("no mask of vessels{whose}");
         let accepted = match others.first() {
             None => "expected sub-*/[ses-*/]anat/*_mask.nii.gz or *_dseg.nii.gz in it or in its derivatives/*".to_owned(),
             Some(first) => {
-                let names = listed(others.iter().map(|mask| self.shown(&mask.path)));
+                let names = listed(others.iter().map(|mask| self.shown(&mask.path)), MOST);
                 let what = WHAT.iter().find(|key| first.named.value(key).is_some()).unwrap_or(&"desc");
                 let key = format!("--filter {what}={}", first.value(what));
                 format!("{names} does not say so in desc or label; if it is one, give {key}")
@@ -337,7 +338,7 @@ impl Dataset {
             let what = WHAT.iter().filter_map(|key| mask.named.value(key).map(|value| format!("{key}-{value}_")));
             format!("{folder}: {}{}", what.collect::<String>(), mask.named.suffix)
         };
-        listed(masks.iter().map(place).collect::<BTreeSet<_>>().into_iter())
+        listed(masks.iter().map(place).collect::<BTreeSet<_>>().into_iter(), MOST)
     }
 
     /// What the dataset calls itself.
@@ -365,16 +366,8 @@ pub fn is_of_willis(folder: &Path) -> bool {
 pub fn check_labels(field: &str, asked: &[String], known: &BTreeSet<String>) -> Result<()> {
     let Some(unknown) = asked.iter().find(|label| !known.contains(*label)) else { return Ok(()) };
     let there =
-        if known.is_empty() { "there is none".to_owned() } else { format!("there are {}", listed(known.iter().cloned())) };
+        if known.is_empty() { "there is none".to_owned() } else { format!("there are {}", listed(known.iter().cloned(), MOST)) };
     Err(Error::parameter(field, unknown, format!("no such folder; {there}")))
-}
-
-/// Words with commas, the first few of many.
-pub fn listed(words: impl Iterator<Item = String>) -> String {
-    let words: Vec<String> = words.collect();
-    let more = words.len().saturating_sub(MOST);
-    let first = words[..words.len() - more].join(", ");
-    if more == 0 { first } else { format!("{first} and {more} more") }
 }
 
 /// The folders in a folder that begin with some letters, by name; hidden ones are left out.

@@ -6,10 +6,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
-use crate::internals::output::StagedFiles;
 use crate::internals::output::names::{PAGE, TOPOLOGY};
-use crate::internals::output::write_error;
-use crate::internals::output::{relative, replace_file};
+use crate::internals::output::{StagedFiles, relative, replace_file, write_error};
 use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 

@@ -17,15 +17,15 @@ use crate::internals::report::cohort::{CohortRow, infer_figures};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
-use super::at_work::with_flags;
+use super::at_work::{self, with_flags};
 use super::cohort::{Cohort, Each, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, say_notes_of};
-use super::command_line::command_line_of_mask;
+use super::command_line::{infer_words, line_of_words};
 use super::infer::{InferenceArgs, Inferences};
-use super::print::{TextTerminal, plural};
+use super::print::{TextTerminal, listed, plural};
 use super::shell::print_json;
 use super::signals::listen;
 use super::subjects::Subject;
-use dataset::{Choice, Dataset, DatasetMask, check_labels, listed};
+use dataset::{Choice, Dataset, DatasetMask, MOST, check_labels};
 use derivative::Derivative;
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
@@ -99,7 +99,7 @@ impl BidsArgs {
             format!("{} of {}, in {}", plural(masks.len(), "mask"), plural(people.len(), "participant"), Dataset::places(&masks));
         terminal.say("found", found);
         if !without.is_empty() {
-            terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter())));
+            terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter(), MOST)));
         }
         let record = |run: &MaskRun<'_>| -> Option<Value> { read_json(&derivative.run(run.mask).join(RECORD), "").ok() };
         let is_done = |(run, earlier): (&MaskRun<'_>, &Option<Ledger>)| {
@@ -111,18 +111,18 @@ impl BidsArgs {
         let each = Each { subjects: &subjects, done: &done, heading: "dataset", noun: "run", place: &derivative.runs() };
         let unnamed = masks.iter().zip(&done).filter(|(mask, done)| **done && !derivative.has(mask));
         unnamed.into_iter().try_for_each(|(mask, _)| derivative.export(mask, dataset))?;
-        let failures = each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
+        let ended = each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
 
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
-        let made: Vec<Value> = records.iter().flatten().cloned().collect();
-        say_notes_of(&made, terminal);
+        say_notes_of(records.iter().flatten(), terminal);
         if json {
             runs.iter().zip(&records).try_for_each(|(run, record)| print_json(&run.row(record.as_ref(), derivative).record()))?;
         }
-        terminal.say("written", format!("{}: {}", self.output.display(), plural(made.len(), "run")));
+        terminal.say("written", format!("{}: {}", self.output.display(), plural(records.iter().flatten().count(), "run")));
         // A run may stand, and its files under names of BIDS not.
-        let is_lost = |(record, failure): &(&Option<Value>, &Option<String>)| record.is_none() || failure.is_some();
-        failed(records.iter().zip(&failures).filter(is_lost).count(), runs.len())
+        let is_lost =
+            |(record, ended): &(&Option<Value>, &Option<Result<(), String>>)| record.is_none() || matches!(ended, Some(Err(_)));
+        failed(records.iter().zip(&ended).filter(is_lost).count(), runs.len())
     }
 
     /// The table and the page of all runs.
@@ -153,7 +153,7 @@ impl BidsArgs {
         });
         let without: Vec<String> = dataset.participants().iter().filter(|name| !people.contains(*name)).cloned().collect();
         if !without.is_empty() {
-            terminal.say("note", format!("no run of {}", listed(without.into_iter())));
+            terminal.say("note", format!("no run of {}", listed(without.into_iter(), MOST)));
         }
 
         let output = derivative.group();
@@ -187,7 +187,8 @@ struct MaskRun<'a> {
 
 impl<'a> MaskRun<'a> {
     fn of(mask: &'a DatasetMask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
-        let (name, input, line) = (mask.run(), mask.path.clone(), command_line_of_mask(&mask.path, places));
+        let words = infer_words(at_work::words(), &mask.path.to_string_lossy(), places);
+        let (name, input, line) = (mask.run(), mask.path.clone(), line_of_words(words.into_iter(), "again"));
         let subject = Subject { name, input, line, row: None };
         let entry = LedgerEntry::of(&subject, work.files(&mask.path));
         // The same by whatever way the dataset is named.

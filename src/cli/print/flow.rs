@@ -4,15 +4,15 @@ use crate::internals::flow::state::{LAMINAR_LIMIT, State};
 use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
 use crate::internals::report::page::lead::change;
-use crate::internals::report::{MOST_COLLATERALS, Simulated, end_name};
+use crate::internals::report::{MOST_COLLATERALS, end_name};
 use crate::internals::simulation::closures::ClosedVessel;
 use crate::internals::simulation::pulse::Pulse;
 use crate::internals::simulation::pulse::indices::Indices;
 use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
-use crate::{Change, Network, Stenosis};
+use crate::{Change, Network, SimulationRun, Stenosis};
 
-use super::{TextTerminal, brief, count, plural};
+use super::{TextTerminal, brief, count, listed, plural};
 
 /// The least share of an outlet's blood that is named.
 const LEAST_SHARE: f64 = 0.005;
@@ -20,19 +20,19 @@ const LEAST_SHARE: f64 = 0.005;
 const NAMED: usize = 6;
 
 /// The flow as it is, and what the perturbations change.
-pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
-    let (network, before) = (simulated.network, &simulated.result.unperturbed);
+pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
+    let (network, before) = (&*simulated.network, &simulated.result.unperturbed);
     terminal.say("resilience", format!("rho_G {} W/m³", brief(before.network_resilience)));
     let diffused = format!("{} of {} diffused", count(before.diffused() as u64), plural(network.vessel_count(), "vessel"));
     terminal.say("inflow", format!("{} mL/min in all, {diffused}", brief(ml_per_min(before.inflow))));
-    let transport = simulated.transports.map(|found| &found.unperturbed);
-    say_state(terminal, simulated, (before, transport, simulated.pulses.map(|(found, _)| &found.unperturbed)), "");
-    if let Some(closures) = simulated.closures {
+    let transport = simulated.transports.as_ref().map(|found| &found.unperturbed);
+    say_state(terminal, simulated, (before, transport, simulated.pulses.as_ref().map(|(found, _)| &found.unperturbed)), "");
+    if let Some(closures) = &simulated.closures {
         say_closures(terminal, network, closures);
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
-    for perturbation in simulated.perturbations {
+    for perturbation in &simulated.perturbations {
         terminal.say("perturbed", words(network, perturbation));
     }
     let (b, a) = (before.network_resilience, after.network_resilience);
@@ -40,17 +40,17 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &Simulated<'_>) {
     let (b, a) = (ml_per_min(before.inflow), ml_per_min(after.inflow));
     let diffused = format!("{} -> {} diffused", count(before.diffused() as u64), plural(after.diffused(), "vessel"));
     terminal.say("inflow", format!("{} -> {} mL/min in all{}, {diffused}", brief(b), brief(a), relative(b, a)));
-    let transport = simulated.transports.and_then(|found| found.perturbed.as_ref());
-    let pulse = simulated.pulses.and_then(|(found, _)| found.perturbed.as_ref());
+    let transport = simulated.transports.as_ref().and_then(|found| found.perturbed.as_ref());
+    let pulse = simulated.pulses.as_ref().and_then(|(found, _)| found.perturbed.as_ref());
     say_state(terminal, simulated, (after, transport, pulse), " after the perturbation");
     let floating = |state: &State| state.pressure.iter().filter(|p| p.is_none()).count();
     let lost = floating(after).saturating_sub(floating(before));
     if lost > 0 {
         terminal.say("cut off", format!("{}, joined to no pressure any more", plural(lost, "node")));
     }
-    let gained = gains(before, after, simulated.perturbations);
+    let gained = gains(before, after, &simulated.perturbations);
     say_changes(terminal, network, "collateral", "more flow in", &gained);
-    let turned = reversals(before, after, simulated.perturbations);
+    let turned = reversals(before, after, &simulated.perturbations);
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
 }
 
@@ -68,11 +68,11 @@ fn say_closures(terminal: TextTerminal, network: &Network, closures: &[ClosedVes
 /// What is worth knowing of one state, beside its resilience and inflow.
 fn say_state(
     terminal: TextTerminal,
-    simulated: &Simulated<'_>,
+    simulated: &SimulationRun<'_>,
     (state, transport, pulse): (&State, Option<&Transport>, Option<&Pulse>),
     when: &str,
 ) {
-    say_beyond_laminar(terminal, simulated.network, state, when);
+    say_beyond_laminar(terminal, &simulated.network, state, when);
     // Fixed flows into a part that nothing joins to a pressure.
     for (node, condition) in &simulated.boundary.conditions {
         if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
@@ -81,7 +81,7 @@ fn say_state(
         }
     }
     if let Some(transport) = transport {
-        say_transport(terminal, simulated.network, transport, when);
+        say_transport(terminal, &simulated.network, transport, when);
     }
     if let Some(pulse) = pulse {
         say_pulse(terminal, simulated, pulse, when);
@@ -134,8 +134,8 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
 }
 
 /// The pulsatility of the vessels of largest flow, and those in which blood turns round within the cycle.
-fn say_pulse(terminal: TextTerminal, simulated: &Simulated<'_>, pulse: &Pulse, when: &str) {
-    let network = simulated.network;
+fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Pulse, when: &str) {
+    let network = &*simulated.network;
     let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
     // In single precision, so that rounding does not change the order of equal flows.
     found.sort_by(|a, b| (b.1.mean.abs() as f32).total_cmp(&(a.1.mean.abs() as f32)));
@@ -191,12 +191,4 @@ fn name(network: &Network, row: usize) -> String {
 /// The change as a share of what was before, with a minus sign that every terminal has.
 fn relative(before: f64, after: f64) -> String {
     change(before, after).replace('\u{2212}', "-")
-}
-
-/// The first of some words, and how many more there are.
-fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
-    let all: Vec<String> = words.collect();
-    let more = all.len().saturating_sub(most);
-    let rest = if more > 0 { format!(" and {} more", count(more as u64)) } else { String::new() };
-    format!("{}{rest}", all[..all.len() - more].join(", "))
 }

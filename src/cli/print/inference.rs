@@ -5,17 +5,9 @@ use crate::{Keep, Weight};
 
 use super::{TextTerminal, brief, count, plural};
 
-/// Says what was kept, and what the kept graph looks like.
+/// Says what was kept, and what the kept graph looks like. Sampling took so many `seconds`.
 pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) {
-    for (heading, fact) in outcome_lines(outcome, seconds) {
-        terminal.say(heading, fact);
-    }
-}
-
-/// What was kept, and what the kept graph looks like: facts under headings. Sampling took so many `seconds`.
-pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, String)> {
-    let mut lines = Vec::new();
-    let mut say = |heading, fact| lines.push((heading, fact));
+    let say = |heading: &str, fact: String| terminal.say(heading, fact);
     let (answer, kept) = (outcome.answer, &outcome.kept);
     let rate = outcome.result.samples as f64 / seconds.max(1e-9);
     let took = if outcome.sampling.exact {
@@ -23,7 +15,7 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
     } else {
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
-    say("sampled", format!("{took}, {} solver", outcome.method.solver));
+    say("sampled", format!("{took}, {} solver", outcome.solver.flow));
     if let Some(warning) = outcome.few_perfused() {
         say("warning", warning);
     }
@@ -89,5 +81,4 @@ pub fn outcome_lines(outcome: &Outcome<'_>, seconds: f64) -> Vec<(&'static str, 
             ),
         );
     }
-    lines
 }

@@ -94,6 +94,13 @@ impl TextTerminal {
         }
     }
 
+    /// Says what a person should know.
+    pub fn notes(self, notes: &[String]) {
+        for note in notes {
+            self.say("note", note);
+        }
+    }
+
     /// Prints a fact with `--verbose` only.
     pub fn detail(self, heading: &str, fact: impl AsRef<str>) {
         if self.verbose {
@@ -193,6 +200,14 @@ pub fn plural(n: usize, noun: &str) -> String {
     format!("{} {noun}{}", count(n as u64), if n == 1 { "" } else { "s" })
 }
 
+/// The first of some words, and how many more there are.
+pub fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
+    let all: Vec<String> = words.collect();
+    let more = all.len().saturating_sub(most);
+    let rest = if more > 0 { format!(" and {} more", count(more as u64)) } else { String::new() };
+    format!("{}{rest}", all[..all.len() - more].join(", "))
+}
+
 /// Three or so significant digits.
 pub fn brief(x: f64) -> String {
     if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
@@ -224,9 +239,7 @@ pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
     };
     let heading = format!("{}, {}{assumed}", source.format, source.units);
     terminal.say("read", format!("{}: {heading}: {size}{}", source.input, radii(network)));
-    for note in &source.notes {
-        terminal.say("note", note);
-    }
+    terminal.notes(&source.notes);
 }
 
 /// The range of the radii, after a comma.

@@ -43,20 +43,14 @@ pub enum CutLine {
 ///
 /// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
 /// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value is one sentence.
-pub fn convergence(samples: &[u64], series: &[Vec<f64>], threshold: (CutLine, &[f64]), kept: &[bool], weight: Weight) -> Figure {
-    let mut sheet = Sheet::default();
-    draw(&mut sheet, samples, series, threshold, kept, weight);
-    Figure::new(CONVERGENCE_PICTURE, PAGE, sheet)
-}
-
-fn draw(
-    sheet: &mut Sheet,
+pub fn convergence(
     samples: &[u64],
     series: &[Vec<f64>],
     (cut, threshold): (CutLine, &[f64]),
     kept: &[bool],
     weight: Weight,
-) {
+) -> Figure {
+    let mut sheet = Sheet::default();
     let [left, top, right, bottom] = BOX;
     sheet.title("Convergence of the likelihood of uncertain vessels", left);
 
@@ -68,12 +62,13 @@ fn draw(
             (_, true) => "No sample was drawn.",
             _ => "No uncertain vessel carries blood in any sample.",
         };
-        return sheet.plain(note, [left, top], Align::Begin);
+        sheet.plain(note, [left, top], Align::Begin);
+        return Figure::new(CONVERGENCE_PICTURE, PAGE, sheet);
     };
 
     let lowest = values().fold(f64::INFINITY, f64::min);
     let axes = ConvergenceAxes { last: samples.last().copied().unwrap_or(1), range, zeros: range.share(lowest) < 0.0 };
-    axes.ticks(sheet, weight);
+    axes.ticks(&mut sheet, weight);
     // A few curves are thick and opaque, thousands thin and transparent.
     let curves = [false, true].map(|kept_ones| {
         let all: Vec<&Vec<f64>> =
@@ -86,16 +81,16 @@ fn draw(
     let opacity = 0.05 + 0.85 * sparse.powf(0.7);
     for (curves, rgb) in curves.iter().zip([PRUNED, KEPT]) {
         for run in curves.iter().flat_map(|values| axes.runs(samples, values)) {
-            axes.stroke(sheet, &run, width, rgb, opacity);
+            axes.stroke(&mut sheet, &run, width, rgb, opacity);
         }
     }
     for run in axes.runs(samples, threshold) {
         match cut {
             CutLine::Threshold => {
-                axes.stroke(sheet, &run, 2.0 * BOLD, PAPER, 0.8);
-                axes.stroke(sheet, &run, BOLD, INK, 1.0);
+                axes.stroke(&mut sheet, &run, 2.0 * BOLD, PAPER, 0.8);
+                axes.stroke(&mut sheet, &run, BOLD, INK, 1.0);
             }
-            CutLine::Median => axes.dashes(sheet, &run),
+            CutLine::Median => axes.dashes(&mut sheet, &run),
         }
     }
     sheet.frame([left, top], [right - left, bottom - top]);
@@ -108,7 +103,8 @@ fn draw(
     };
     let line = threshold.iter().any(|cut| !cut.is_nan()).then_some(line);
     let curves = [(&*counts[0], LegendKey::Line(CURVE), KEPT), (&*counts[1], LegendKey::Line(CURVE), PRUNED)];
-    legend::legend(sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>());
+    legend::legend(&mut sheet, left, &curves.into_iter().chain(line).collect::<Vec<_>>());
+    Figure::new(CONVERGENCE_PICTURE, PAGE, sheet)
 }
 
 /// The positions of numbers of samples and contributions on the page.

@@ -4,6 +4,8 @@ use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::Path;
 
+use serde::{Deserialize, Serialize};
+
 use super::sheet::Sheet;
 use super::style::POINTS_PER_INCH;
 use super::{bitmap, svg};
@@ -23,6 +25,31 @@ const DPI: RangeInclusive<u32> = 36..=1200;
 pub fn check_dpi(dpi: u32) -> Result<()> {
     let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
     if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("dpi", dpi, accepted())) }
+}
+
+/// How an output folder is written.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct SaveOptions {
+    /// Resolution of the pictures, dots an inch, 30 to 1200.
+    pub dpi: u32,
+}
+
+impl Default for SaveOptions {
+    fn default() -> Self {
+        Self { dpi: DEFAULT_DPI }
+    }
+}
+
+impl SaveOptions {
+    /// Checks every field.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and the range.
+    pub fn validate(&self) -> Result<()> {
+        check_dpi(self.dpi)
+    }
 }
 
 /// A figure that can be written in any format.

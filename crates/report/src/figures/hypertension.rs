@@ -46,22 +46,18 @@ pub struct Histograms {
 pub fn hypertension(histograms: &Histograms) -> Figure {
     let height = TOP + EVERY * histograms.classes.len() as f64 + FOOT;
     let mut sheet = Sheet::default();
-    draw(&mut sheet, histograms, height);
-    Figure::new(HYPERTENSION_PICTURE, [WIDTH, height], sheet)
-}
-
-fn draw(sheet: &mut Sheet, histograms: &Histograms, height: f64) {
     let [left, right] = SIDES;
     let middle = f64::midpoint(left, right);
     sheet.title("Hypertension: pressure over cross-section, all instances", left);
     let Some(last) = histograms.edges.last() else {
-        return sheet.plain("no force above zero", [middle, height / 2.0], Align::Middle);
+        sheet.plain("no force above zero", [middle, height / 2.0], Align::Middle);
+        return Figure::new(HYPERTENSION_PICTURE, [WIDTH, height], sheet);
     };
     let curve = histograms.classes.iter().any(|class| class.fit.is_some());
     let fit = curve.then_some(("gamma distribution, fitted", LegendKey::Line(1.6), PRUNED));
     let keys = [("vessels and instances", LegendKey::Box, EACH)].into_iter().chain(fit);
     let keys: Vec<_> = keys.chain([("threshold of risk", REFERENCE.0, REFERENCE.1)]).collect();
-    legend::legend(sheet, left, &keys);
+    legend::legend(&mut sheet, left, &keys);
     // The threshold is always visible.
     let across = LinearRange { low: 0.0, high: 1.04 * last.max(histograms.threshold) };
     let x = |force: f64| left + (right - left) * across.share(force);
@@ -91,4 +87,5 @@ fn draw(sheet: &mut Sheet, histograms: &Histograms, height: f64) {
     }
     sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + NAME_BELOW], Align::Middle);
     sheet.upright("density (mm\u{b2}/mmHg)", [NAME_LEFT, f64::midpoint(TOP, bottom)]);
+    Figure::new(HYPERTENSION_PICTURE, [WIDTH, height], sheet)
 }

@@ -24,7 +24,7 @@ pub(crate) mod waveforms;
 
 pub use colour::{ZERO, colour};
 pub use convergence::{CutLine, convergence};
-pub use figure::{DEFAULT_DPI, Figure, check_dpi};
+pub use figure::{DEFAULT_DPI, Figure, SaveOptions};
 pub use flow_bars::{VesselFlow, flow_bars};
 pub use heat_map::{LikelihoodMatrix, NodeBlock, heat_map};
 pub use hypertension::{Histogram, Histograms, hypertension};

@@ -54,30 +54,21 @@ pub struct Panel {
 /// A box reaches from the first to the third quartile, its bar is the median, its whiskers reach from the 5th to the 95th
 /// percentile. A dashed line marks the value without modulation. NaN values are left out.
 pub fn modulation(classes: &[String], panels: &[Panel; 3]) -> Figure {
+    let [left, right] = SIDES;
+    let room = (right - left) / classes.len() as f64;
     // Names that are too wide for a class alternate between rows.
     let digits = classes.iter().map(|name| name.chars().count()).max().unwrap_or(0) as f64;
-    let rows = ((digits * NAMES[1] + NAMES[2]) / room(classes)).ceil().max(1.0) as usize;
+    let rows = ((digits * NAMES[1] + NAMES[2]) / room).ceil().max(1.0) as usize;
     let foot = BOTTOM + TICK + NAMES[0] * (rows as f64 - 0.4) + FOOT[0];
     let mut sheet = Sheet::default();
-    draw(&mut sheet, classes, panels, rows, foot);
-    Figure::new(MODULATION_PICTURE, [WIDTH, foot + FOOT[1]], sheet)
-}
-
-/// The width that a class has, points.
-fn room(classes: &[String]) -> f64 {
-    (SIDES[1] - SIDES[0]) / classes.len() as f64
-}
-
-fn draw(sheet: &mut Sheet, classes: &[String], panels: &[Panel; 3], rows: usize, foot: f64) {
-    let ([left, right], room) = (SIDES, room(classes));
     let middle = f64::midpoint(left, right);
     sheet.title("Response to resistance modulation, against the unperturbed network", left);
     let keys = [("every vessel (pressure: node)", LegendKey::Box, EACH), ("whole network", LegendKey::Box, WHOLE)];
-    legend::legend(sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)]);
+    legend::legend(&mut sheet, left, &[keys[0], keys[1], ("unperturbed", REFERENCE.0, REFERENCE.1)]);
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
-        quantity(sheet, panel, top, room, at);
+        quantity(&mut sheet, panel, top, room, at);
         top += HEIGHT + GAP;
     }
     for (class, name) in classes.iter().enumerate() {
@@ -86,6 +77,7 @@ fn draw(sheet: &mut Sheet, classes: &[String], panels: &[Panel; 3], rows: usize,
         sheet.plain(name, [at(class), y], Align::Middle);
     }
     sheet.plain("modulation u, by class", [middle, foot], Align::Middle);
+    Figure::new(MODULATION_PICTURE, [WIDTH, foot + FOOT[1]], sheet)
 }
 
 /// One panel below `top`.

@@ -75,26 +75,14 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
     for vessel in &mut vessels {
         vessel.course = smoothed(&vessel.course);
     }
+    let rings = &rings[..rings.len().min(MOST_RINGS)];
     let mut sheet = Sheet::default();
-    draw(&mut sheet, title, words, &vessels, &rings[..rings.len().min(MOST_RINGS)], views);
-    Figure::new(SUMMARY_PICTURE, PAGE, sheet)
-}
-
-/// A piece of a vessel on the page: how far off, its course, and how it is drawn.
-struct DrawnPiece {
-    near: f64,
-    path: Vec<[f64; 2]>,
-    width: f64,
-    rgb: Rgb,
-}
-
-fn draw(sheet: &mut Sheet, title: &str, words: [&str; 2], vessels: &[DrawnVessel], rings: &[Ring], views: &[Projection; 2]) {
     let wide = PAGE[0] - 2.0 * LEFT[0];
     sheet.title(&style::fitting(title, wide, TITLE), LEFT[0]);
     for (line, below) in words.iter().zip([-3.0, 10.0]) {
         sheet.plain(&style::fitting(line, wide, TEXT), [LEFT[0], LEGEND_AT + below], Align::Begin);
     }
-    let boxes = [0, 1].map(|at| extent(vessels, &views[at]));
+    let boxes = [0, 1].map(|at| extent(&vessels, &views[at]));
     // One scale for both views, points a millimetre.
     let fits = |[[west, east], [south, north]]: [[f64; 2]; 2]| {
         (SIZE[0] / (east - west).max(1e-9)).min((SIZE[1] - 14.0) / (north - south).max(1e-9))
@@ -108,19 +96,28 @@ fn draw(sheet: &mut Sheet, title: &str, words: [&str; 2], vessels: &[DrawnVessel
             let [x, y] = seen(p, view);
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
-        for piece in pieces(vessels, view, scale, place) {
+        for piece in pieces(&vessels, view, scale, place) {
             sheet.tube(piece.path, piece.width, piece.rgb);
         }
         let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();
-        ringed(sheet, &centres, rings);
+        ringed(&mut sheet, &centres, rings);
         sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle);
         for (text, x) in view.edges.iter().zip([LEFT[at] + 4.0, LEFT[at] + SIZE[0] - 4.0]) {
             sheet.plain(text, [x, centre[1]], Align::Middle);
         }
     }
-    scale_bar(sheet, scale);
+    scale_bar(&mut sheet, scale);
     let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, TickLabel::plain(share.to_string())));
-    colour_bar(sheet, BAR, BAR_HEIGHT, ticks, "probability");
+    colour_bar(&mut sheet, BAR, BAR_HEIGHT, ticks, "probability");
+    Figure::new(SUMMARY_PICTURE, PAGE, sheet)
+}
+
+/// A piece of a vessel on the page: how far off, its course, and how it is drawn.
+struct DrawnPiece {
+    near: f64,
+    path: Vec<[f64; 2]>,
+    width: f64,
+    rgb: Rgb,
 }
 
 /// Draws rings around places of the page, each with its number where fewest other rings and numbers are.

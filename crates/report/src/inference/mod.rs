@@ -8,8 +8,10 @@ pub(crate) mod tables;
 use std::borrow::Cow;
 use std::path::Path;
 
+use serde_json::json;
+
 use super::page::{infer_page, write_page};
-use super::run_record::Summary;
+use super::run_record::RunRecord;
 use pictures::{overview, pictures};
 use tables::{condition_columns, merged_columns, node_columns, pairing_columns, select, suggested_cut_columns};
 use willis_core::error::{Error, Result};
@@ -22,10 +24,9 @@ use willis_io::formats::{
 use willis_io::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, REVIEW, SUGGESTED_CUTS, TOPOLOGY,
 };
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 
-pub use outcome::{Outcome, few_perfused};
+pub use outcome::{Outcome, SolverRecord, few_perfused};
 pub use questions::{questions, review_columns};
 pub use tables::{agreement, vessel_columns};
 
@@ -71,7 +72,7 @@ pub fn write_outcome(
     folder: &Path,
     outcome: &Outcome<'_>,
     tables: OutcomeTables,
-    summary: &mut Summary,
+    record: &mut RunRecord,
     dpi: u32,
 ) -> Result<Vec<String>> {
     let OutcomeTables { nodes: for_page, mut notes } = tables;
@@ -86,14 +87,14 @@ pub fn write_outcome(
         write_file(&folder.join(REVIEW), |out| write_csv(out, &columns))?;
     }
     matrices(folder, outcome, &mut notes)?;
-    summary.state_graph(GRAPH, &graph(&folder.join(GRAPH), outcome)?);
-    if let Some(picture) = overview(outcome, &asked, summary) {
+    *record.field("graph") = json!({ "path": GRAPH, "sha256": graph(&folder.join(GRAPH), outcome)? });
+    if let Some(picture) = overview(outcome, &asked, &record.name()) {
         picture.write(folder, dpi)?;
     }
     let figures = pictures(folder, outcome, dpi)?;
-    write_record(folder, summary)?;
+    write_record(folder, record)?;
     if let Some(nodes) = for_page {
-        let page = infer_page(outcome, &asked, &*summary, vessel_columns(outcome), nodes, figures);
+        let page = infer_page(outcome, &asked, record, vessel_columns(outcome), nodes, figures);
         write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     } else {
         notes.push(format!("{PAGE} is left out above {PAGE_LIMIT} vessels; {TOPOLOGY}.vtp opens in ParaView"));

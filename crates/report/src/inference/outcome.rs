@@ -2,6 +2,8 @@
 
 use std::borrow::Cow;
 
+use serde::{Deserialize, Serialize};
+
 use crate::page::{ImagePlace, Segmentation};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
@@ -9,6 +11,22 @@ use willis_core::network::{Merged, Network, Origin, Role, merge};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::SuggestedCut;
+
+/// How samples were computed, as run.json has it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct SolverRecord {
+    /// The solver: `lanes`, `gradients` or `reference`.
+    pub flow: String,
+    size: usize,
+    forest: String,
+    forest_joins: Option<usize>,
+}
+
+impl From<Method> for SolverRecord {
+    fn from(Method { solver, solver_size, forest, forest_joins, .. }: Method) -> Self {
+        Self { flow: solver.to_owned(), size: solver_size, forest: forest.to_owned(), forest_joins }
+    }
+}
 
 /// The share of the samples in which blood flows below which a run is warned of.
 const FEW_PERFUSED: f64 = 0.5;
@@ -49,7 +67,7 @@ pub struct Outcome<'a> {
     /// How it was sampled.
     pub sampling: &'a SamplingOptions,
     /// How the samples were computed.
-    pub method: Method,
+    pub solver: &'a SolverRecord,
 }
 
 /// That blood flows in this share of the samples, and what raises it, where it is below one half.

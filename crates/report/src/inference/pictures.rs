@@ -11,7 +11,6 @@ use crate::figures::heat_map::{LikelihoodMatrix, heat_map};
 use crate::figures::summary::{DrawnVessel, MOST_RINGS, Projection, Ring, summary as summary_picture};
 use crate::node_blocks::node_blocks;
 use crate::page::{PagePicture, scene};
-use crate::run_record::Summary;
 use willis_core::decision::{Keep, threshold};
 use willis_core::error::Result;
 use willis_core::network::units::millimetres;
@@ -23,7 +22,7 @@ use willis_core::support::geometry::Point;
 const OVERVIEW_LIMIT: usize = 5_000;
 
 /// The run in one picture, where the vessels have places and are not too many to be seen.
-pub fn overview(outcome: &Outcome<'_>, asked: &[Question], summary: &Summary) -> Option<Figure> {
+pub fn overview(outcome: &Outcome<'_>, asked: &[Question], name: &str) -> Option<Figure> {
     let (network, answer) = (outcome.network, outcome.answer);
     let scene = scene(network, outcome.boundary).ok().filter(|_| network.vessel_count() <= OVERVIEW_LIMIT)?;
     let drawn = network.vessels().zip(scene.vessels).enumerate().map(|(row, ((_, vessel), course))| DrawnVessel {
@@ -58,7 +57,7 @@ pub fn overview(outcome: &Outcome<'_>, asked: &[Question], summary: &Summary) ->
         1 => format!("{open} undecided; 1 question for a person{ringed}"),
         n => format!("{open} undecided; {n} questions for a person, numbered as in the list{ringed}"),
     };
-    Some(summary_picture(summary.name(), [&words, &persons], drawn.collect(), &rings, &views(outcome)))
+    Some(summary_picture(name, [&words, &persons], drawn.collect(), &rings, &views(outcome)))
 }
 
 /// Whether what names call left lies where x is less than at what they call right; false without names of both.

@@ -7,52 +7,54 @@ mod tables;
 
 use std::path::Path;
 
-use super::page::{ModulationTables, PagePicture, modulation_page, write_page};
+use serde_json::{Value, json};
+
+use super::figures::SaveOptions;
+use super::page::{PagePicture, modulation_page, write_page};
 use willis_core::error::Result;
 use willis_core::modulation::{Instances, Reading};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_io::formats::{NamedArray, write_arrays, write_csv};
-use willis_io::output::names;
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{names, write_file, write_record};
 
-use record::ModulationRecord;
+pub use outcome::ModulationRun;
 
-pub use outcome::ModulationOutcome;
+impl ModulationRun<'_> {
+    /// The record of the run.
+    pub fn record(&self) -> Value {
+        json!(self.run_record())
+    }
 
-/// Writes every file of a modulation into a folder; samples.npz only if `samples` is true.
-///
-/// # Errors
-///
-/// A file that cannot be written, or a resolution out of range.
-pub fn write_modulation(folder: &Path, outcome: &ModulationOutcome<'_>, samples: bool, dpi: u32) -> Result<()> {
-    let tables = ModulationTables {
-        classes: tables::class_columns(outcome),
-        nodes: tables::node_columns(outcome),
-        vessels: tables::vessel_columns(outcome),
-        hypertension: tables::hypertension_columns(outcome),
-    };
-    for (name, columns) in [
-        (names::CLASSES, &tables.classes),
-        (names::NODES, &tables.nodes),
-        (names::EDGES, &tables.vessels),
-        (names::HYPERTENSION, &tables.hypertension),
-    ] {
-        write_file(&folder.join(name), |out| write_csv(out, columns))?;
+    /// Writes every file into a folder that is there, `samples.npz` with every instance where `instances` is set.
+    ///
+    /// # Errors
+    ///
+    /// A file that cannot be written.
+    pub fn write(&self, folder: &Path, instances: bool, options: &SaveOptions) -> Result<()> {
+        options.validate()?;
+        let tables = [
+            tables::class_columns(self),
+            tables::node_columns(self),
+            tables::vessel_columns(self),
+            tables::hypertension_columns(self),
+        ];
+        for (name, columns) in [names::CLASSES, names::NODES, names::EDGES, names::HYPERTENSION].into_iter().zip(&tables) {
+            write_file(&folder.join(name), |out| write_csv(out, columns))?;
+        }
+        if instances {
+            write_file(&folder.join(names::INSTANCES), |out| write_arrays(out, arrays(self)))?;
+        }
+        let mut figures = Vec::new();
+        for (title, caption, picture) in
+            [("Response", RESPONSE, pictures::response(self)), ("Hypertension", HYPERTENSION, pictures::hypertension(self))]
+        {
+            figures.push(PagePicture::write(title, caption, &picture, folder, options.dpi)?);
+        }
+        let record = self.run_record();
+        write_record(folder, &record)?;
+        let page = modulation_page(self, &record, tables, figures);
+        write_file(&folder.join(names::PAGE), |out| write_page(out, &page))
     }
-    if samples {
-        write_file(&folder.join(names::INSTANCES), |out| write_arrays(out, arrays(outcome)))?;
-    }
-    let mut figures = Vec::new();
-    for (title, caption, picture) in
-        [("Response", RESPONSE, pictures::response(outcome)), ("Hypertension", HYPERTENSION, pictures::hypertension(outcome))]
-    {
-        figures.push(PagePicture::write(title, caption, &picture, folder, dpi)?);
-    }
-    let record = ModulationRecord::of(outcome);
-    write_record(folder, &record)?;
-    let page = modulation_page(outcome, &record, tables, figures);
-    write_file(&folder.join(names::PAGE), |out| write_page(out, &page))
 }
 
 const RESPONSE: &str = "The change of pressure, and flow and resilience over those of the unperturbed network, by class.";
@@ -60,7 +62,7 @@ const HYPERTENSION: &str = "Histograms of the hypertension force by class, with 
 
 /// The arrays of samples.npz: `classes` (class x low, high), those of the unperturbed instance, then those of each class, numbered
 /// from 1.
-fn arrays<'a>(outcome: &'a ModulationOutcome<'_>) -> impl Iterator<Item = NamedArray> + 'a {
+fn arrays<'a>(outcome: &'a ModulationRun<'_>) -> impl Iterator<Item = NamedArray> + 'a {
     let classes = &outcome.result.classes;
     let bounds = classes.iter().flat_map(|(class, _)| [class.low, class.high]).collect();
     let bounds = NamedArray { name: "classes".into(), shape: vec![classes.len(), 2], values: bounds };
@@ -72,7 +74,7 @@ fn arrays<'a>(outcome: &'a ModulationOutcome<'_>) -> impl Iterator<Item = NamedA
     std::iter::once(bounds).chain(at_rest).chain(by_class)
 }
 
-fn of_instances(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+fn of_instances(outcome: &ModulationRun<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
     let (n, nodes, vessels) = (instances.count(), outcome.network.node_count(), outcome.network.vessel_count());
     let array = |name: &str, shape: &[usize], table: &[f64], unit: fn(f64) -> f64| NamedArray {
         name: format!("{of}_{name}"),
@@ -90,7 +92,7 @@ fn of_instances(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances
 }
 
 /// The factors of every vessel.
-fn of_factors(outcome: &ModulationOutcome<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
+fn of_factors(outcome: &ModulationRun<'_>, of: &str, instances: &Instances) -> Vec<NamedArray> {
     let shape = vec![instances.count(), outcome.network.vessel_count()];
     let array = |name, table: &[f64]| NamedArray { name: format!("{of}_{name}"), shape: shape.clone(), values: table.to_vec() };
     let mut arrays = vec![array("resistance_factor", &instances.resistance_factor)];

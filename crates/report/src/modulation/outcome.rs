@@ -1,33 +1,35 @@
 //! A modulation with everything that its files need.
 
+use std::borrow::Cow;
+
 use crate::run_record::Provenance;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::modulation::{HypertensionByClass, Instances, Modulation, ModulationOptions};
 use willis_core::network::units::mmhg;
 use willis_core::network::{Condition, Network};
 
-/// A modulation with everything that its files need.
+/// How a network responds to resistances that vary at random, with everything that its files need.
 #[derive(Debug)]
-pub struct ModulationOutcome<'a> {
+pub struct ModulationRun<'a> {
     /// The network.
-    pub network: &'a Network,
+    pub network: Cow<'a, Network>,
     /// Its boundary conditions.
-    pub boundary: &'a Boundary,
+    pub boundary: Boundary,
     /// The condition of outlets without one.
     pub outlets: FoundOutlets,
     /// The command and input of the run.
-    pub provenance: &'a Provenance,
+    pub provenance: Cow<'a, Provenance>,
     /// The options of the modulation.
-    pub params: &'a ModulationOptions,
+    pub params: ModulationOptions,
     /// The instances.
-    pub result: &'a Modulation,
+    pub result: Modulation,
     /// The distribution of hypertension.
-    pub hypertension: &'a HypertensionByClass,
+    pub hypertension: HypertensionByClass,
     /// The time of the solves, s.
     pub seconds: f64,
 }
 
-impl ModulationOutcome<'_> {
+impl ModulationRun<'_> {
     /// For each node whether its pressure can change.
     pub fn free(&self) -> Vec<bool> {
         let fixed = |node| matches!(self.boundary.condition(node), Some(Condition::Pressure(_)));

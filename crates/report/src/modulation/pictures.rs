@@ -1,6 +1,6 @@
 //! The pictures of a resistance modulation: their boxes and histograms from the instances.
 
-use super::outcome::ModulationOutcome;
+use super::outcome::ModulationRun;
 use crate::figures::figure::Figure;
 use crate::figures::hypertension::{Histogram, Histograms};
 use crate::figures::modulation::{Boxes, Panel};
@@ -15,7 +15,7 @@ fn name(class: Class) -> String {
 }
 
 /// The picture `modulation`: change of pressure, and flow and resilience divided by those of the unperturbed network.
-pub fn response(outcome: &ModulationOutcome<'_>) -> Figure {
+pub fn response(outcome: &ModulationRun<'_>) -> Figure {
     let (rest, classes) = (&outcome.result.unperturbed, &outcome.result.classes);
     let free = outcome.free();
     let pressure_at_rest = outcome.mean_pressure(rest)[0];
@@ -70,8 +70,8 @@ pub fn bins_in_one(vessels: usize) -> usize {
 }
 
 /// The picture `hypertension`: the bins of equal width, some of them drawn as one. The last bin is in hypertension.csv only.
-pub fn hypertension(outcome: &ModulationOutcome<'_>) -> Figure {
-    let found = outcome.hypertension;
+pub fn hypertension(outcome: &ModulationRun<'_>) -> Figure {
+    let found = &outcome.hypertension;
     let vessels = outcome.result.unperturbed.force.iter().filter(|force| **force > 0.0).count();
     let many = bins_in_one(vessels);
     let edges: Vec<f64> = found.edges.iter().take(BINS + 1).step_by(many).map(|edge| mmhg_per_mm2(*edge)).collect();

@@ -1,6 +1,6 @@
 //! The tables of a resistance modulation: one distribution per row, and the histograms of hypertension.
 
-use super::outcome::ModulationOutcome;
+use super::outcome::ModulationRun;
 use willis_core::modulation::{Class, Hypertension, Instances};
 use willis_core::network::units::{ml_per_min, mmhg, mmhg_per_mm2};
 use willis_core::support::Distribution;
@@ -35,7 +35,7 @@ fn columns(rows: &[DistributionRow], of_item: Vec<Column>) -> Vec<Column> {
 }
 
 /// The figures of the whole network by instance: name, unit and values.
-fn of_network(outcome: &ModulationOutcome<'_>, instances: &Instances) -> [(&'static str, &'static str, Vec<f64>); 5] {
+fn of_network(outcome: &ModulationRun<'_>, instances: &Instances) -> [(&'static str, &'static str, Vec<f64>); 5] {
     let vessels = outcome.network.vessel_count();
     let all = vec![true; vessels];
     let inflow = instances.inflow.iter().map(|q| ml_per_min(*q)).collect();
@@ -50,7 +50,7 @@ fn of_network(outcome: &ModulationOutcome<'_>, instances: &Instances) -> [(&'sta
 
 /// classes.csv: the figures of the whole network. Mean drops are means of |ΔP|; mean pressures leave out nodes of fixed pressure.
 /// Floating components are left out.
-pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
+pub fn class_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     let mut rows = Vec::new();
     let at_rest = of_network(outcome, &outcome.result.unperturbed);
     for (class, instances) in &outcome.result.classes {
@@ -70,7 +70,7 @@ pub fn class_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
 type InstanceFigure = (&'static str, fn(&Instances) -> &Vec<f64>, fn(f64) -> f64);
 
 /// One row for each class, node or vessel, and quantity.
-fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[InstanceFigure]) -> Vec<DistributionRow> {
+fn by_item(outcome: &ModulationRun<'_>, items: usize, quantities: &[InstanceFigure]) -> Vec<DistributionRow> {
     let mut rows = Vec::new();
     for (class, instances) in &outcome.result.classes {
         for item in 0..items {
@@ -90,8 +90,8 @@ fn by_item(outcome: &ModulationOutcome<'_>, items: usize, quantities: &[Instance
 }
 
 /// nodes.csv: the pressure of every node by class.
-pub fn node_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
-    let network = outcome.network;
+pub fn node_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+    let network = &*outcome.network;
     let rows = by_item(outcome, network.node_count(), &[("pressure_mmHg", |i| &i.pressure, mmhg)]);
     let of_node = vec![
         Column::whole("node", rows.iter().map(|r| r.item)),
@@ -102,8 +102,8 @@ pub fn node_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
 }
 
 /// edges.csv: flow, drop, resilience and hypertension of every vessel by class. Flow and drop are positive from `node_a` to `node_b`.
-pub fn vessel_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
-    let network = outcome.network;
+pub fn vessel_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+    let network = &*outcome.network;
     let quantities: [InstanceFigure; 4] = [
         ("flow_mL_per_min", |i| &i.flow, ml_per_min),
         ("drop_mmHg", |i| &i.drop, mmhg),
@@ -142,8 +142,8 @@ fn hypertension_rows<'a>(class: &'a str, found: &Hypertension, edges: &[f64], th
 }
 
 /// hypertension.csv: histogram, fit and share at risk, of the unperturbed network and by class.
-pub fn hypertension_columns(outcome: &ModulationOutcome<'_>) -> Vec<Column> {
-    let found = outcome.hypertension;
+pub fn hypertension_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+    let found = &outcome.hypertension;
     let names: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let by_class = names.iter().map(String::as_str).zip(&found.classes);
     let all = std::iter::once(("unperturbed", &found.unperturbed)).chain(by_class);

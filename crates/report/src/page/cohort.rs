@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::content::PageTable;
-use super::encode;
 use super::template::Template;
 use crate::cohort::{CohortRow, CohortRun, WALL_TIME};
 use crate::figures::{FRONT, units};
@@ -53,7 +52,7 @@ pub fn write_cohort_page(
         "walks": about.command != "classify" && about.command != "label",
         "opens": PAGE,
         "thumbnail": FRONT.map(units),
-        "table": encode::table(&table)?,
+        "table": table,
     });
     if rows.iter().any(|row| row.page.is_some()) {
         data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();

@@ -5,7 +5,6 @@ use std::io::{self, Write};
 use serde_json::{Value, json};
 
 use super::content::PageTable;
-use super::encode;
 use super::template::Template;
 use crate::cohort::CohortRow;
 use willis_io::formats::{Column, Values};
@@ -49,8 +48,8 @@ pub fn write_comparison_page(
         "record": record,
         "compare": column,
         "first": compared.iter().map(|(_, first)| *first).collect::<Vec<bool>>(),
-        "subjects": encode::table(&PageTable::new("Subjects", subjects, false))?,
-        "comparison": encode::table(&PageTable::new("Comparison", comparison, false))?,
+        "subjects": PageTable::new("Subjects", subjects, false),
+        "comparison": PageTable::new("Comparison", comparison, false),
     });
     COMPARISON.fill(out, &format!("willis measure: groups by {column}"), &data)
 }

@@ -7,70 +7,93 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 use super::image::{ImagePlace, Segmentation};
 use super::lead;
 use super::scene::PageScene;
-use crate::figures::colour::Rgb;
+use crate::figures::colour::{Rgb, colour};
 use crate::figures::{DEFAULT_DPI, Figure};
-use crate::run_record::{ConditionRecord, ConditionRecords, Recorded};
+use crate::run_record::ConditionRecord;
 use willis_core::error::Result;
 use willis_core::network::Role;
+use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, Values};
+use willis_io::masks::cubes::{SIDE, STEP};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
-/// The page of a run, of any command.
-#[derive(Debug, Clone)]
+/// The page of a run, of any command. Its keys are in alphabetical order.
+#[derive(Debug, Default, Serialize)]
 pub struct Page {
-    /// The heading.
-    pub title: String,
-    /// The record of the run, as in run.json: command, seed, parameters, notes.
-    pub record: Value,
-    /// The sentence that it begins with; empty where the page makes one of its vessels.
-    pub lead: Vec<lead::Part>,
-    /// What a reader should know before anything else.
-    pub warnings: Vec<String>,
-    /// The figures at the end of the page.
-    pub facts: Vec<Fact>,
-    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
-    pub phenotype: Option<Value>,
-    /// The vessels in space, or the reason why they cannot be shown.
-    pub scene: std::result::Result<PageScene, String>,
     /// The figures that can colour the vessels of the scene; the page starts with the first.
-    pub colourings: Vec<Colouring>,
-    /// What an image shows around doubtful vessels.
-    pub image_places: Vec<ImagePlace>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) colourings: Vec<Colouring>,
+    pub(super) colours: Vec<Rgb>,
+    /// The figures at the end of the page.
+    pub(super) facts: Vec<Fact>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) figures: Vec<PagePicture>,
+    pub(super) image_places: Value,
+    /// The sentence that it begins with; empty where the page makes one of its vessels.
+    pub(super) lead: Vec<lead::Part>,
+    pub(super) no_scene: Option<String>,
+    /// The phenotype of a Circle of Willis, where there is one, as phenotype.json has it.
+    pub(super) phenotype: Option<Value>,
+    pub(super) record: Value,
+    pub(super) scene: Option<PageScene>,
     /// The segmentation that the vessels were found in.
-    pub segmentation: Option<Segmentation>,
-    /// A threshold that the reader can move.
-    pub threshold: Option<Threshold>,
-    /// The pictures.
-    pub figures: Vec<PagePicture>,
+    #[serde(serialize_with = "sorted")]
+    pub(super) segmentation: Option<Segmentation>,
     /// The tables.
-    pub tables: Vec<PageTable>,
+    pub(super) tables: Vec<PageTable>,
+    /// A threshold that the reader can move.
+    #[serde(serialize_with = "sorted")]
+    pub(super) threshold: Option<Threshold>,
+    /// The heading.
+    pub(super) title: String,
+    /// What a reader should know before anything else.
+    pub(super) warnings: Vec<String>,
 }
 
 impl Page {
-    /// The page of a run of a command with the least that every run has.
-    pub fn new(command: &str, record: Value, scene: std::result::Result<PageScene, String>, figures: Vec<PagePicture>) -> Self {
+    /// The page of a run of a command with the least that every run has: its record, as in run.json, the vessels in space, or the reason why
+    /// they cannot be shown, what an image shows around doubtful ones, and pictures.
+    pub fn new(
+        command: &str,
+        record: Value,
+        scene: std::result::Result<PageScene, String>,
+        image_places: &[ImagePlace],
+        figures: Vec<PagePicture>,
+    ) -> Self {
+        let path = Path::new(record["input"]["path"].as_str().unwrap_or_default());
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let (no_scene, scene) = (scene.as_ref().err().cloned(), scene.ok());
+        let image_places = json!({ "side": SIDE, "step_mm": millimetres(STEP), "of": image_places });
         Self {
-            title: title(command, &record),
+            title: format!("willis {command}: {name}"),
+            colours: colours(),
             record,
-            lead: Vec::new(),
-            warnings: Vec::new(),
-            facts: Vec::new(),
-            phenotype: None,
+            no_scene,
             scene,
-            colourings: Vec::new(),
-            image_places: Vec::new(),
-            segmentation: None,
-            threshold: None,
+            image_places,
             figures,
-            tables: Vec::new(),
+            ..Self::default()
         }
     }
+}
+
+/// Steps of the colour map; the page interpolates between them.
+const COLOURS: u32 = 32;
+
+/// The colour map in equal steps, from low to high.
+pub fn colours() -> Vec<Rgb> {
+    (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect()
+}
+
+/// A part of a page with its keys in alphabetical order, as in all records.
+fn sorted<T: Serialize, S: Serializer>(part: &T, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+    json!(part).serialize(serializer)
 }
 
 /// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
@@ -93,7 +116,7 @@ const MOST_WARNINGS: usize = 6;
 pub fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<String> {
     let mut all = Vec::new();
     // The direction of the lines in the file states a source.
-    let inlets = conditions.iter().filter(|c| c.role == Role::Inlet && c.found && !c.source).count();
+    let inlets = conditions.iter().filter(|c| c.role == Role::Inlet.name() && c.found && !c.source).count();
     match inlets {
         0 => {}
         1 => all.push(
@@ -104,7 +127,7 @@ pub fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<String> {
             "Nobody stated where blood enters: {n} free ends are assumed to be inlets. The option inlet states them."
         )),
     }
-    if !conditions.is_empty() && conditions.iter().all(|c| c.role != Role::Outlet) {
+    if !conditions.is_empty() && conditions.iter().all(|c| c.role != Role::Outlet.name()) {
         all.push("There is no outlet, so that no blood flows.".to_owned());
     }
     match record.pointer("/counts/topology/unperfused_components").and_then(Value::as_u64) {
@@ -249,29 +272,6 @@ pub struct Threshold {
     pub nodes: usize,
 }
 
-/// The record of a run for its page, without what differs between two runs of one command and without lists that the tables show; and its
-/// boundary conditions.
-pub fn record<R: Recorded>(of: &R) -> (Value, ConditionRecords) {
-    let mut of = of.clone();
-    let conditions = std::mem::take(of.conditions());
-    let mut record = serde_json::to_value(of).unwrap_or_default();
-    if let Some(fields) = record.as_object_mut() {
-        fields.remove("time");
-    }
-    take(&mut record, "boundary_conditions");
-    if let Some(convergence) = record.get_mut("convergence").and_then(Value::as_object_mut) {
-        convergence.remove("undecided_edges");
-    }
-    (record, conditions)
-}
-
-/// The heading of a run: its command and the name of its input.
-pub fn title(command: &str, record: &Value) -> String {
-    let path = record["input"]["path"].as_str().unwrap_or_default();
-    let name = std::path::Path::new(path).file_name().map_or(path.into(), |name| name.to_string_lossy());
-    format!("willis {command}: {name}")
-}
-
 /// Removes a part of the record that becomes a table.
 pub fn take(record: &mut Value, name: &str) -> Value {
     record.get_mut(name).map_or(json!([]), Value::take)
@@ -340,17 +340,18 @@ fn word(value: &Value) -> String {
 pub fn conditions(of: &[ConditionRecord]) -> Option<PageTable> {
     let text = |name, text: fn(&ConditionRecord) -> &str| Column::text(name, of.iter().map(text));
     let yes = |yes: bool| if yes { "yes" } else { "no" };
-    let figure = |name, at: usize| Column::real(name, of.iter().map(move |c| c.figures()[at].unwrap_or(f64::NAN)));
+    let figure =
+        |name, figure: fn(&ConditionRecord) -> Option<f64>| Column::real(name, of.iter().map(|c| figure(c).unwrap_or(f64::NAN)));
     let columns = vec![
         Column::real("node", of.iter().map(|c| c.node as f64)),
         text("id", |c| &c.id),
-        text("role", |c| c.role.name()),
+        text("role", |c| c.role),
         Column::text("found", of.iter().map(|c| yes(c.found))),
         Column::text("holds", of.iter().map(|c| c.holds.map_or("", yes))),
-        figure("pressure_mmHg", 0),
-        figure("resistance_mmHg_s_per_mL", 1),
-        figure("venous_pressure_mmHg", 2),
-        figure("flow_mL_per_min", 3),
+        figure("pressure_mmHg", |c| c.pressure),
+        figure("resistance_mmHg_s_per_mL", |c| c.resistance),
+        figure("venous_pressure_mmHg", |c| c.venous),
+        figure("flow_mL_per_min", |c| c.flow),
     ];
     (!of.is_empty()).then(|| PageTable::new("Boundary conditions", columns, false))
 }

@@ -5,13 +5,13 @@ use std::collections::HashSet;
 use serde_json::Value;
 
 use super::content::{
-    ColourScale, Colouring, FollowedRule, Page, PagePicture, PageTable, Threshold, conditions, facts, record, take, warnings,
+    ColourScale, Colouring, FollowedRule, Page, PagePicture, PageTable, Threshold, conditions, facts, take, warnings,
 };
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
 use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
-use crate::run_record::Summary;
+use crate::run_record::RunRecord;
 use willis_core::decision::{
     BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, beside_accepted, has_evidence, knows_fragments,
 };
@@ -38,20 +38,20 @@ const EXACT: [&str; 7] = ["likelihood", "std_error", "frequency", "probability",
 pub fn page(
     outcome: &Outcome<'_>,
     asked: &[Question],
-    summary: &Summary,
+    of_run: &RunRecord,
     mut columns: Vec<Column>,
     mut nodes: Vec<Column>,
     figures: Vec<PagePicture>,
 ) -> Page {
-    let (mut record, conditions_of_run) = record(summary);
-    let mut warnings = warnings(&record, &conditions_of_run);
+    let mut record = of_run.for_page();
+    let mut warnings = warnings(&record, &of_run.conditions);
     if let Some(warning) = outcome.few_perfused() {
         warnings.insert(0, warning);
     }
     let phenotype = Some(take(&mut record, "phenotype")).filter(Value::is_object);
     // For a later command, not for a reader.
     take(&mut record, "named");
-    let conditions = conditions(&conditions_of_run);
+    let conditions = conditions(&of_run.conditions);
     let unit = outcome.sampling.weight.unit();
     let (evidence, threshold) = (has_evidence(outcome.network), threshold(outcome, unit));
     // The page draws the positions.
@@ -127,14 +127,13 @@ pub fn page(
         facts: facts(&record, &names),
         phenotype,
         colourings: colourings(unit, evidence),
-        image_places: outcome.image_places.to_vec(),
         segmentation: outcome.segmentation.cloned(),
         threshold: Some(threshold),
         tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
             .into_iter()
             .flatten()
             .collect(),
-        ..Page::new("infer", record, scene, figures)
+        ..Page::new("infer", record, scene, outcome.image_places, figures)
     }
 }
 

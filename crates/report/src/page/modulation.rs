@@ -1,23 +1,10 @@
 //! The page of a resistance modulation: vessels by their mean flow, drop, resilience and hypertension in each class.
 
-use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, record, warnings};
+use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, warnings};
 use super::scene::scene;
-use crate::modulation::ModulationOutcome;
-use crate::run_record::Recorded;
+use crate::modulation::ModulationRun;
+use crate::run_record::RunRecord;
 use willis_io::formats::{Column, Values};
-
-/// The tables of the output folder.
-#[derive(Debug)]
-pub struct ModulationTables {
-    /// classes.csv.
-    pub classes: Vec<Column>,
-    /// nodes.csv.
-    pub nodes: Vec<Column>,
-    /// edges.csv, in the order of class, vessel, quantity (flow, drop, resilience, hypertension).
-    pub vessels: Vec<Column>,
-    /// hypertension.csv.
-    pub hypertension: Vec<Column>,
-}
 
 /// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns, column of its variation.
 const QUANTITIES: [(&str, &str, &str, &str); 4] = [
@@ -32,13 +19,13 @@ const VARIATION: [&str; 4] =
 
 /// The page of a modulation.
 pub fn page(
-    outcome: &ModulationOutcome<'_>,
-    of_run: &impl Recorded,
-    tables: ModulationTables,
+    outcome: &ModulationRun<'_>,
+    of_run: &RunRecord,
+    [of_classes, nodes, vessels, hypertension]: [Vec<Column>; 4],
     figures: Vec<PagePicture>,
 ) -> Page {
-    let (record, conditions_of_run) = record(of_run);
-    let warnings = warnings(&record, &conditions_of_run);
+    let record = of_run.for_page();
+    let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::modulation(&record);
     let classes: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let facts = facts(
@@ -57,19 +44,20 @@ pub fn page(
     let of_vessels = classes
         .iter()
         .enumerate()
-        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &tables.vessels, at), true));
+        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &vessels, at), true));
     let mut all: Vec<PageTable> = of_vessels.collect();
-    all.push(PageTable::new("Classes", tables.classes, false));
-    all.push(PageTable::new("Nodes", tables.nodes, false));
-    all.push(PageTable::new("Hypertension", tables.hypertension, false));
-    all.extend(conditions(&conditions_of_run));
-    let scene = scene(outcome.network, outcome.boundary);
+    all.push(PageTable::new("Classes", of_classes, false));
+    all.push(PageTable::new("Nodes", nodes, false));
+    all.push(PageTable::new("Hypertension", hypertension, false));
+    all.extend(conditions(&of_run.conditions));
+    let scene = scene(&outcome.network, &outcome.boundary);
     let colourings = colourings(&classes);
-    Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, figures) }
+    Page { lead, warnings, facts, colourings, tables: all, ..Page::new("modulate", record, scene, &[], figures) }
 }
 
-/// One row per vessel, from the rows of edges.csv of one class.
-fn of_class(outcome: &ModulationOutcome<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
+/// One row per vessel, from the rows of edges.csv of one class; these are in the order of class, vessel, quantity (flow, drop, resilience,
+/// hypertension).
+fn of_class(outcome: &ModulationRun<'_>, tidy: &[Column], class: usize) -> Vec<Column> {
     let vessels = outcome.network.vessel_count();
     let row = |vessel: usize, quantity: usize| (class * vessels + vessel) * QUANTITIES.len() + quantity;
     let figures = |name: &str| match tidy.iter().find(|c| c.name == name).map(|c| &c.values) {

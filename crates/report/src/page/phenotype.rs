@@ -4,8 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::{Value, json};
 
-use super::content::{PageTable, warnings};
-use super::encode::{self, colours};
+use super::content::{PageTable, colours, warnings};
 use super::template::Template;
 use willis_io::formats::Column;
 
@@ -46,7 +45,7 @@ pub fn write_phenotype_page(
         "run": run,
         "warnings": warnings,
         "colours": colours(),
-        "collaterals": encode::table(&table)?,
+        "collaterals": table,
     });
     PHENOTYPE_PAGE.fill(out, &format!("willis classify: {subject}"), &data)
 }

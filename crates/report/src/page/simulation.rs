@@ -1,13 +1,15 @@
 //! The page of a forward simulation: vessels by flow, before and after the changes.
 
-use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable, conditions, list, record, take, warnings};
-use super::pulse::cycle;
+use super::content::{self, ColourScale, Colouring, Page, PagePicture, PageTable, conditions, list, take, warnings};
 use super::scene::scene;
 use crate::figures::colour::Rgb;
-use crate::run_record::Recorded;
-use crate::simulation::Simulated;
+use crate::run_record::RunRecord;
+use crate::simulation::SimulationRun;
+use crate::simulation::pulse::flows_by_time;
 use crate::simulation::transport::{MIXED, inlet_colours, supply_columns, transit_columns};
+use willis_core::network::units::milliseconds;
 use willis_core::simulation::PERTURBED;
+use willis_core::simulation::pulse::Pulses;
 use willis_io::formats::Column;
 
 /// The figures that colour the vessels: name, unit, column.
@@ -22,15 +24,15 @@ const COLOURINGS: [(&str, &str, &str); 6] = [
 
 /// The page of a simulation from the columns of edges.csv and nodes.csv.
 pub fn page(
-    simulated: &Simulated<'_>,
-    flow_record: &impl Recorded,
+    simulated: &SimulationRun<'_>,
+    of_run: &RunRecord,
     vessels: Vec<Column>,
     nodes: Vec<Column>,
     figures: Vec<PagePicture>,
 ) -> Page {
     let perturbed = simulated.result.perturbed.is_some();
-    let (mut record, conditions_of_run) = record(flow_record);
-    let warnings = warnings(&record, &conditions_of_run);
+    let mut record = of_run.for_page();
+    let warnings = warnings(&record, &of_run.conditions);
     let lead = super::lead::simulation(&record);
     let mut facts = content::facts(&record, &FACTS);
     facts.extend(content::facts(&record, if perturbed { &PERTURBED_FACTS } else { &[] }));
@@ -39,22 +41,24 @@ pub fn page(
         list("Perturbations", &part("perturbations"), &PERTURBATION),
         list("Collaterals", &part("collaterals"), &COLLATERAL),
         list("Reversed flows", &part("reversed"), &COLLATERAL),
-        conditions(&conditions_of_run),
+        conditions(&of_run.conditions),
     ];
     let mut tables = vec![PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)];
     tables.extend(lists.into_iter().flatten());
     let mut colourings = colourings(perturbed);
-    if let Some(transports) = simulated.transports {
+    if let Some(transports) = &simulated.transports {
         colourings.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
         tables.push(PageTable::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
         tables.push(PageTable::new("Arrival", transit_columns(simulated, transports), false));
     }
-    if let Some((flows, over_the_cycle)) = simulated.pulses.and_then(|(pulses, _)| cycle(simulated, pulses, tables.len())) {
+    if let Some((flows, over_the_cycle)) =
+        simulated.pulses.as_ref().and_then(|(pulses, _)| cycle(simulated, pulses, tables.len()))
+    {
         tables.push(flows);
         colourings.push(over_the_cycle);
     }
-    let scene = scene(simulated.network, simulated.boundary);
-    Page { lead, warnings, facts, colourings, tables, ..Page::new("simulate", record, scene, figures) }
+    let scene = scene(&simulated.network, &simulated.boundary);
+    Page { colourings, facts, lead, tables, warnings, ..Page::new("simulate", record, scene, &[], figures) }
 }
 
 const PERTURBATION: [&str; 6] = ["edge", "label", "kind", "open_diameter_share", "stretch_mm", "length_factor"];
@@ -98,4 +102,32 @@ fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) 
     };
     let supply = Colouring { legend, ..Colouring::new("blood from", "", ColourScale::Mixed, variants(at, MIXED)) };
     [supply, Colouring::new("mean time since entry", "ms", ColourScale::Linear, variants(0, "arrival_ms"))]
+}
+
+/// At how many times of the cycle the slider stops, and up to how many figures in all the page holds.
+const STOPS: usize = 40;
+const MOST_FIGURES: usize = 400_000;
+
+/// The name of the figure by which the page knows that its variants are times.
+const OVER_THE_CYCLE: &str = "flow over the cycle";
+
+/// The table of flows by time, and the colouring that it gives, where the table is number `at`; none of a large network.
+fn cycle(simulated: &SimulationRun<'_>, pulses: &Pulses, at: usize) -> Option<(PageTable, Colouring)> {
+    let network = &*simulated.network;
+    if network.vessel_count() * STOPS > MOST_FIGURES {
+        return None;
+    }
+    let shown = pulses.perturbed.as_ref().unwrap_or(&pulses.unperturbed);
+    let mut columns = vec![
+        Column::whole("edge", 0..network.vessel_count()),
+        Column::text("label", network.vessels().map(|(_, vessel)| vessel.label.clone())),
+    ];
+    let name = |stop: usize| format!("{:.0} ms", milliseconds(shown.period * stop as f64 / STOPS as f64));
+    for (stop, flows) in flows_by_time(shown, STOPS).into_iter().enumerate() {
+        columns.push(Column::real(name(stop), flows.into_iter()));
+    }
+    let title = if pulses.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
+    let variants = (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect();
+    let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", ColourScale::Linear, variants);
+    Some((PageTable::new(title, columns, true), colouring))
 }

@@ -5,7 +5,6 @@ use std::io::{self, Write};
 use serde::Serialize;
 
 use super::content::Page;
-use super::encode::PageData;
 use willis_io::formats::escape;
 
 /// The frame around the content of every page.
@@ -62,9 +61,9 @@ pub struct Template {
 ///
 /// # Errors
 ///
-/// An error of the writer; a table whose columns differ in length.
+/// An error of the writer.
 pub fn write_page(out: &mut impl Write, page: &Page) -> io::Result<()> {
-    RUN.fill(out, &page.title, &PageData::of(page)?)
+    RUN.fill(out, &page.title, page)
 }
 
 impl Template {

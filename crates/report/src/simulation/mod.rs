@@ -6,115 +6,131 @@ pub mod transport;
 
 use std::path::Path;
 
-use serde::Serialize;
 use serde_json::{Value, json};
 
+use super::figures::SaveOptions;
 use super::figures::flow_bars::{VesselFlow, flow_bars};
 use super::inference::tables::condition_columns;
 use super::page::{PagePicture, simulation_page, write_page};
-use super::run_record::{ConditionRecords, Provenance, Recorded, conditions, counts, outlets_found};
-use pulse::{pulse_node_columns, pulse_vessel_columns, write_pulses};
+use super::run_record::{RunRecord, conditions, counts, outlets_found};
+use pulse::{pulse_node_columns, pulse_vessel_columns, waveform_arrays, write_pulses};
 use simulated::picture_names;
-use transport::{transport_columns, write_transports};
+use transport::{territory_columns, transit_columns, transport_columns, write_transports};
 use willis_core::error::Result;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::morphometry::{MeasureContext, network_figures};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Network, Node, RadiusRule};
+use willis_core::network::{Network, Node};
 use willis_core::simulation::closures::ClosedVessel;
-use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, gains, reversals};
+use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, Simulation, gains, reversals};
 use willis_io::formats::{
-    Column, END_POSITION_COLUMNS, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns, write_csv,
-    write_vtp,
+    Column, END_POSITION_COLUMNS, NamedArray, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns,
+    write_csv, write_vtp,
 };
+use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::{EDGES, NODES, OCCLUSIONS, PAGE, TOPOLOGY};
-use willis_io::output::write_file;
-use willis_io::output::write_record;
+use willis_io::output::{write_file, write_record};
 
-pub use simulated::Simulated;
+pub use simulated::SimulationRun;
 
 /// How many collaterals are listed, those of the largest gain of flow.
 pub const MOST_COLLATERALS: usize = 5;
 
-/// The content of run.json of a simulation.
-#[derive(Debug, Clone, Serialize)]
-pub struct FlowRecord {
-    willis: &'static str,
-    command: String,
-    input: Value,
-    parameters: Value,
-    boundary_conditions: ConditionRecords,
-    counts: Value,
-    #[serde(rename = "rho_G_W_per_m3")]
-    network_resilience: f64,
-    #[serde(rename = "rho_G_W_per_m3_perturbed", skip_serializing_if = "Option::is_none")]
-    network_resilience_perturbed: Option<f64>,
-    #[serde(rename = "total_inflow_mL_per_min")]
-    inflow: f64,
-    #[serde(rename = "total_inflow_mL_per_min_perturbed", skip_serializing_if = "Option::is_none")]
-    inflow_perturbed: Option<f64>,
-    not_laminar: Value,
-    perturbations: Vec<Value>,
-    collaterals: Vec<Value>,
-    reversed: Vec<Value>,
-    murray: Value,
-    #[serde(skip_serializing_if = "Value::is_null")]
-    pulse: Value,
-    notes: Vec<String>,
-}
+impl SimulationRun<'_> {
+    /// Pressures, flows and resilience, before and after.
+    pub fn simulation(&self) -> &Simulation {
+        &self.result
+    }
 
-impl Recorded for FlowRecord {
-    fn conditions(&mut self) -> &mut ConditionRecords {
-        &mut self.boundary_conditions
+    /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
+    pub fn tables(&self) -> [Vec<Column>; 2] {
+        [node_columns(self), vessel_columns(self)]
+    }
+
+    /// The tables of who feeds what and when blood arrives, as territories.csv and transit.csv have them, if that was asked for.
+    pub fn transport_tables(&self) -> Option<[Vec<Column>; 2]> {
+        let transports = self.transports.as_ref()?;
+        Some([territory_columns(self, transports), transit_columns(self, transports)])
+    }
+
+    /// What each closed vessel does, as occlusions.csv has it, if that was asked for.
+    pub fn occlusion_table(&self) -> Option<Vec<Column>> {
+        Some(occlusion_columns(self, self.closures.as_ref()?))
+    }
+
+    /// Pressures and flows over a cycle, as waveforms.npz has them, if the flow pulsates.
+    pub fn waveforms(&self) -> Option<Vec<NamedArray>> {
+        let (pulses, _) = self.pulses.as_ref()?;
+        Some(waveform_arrays(self, pulses))
+    }
+
+    /// The record of the run.
+    pub fn record(&self) -> RunRecord {
+        flow_record(self)
+    }
+
+    /// Saves every file in a new folder, which appears whole or not at all; an earlier run's is replaced with `force`. Returns what a
+    /// person should know about files left out.
+    ///
+    /// # Errors
+    ///
+    /// The folder exists, or cannot be written.
+    pub fn save(&self, folder: &Path, force: bool, options: &SaveOptions) -> Result<Vec<String>> {
+        options.validate()?;
+        let staged = StagedFolder::new(folder, force)?;
+        let notes = write_simulated(&staged.path(), self, options.dpi)?;
+        staged.commit()?;
+        Ok(notes)
     }
 }
 
-impl FlowRecord {
-    /// Gathers the record of a simulation.
-    pub fn new(simulated: &Simulated<'_>, provenance: &Provenance, radius_rule: RadiusRule, outlets: FoundOutlets) -> Self {
-        let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
-        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
-        let changes = simulated.perturbations;
-        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
-            after.map_or_else(Vec::new, |after| find(before, after, changes))
-        };
-        let turbulent = |state: &State| -> Vec<Value> {
-            let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
-            state.beyond_laminar().map(beyond).collect()
-        };
-        let mut counts = counts(network, boundary);
-        counts["diffused"] = json!(before.diffused());
-        let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
-        if let Some(after) = after {
-            counts["diffused_perturbed"] = json!(after.diffused());
-            not_laminar["vessels_perturbed"] = json!(turbulent(after));
-        }
-        Self {
-            willis: env!("CARGO_PKG_VERSION"),
-            command: provenance.command.clone(),
-            input: provenance.of_input(),
-            parameters: json!({
-                "viscosity_cP": centipoise(simulated.viscosity),
-                "radius": radius_rule.name(),
-                "outlets_found": outlets_found(outlets),
-                "stenosis_model": "poiseuille",
-            }),
-            boundary_conditions: conditions(network, boundary, None),
-            counts,
-            network_resilience: before.network_resilience,
-            network_resilience_perturbed: after.map(|state| state.network_resilience),
-            inflow: ml_per_min(before.inflow),
-            inflow_perturbed: after.map(|state| ml_per_min(state.inflow)),
-            not_laminar,
-            perturbations: changes.iter().map(|p| perturbation(network, p)).collect(),
-            collaterals: changed(gains).iter().take(MOST_COLLATERALS).map(|c| collateral(network, c)).collect(),
-            reversed: changed(reversals).iter().map(|c| collateral(network, c)).collect(),
-            murray: murray(network, boundary, outlets),
-            pulse: simulated.pulses.map(|(_, record)| record.clone()).unwrap_or_default(),
-            notes: provenance.notes.clone(),
-        }
+/// Gathers the record of a simulation.
+fn flow_record(simulated: &SimulationRun<'_>) -> RunRecord {
+    let (provenance, outlets) = (&*simulated.provenance, simulated.outlets);
+    let (network, boundary, result) = (&*simulated.network, &simulated.boundary, &simulated.result);
+    let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+    let changes = &simulated.perturbations;
+    let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
+        after.map_or_else(Vec::new, |after| find(before, after, changes))
+    };
+    let turbulent = |state: &State| -> Vec<Value> {
+        let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
+        state.beyond_laminar().map(beyond).collect()
+    };
+    let mut counts = counts(network, boundary);
+    counts["diffused"] = json!(before.diffused());
+    let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
+    if let Some(after) = after {
+        counts["diffused_perturbed"] = json!(after.diffused());
+        not_laminar["vessels_perturbed"] = json!(turbulent(after));
     }
+    let parameters = json!({
+        "viscosity_cP": centipoise(simulated.viscosity),
+        "radius": simulated.radius_rule.name(),
+        "outlets_found": outlets_found(outlets),
+        "stenosis_model": "poiseuille",
+    });
+    let inflow = |state: &State| json!(ml_per_min(state.inflow));
+    let list = |found: &[FlowChange]| found.iter().map(|c| collateral(network, c)).collect::<Value>();
+    let gained = changed(gains);
+    let of_states = [
+        Some(("rho_G_W_per_m3", json!(before.network_resilience))),
+        after.map(|state| ("rho_G_W_per_m3_perturbed", json!(state.network_resilience))),
+        Some(("total_inflow_mL_per_min", inflow(before))),
+        after.map(|state| ("total_inflow_mL_per_min_perturbed", inflow(state))),
+    ];
+    let results = [
+        ("not_laminar", not_laminar),
+        ("perturbations", changes.iter().map(|p| perturbation(network, p)).collect()),
+        ("collaterals", list(&gained[..gained.len().min(MOST_COLLATERALS)])),
+        ("reversed", list(&changed(reversals))),
+        ("murray", murray(network, boundary, outlets)),
+    ];
+    let pulse = simulated.pulses.as_ref().map(|(_, record)| ("pulse", record.clone()));
+    let fields = [("counts", counts)].into_iter().chain(of_states.into_iter().flatten()).chain(results).chain(pulse);
+    let fields = fields.chain([("notes", json!(provenance.notes))]);
+    RunRecord::new(provenance, [("parameters", parameters)], conditions(network, boundary, None), fields)
 }
 
 /// The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
@@ -156,8 +172,8 @@ fn collateral(network: &Network, c: &FlowChange) -> Value {
 }
 
 /// The columns of nodes.csv.
-pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
-    let (network, boundary, result) = (simulated.network, simulated.boundary, simulated.result);
+pub fn node_columns(simulated: &SimulationRun<'_>) -> Vec<Column> {
+    let (network, boundary, result) = (&*simulated.network, &simulated.boundary, &simulated.result);
     let mut columns =
         super::inference::tables::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
     columns.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
@@ -166,13 +182,13 @@ pub fn node_columns(simulated: &Simulated<'_>) -> Vec<Column> {
     columns.extend(perturbed);
     columns.extend(condition_columns(network, boundary));
     columns.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
-    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
+    columns.extend(simulated.pulses.as_ref().map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
     columns
 }
 
 /// The columns of edges.csv.
-pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
-    let (network, result) = (simulated.network, simulated.result);
+pub fn vessel_columns(simulated: &SimulationRun<'_>) -> Vec<Column> {
+    let (network, result) = (&*simulated.network, &simulated.result);
     let mut columns = vessel_columns_of_graph(network);
     columns.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     columns.extend(flow_columns(&result.unperturbed, ""));
@@ -182,8 +198,8 @@ pub fn vessel_columns(simulated: &Simulated<'_>) -> Vec<Column> {
         columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
     }
     columns.extend(wall_columns(network));
-    columns.extend(simulated.pulses.map(|(pulses, _)| pulse_vessel_columns(pulses)).unwrap_or_default());
-    columns.extend(simulated.transports.map(|found| transport_columns(simulated, found)).unwrap_or_default());
+    columns.extend(simulated.pulses.as_ref().map(|(pulses, _)| pulse_vessel_columns(pulses)).unwrap_or_default());
+    columns.extend(simulated.transports.as_ref().map(|found| transport_columns(simulated, found)).unwrap_or_default());
     columns
 }
 
@@ -207,43 +223,44 @@ fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_simulated(folder: &Path, simulated: &Simulated<'_>, record: &FlowRecord, dpi: u32) -> Result<Vec<String>> {
+fn write_simulated(folder: &Path, simulated: &SimulationRun<'_>, dpi: u32) -> Result<Vec<String>> {
     let mut notes = Vec::new();
     let vessels = vessel_columns(simulated);
     write_file(&folder.join(EDGES), |out| write_csv(out, &vessels))?;
     let nodes = node_columns(simulated);
     write_file(&folder.join(NODES), |out| write_csv(out, &nodes))?;
     if simulated.network.has_positions() {
-        write_file(&folder.join(format!("{TOPOLOGY}.vtp")), |out| write_vtp(out, simulated.network, &vessels))?;
+        write_file(&folder.join(format!("{TOPOLOGY}.vtp")), |out| write_vtp(out, &simulated.network, &vessels))?;
     } else {
         notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
     }
     let bars = flow_bars(&flows(simulated));
     let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
     let mut figures = vec![PagePicture::write("Flow", caption, &bars, folder, dpi)?];
-    if let Some(transports) = simulated.transports {
+    if let Some(transports) = &simulated.transports {
         let territories = write_transports(folder, simulated, transports)?;
         let caption = "From which inlet the blood of every outlet comes, and how long ago it entered on average.";
         figures.push(PagePicture::write("Territories", caption, &territories, folder, dpi)?);
     }
-    if let Some(closures) = simulated.closures {
+    if let Some(closures) = &simulated.closures {
         let columns = occlusion_columns(simulated, closures);
         write_file(&folder.join(OCCLUSIONS), |out| write_csv(out, &columns))?;
     }
-    if let Some((pulses, _)) = simulated.pulses {
+    if let Some((pulses, _)) = &simulated.pulses {
         let waveforms = write_pulses(folder, simulated, pulses)?;
         let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
         figures.push(PagePicture::write("Waveforms", caption, &waveforms, folder, dpi)?);
     }
-    write_record(folder, record)?;
-    let page = simulation_page(simulated, record, vessels, nodes, figures);
+    let record = flow_record(simulated);
+    write_record(folder, &record)?;
+    let page = simulation_page(simulated, &record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
     Ok(notes)
 }
 
 /// The columns of occlusions.csv, a row for each vessel that is closed.
-pub fn occlusion_columns(simulated: &Simulated<'_>, closures: &[ClosedVessel]) -> Vec<Column> {
-    let network = simulated.network;
+pub fn occlusion_columns(simulated: &SimulationRun<'_>, closures: &[ClosedVessel]) -> Vec<Column> {
+    let network = &*simulated.network;
     let names = picture_names(network);
     let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));
     let gain = |row: usize| closures[row].takes_over.map_or(0.0, |change| change.gain());
@@ -271,12 +288,12 @@ pub fn occlusion_columns(simulated: &Simulated<'_>, closures: &[ClosedVessel]) -
 }
 
 /// The flow of every vessel.
-fn flows(simulated: &Simulated<'_>) -> Vec<VesselFlow> {
-    let result = simulated.result;
+fn flows(simulated: &SimulationRun<'_>) -> Vec<VesselFlow> {
+    let result = &simulated.result;
     let flow = |(row, name): (usize, String)| VesselFlow {
         name,
         unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),
         perturbed: result.perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
     };
-    picture_names(simulated.network).into_iter().enumerate().map(flow).collect()
+    picture_names(&simulated.network).into_iter().enumerate().map(flow).collect()
 }

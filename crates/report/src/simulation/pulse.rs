@@ -5,7 +5,7 @@ use std::path::Path;
 
 use num_complex::Complex64;
 
-use super::simulated::{Simulated, picture_names};
+use super::simulated::{SimulationRun, picture_names};
 use crate::figures::{ArteryWaveform, Figure, waveform_panels};
 use willis_core::error::Result;
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
@@ -111,7 +111,7 @@ pub fn flows_by_time(pulse: &Pulse, times: usize) -> Vec<Vec<f64>> {
 
 /// The arrays of waveforms.npz: the times (s), and by vessel and time the pressure (mmHg) and the flow (mL/min) at its first end, in its
 /// middle and at its second end.
-pub fn waveform_arrays(simulated: &Simulated<'_>, pulses: &Pulses) -> Vec<NamedArray> {
+pub fn waveform_arrays(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Vec<NamedArray> {
     let (times, period) = (pulses.times, pulses.unperturbed.period);
     let time = (0..times).map(|k| k as f64 * period / times as f64).collect();
     let mut arrays = vec![NamedArray { name: "time_s".into(), shape: vec![times], values: time }];
@@ -174,8 +174,8 @@ fn table(pulses: &Pulses) -> Vec<Column> {
 }
 
 /// The arteries as a picture, a panel each.
-fn picture(simulated: &Simulated<'_>, pulses: &Pulses) -> Figure {
-    let network = simulated.network;
+fn picture(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Figure {
+    let network = &*simulated.network;
     let names = picture_names(network);
     let artery = |row: usize| ArteryWaveform {
         name: names[row].clone(),
@@ -198,7 +198,7 @@ fn picture(simulated: &Simulated<'_>, pulses: &Pulses) -> Figure {
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_pulses(folder: &Path, simulated: &Simulated<'_>, pulses: &Pulses) -> Result<Figure> {
+pub fn write_pulses(folder: &Path, simulated: &SimulationRun<'_>, pulses: &Pulses) -> Result<Figure> {
     write_file(&folder.join(WAVEFORMS), |out| write_arrays(out, waveform_arrays(simulated, pulses)))?;
     write_file(&folder.join(HARMONICS), |out| write_arrays(out, harmonics(pulses)))?;
     if simulated.network.vessel_count() <= MOST_IN_TABLE {

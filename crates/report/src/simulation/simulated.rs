@@ -1,39 +1,47 @@
 //! A simulation with everything that its files need, and what its vessels are called in pictures.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use serde_json::Value;
 
-use willis_core::flow::Boundary;
+use crate::run_record::Provenance;
 use willis_core::flow::state::State;
-use willis_core::network::Network;
+use willis_core::flow::{Boundary, FoundOutlets};
+use willis_core::network::{Network, RadiusRule};
 use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Perturbation, Simulation};
 
-/// A simulation with everything that its files need.
+/// The flow of an input, before and after the changes, with everything that its files need.
 #[derive(Debug)]
-pub struct Simulated<'a> {
+pub struct SimulationRun<'a> {
     /// The vessels.
-    pub network: &'a Network,
+    pub network: Cow<'a, Network>,
     /// Their boundary conditions.
-    pub boundary: &'a Boundary,
+    pub boundary: Boundary,
+    /// The condition of outlets without one.
+    pub outlets: FoundOutlets,
+    /// The command and input of the run.
+    pub provenance: Cow<'a, Provenance>,
+    /// Which radius stands for a vessel.
+    pub radius_rule: RadiusRule,
     /// The changes.
-    pub perturbations: &'a [Perturbation],
+    pub perturbations: Vec<Perturbation>,
     /// The flow before and after the changes.
-    pub result: &'a Simulation,
+    pub result: Simulation,
     /// Blood viscosity, Pa s.
     pub viscosity: f64,
     /// Where the blood comes from and when, if it was asked for.
-    pub transports: Option<&'a Transports>,
+    pub transports: Option<Transports>,
     /// What each closed vessel does, if that was asked for.
-    pub closures: Option<&'a [ClosedVessel]>,
+    pub closures: Option<Vec<ClosedVessel>>,
     /// The pulse, if it was asked for, and its record.
-    pub pulses: Option<&'a (Pulses, Value)>,
+    pub pulses: Option<(Pulses, Value)>,
 }
 
-impl Simulated<'_> {
+impl SimulationRun<'_> {
     /// The state whose columns end so.
     pub(super) fn state(&self, suffix: &str) -> Option<&State> {
         if suffix.is_empty() { Some(&self.result.unperturbed) } else { self.result.perturbed.as_ref() }

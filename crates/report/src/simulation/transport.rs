@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::simulated::Simulated;
+use super::simulated::SimulationRun;
 use crate::figures::colour::{EACH, GREEN, GREY, KEPT, PRUNED, PURPLE, Rgb, WHOLE, YELLOW};
 use crate::figures::{Figure, OutletSupply, supply_bars};
 use willis_core::error::Result;
@@ -32,26 +32,20 @@ fn figure<'a, T>(name: &str, suffix: &str, rows: &'a [T], of: impl Fn(&'a T) -> 
 }
 
 /// What drains a row of territories.csv: a vessel or an outlet.
+#[derive(Clone, Copy)]
 enum Drain {
     Vessel(usize),
     Outlet(usize),
 }
 
 /// The columns of territories.csv: a row for every vessel that carries blood and every outlet, and every inlet.
-pub fn territory_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec<Column> {
-    let network = simulated.network;
+pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
+    let network = &*simulated.network;
     let sources = transports.sources();
     let carries = |row: &usize| transports.states().any(|(state, _)| state.of_vessel(*row).is_some());
     let vessels = (0..network.vessel_count()).filter(carries).map(Drain::Vessel);
     let places = vessels.chain(transports.exits().into_iter().map(Drain::Outlet));
-    let rows: Vec<(Drain, usize)> = places
-        .flat_map(|place| {
-            sources.iter().map(move |source| match place {
-                Drain::Vessel(row) => (Drain::Vessel(row), *source),
-                Drain::Outlet(node) => (Drain::Outlet(node), *source),
-            })
-        })
-        .collect();
+    let rows: Vec<(Drain, usize)> = places.flat_map(|place| sources.iter().map(move |source| (place, *source))).collect();
     let text = |name: &'static str, of: &dyn Fn(&(Drain, usize)) -> String| Column::text(name, rows.iter().map(of));
     let mut columns = vec![
         text("kind", &|(place, _)| if matches!(place, Drain::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
@@ -88,8 +82,8 @@ pub fn territory_columns(simulated: &Simulated<'_>, transports: &Transports) -> 
 }
 
 /// The columns of transit.csv: a row a node.
-pub fn transit_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec<Column> {
-    let (network, nodes) = (simulated.network, (0..simulated.network.node_count()).collect::<Vec<usize>>());
+pub fn transit_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
+    let (network, nodes) = (&*simulated.network, (0..simulated.network.node_count()).collect::<Vec<usize>>());
     let text = |name: &'static str, of: &dyn Fn(usize) -> String| Column::text(name, nodes.iter().map(|node| of(*node)));
     let mut columns = vec![
         Column::whole("node", nodes.iter().copied()),
@@ -115,7 +109,7 @@ pub fn transit_columns(simulated: &Simulated<'_>, transports: &Transports) -> Ve
 }
 
 /// What edges.csv gains, by the blood at the upstream end of each vessel.
-pub fn transport_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec<Column> {
+pub fn transport_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
     let rows: Vec<usize> = (0..simulated.network.vessel_count()).collect();
     let mut columns = Vec::new();
     for (state, suffix) in transports.states() {
@@ -124,7 +118,7 @@ pub fn transport_columns(simulated: &Simulated<'_>, transports: &Transports) -> 
         };
         let territory = |row: &usize| {
             let blood = state.of_vessel(*row);
-            blood.map_or_else(String::new, |blood| end_name(simulated.network, state.sources[blood.territory().0]))
+            blood.map_or_else(String::new, |blood| end_name(&simulated.network, state.sources[blood.territory().0]))
         };
         columns.push(Column::text(format!("territory{suffix}"), rows.iter().map(territory)));
         columns.push(of("territory_share", &|blood| blood.territory().1));
@@ -142,7 +136,7 @@ pub const MIXED: &str = "mixed_colour";
 const INLETS: [Rgb; 7] = [KEPT, PRUNED, GREEN, WHOLE, EACH, PURPLE, YELLOW];
 
 /// The colour of every inlet.
-pub fn inlet_colours(simulated: &Simulated<'_>, transports: &Transports) -> Vec<(String, Rgb)> {
+pub fn inlet_colours(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<(String, Rgb)> {
     let inflow = |source: &usize| {
         let of = |state: &Transport| state.sources.binary_search(source).map_or(0.0, |at| state.inflow[at]);
         transports.states().map(|(state, _)| of(state)).fold(0.0, f64::max)
@@ -154,12 +148,12 @@ pub fn inlet_colours(simulated: &Simulated<'_>, transports: &Transports) -> Vec<
         sources.iter().filter(more).count()
     };
     let colour = |source: &usize| INLETS.get(rank(source)).copied().unwrap_or(GREY);
-    sources.iter().map(|source| (end_name(simulated.network, *source), colour(source))).collect()
+    sources.iter().map(|source| (end_name(&simulated.network, *source), colour(source))).collect()
 }
 
 /// The blood at the upstream end of every vessel: its share from each inlet, and these mixed as a colour.
-pub fn supply_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec<Column> {
-    let (network, sources) = (simulated.network, transports.sources());
+pub fn supply_columns(simulated: &SimulationRun<'_>, transports: &Transports) -> Vec<Column> {
+    let (network, sources) = (&*simulated.network, transports.sources());
     let colours = inlet_colours(simulated, transports);
     let rows: Vec<usize> = (0..network.vessel_count()).collect();
     let mut columns = vec![
@@ -177,10 +171,8 @@ pub fn supply_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec
                     sources.iter().zip(&colours).map(|(source, (_, colour))| Some(share(*row, *source)? * f64::from(colour[at])));
                 parts.sum::<Option<f64>>().map(f64::round)
             };
-            channel(0)
-                .zip(channel(1))
-                .zip(channel(2))
-                .map_or(f64::NAN, |((red, green), blue)| (red * 256.0 + green) * 256.0 + blue)
+            let [red, green, blue] = [0, 1, 2].map(channel);
+            red.zip(green).zip(blue).map_or(f64::NAN, |((red, green), blue)| (red * 256.0 + green) * 256.0 + blue)
         };
         columns.push(figure(MIXED, suffix, &rows, mixed));
     }
@@ -188,10 +180,10 @@ pub fn supply_columns(simulated: &Simulated<'_>, transports: &Transports) -> Vec
 }
 
 /// Whose blood every outlet gets, as a picture.
-fn supply_picture(simulated: &Simulated<'_>, transports: &Transports) -> Figure {
+fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) -> Figure {
     let sources = transports.sources();
     let supply = |exit: &usize| OutletSupply {
-        name: end_name(simulated.network, *exit),
+        name: end_name(&simulated.network, *exit),
         flow: transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max),
         states: transports
             .states()
@@ -211,7 +203,7 @@ fn supply_picture(simulated: &Simulated<'_>, transports: &Transports) -> Figure 
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_transports(folder: &Path, simulated: &Simulated<'_>, transports: &Transports) -> Result<Figure> {
+pub fn write_transports(folder: &Path, simulated: &SimulationRun<'_>, transports: &Transports) -> Result<Figure> {
     let territories = territory_columns(simulated, transports);
     write_file(&folder.join(TERRITORIES), |out| write_csv(out, &territories))?;
     let transit = transit_columns(simulated, transports);
