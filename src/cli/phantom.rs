@@ -206,19 +206,16 @@ impl PhantomArgs {
         let made = format!("{}, {}", plural(truth.breaks.len(), "break"), plural(truth.contacts.len(), "contact"));
         let size = format!("{x} x {y} x {z} voxels of {mm:.4} mm, {} of vessels", count(voxels as u64));
         terminal.say("written", format!("{}: {size}, {made}", self.output.display()));
-        terminal.say("truth", answer.display().to_string());
-        self.print(json!({
-            "truth": answer.display().to_string(),
-            "counts": {
-                "voxels": mask.classes.len(),
-                "foreground": voxels,
-                "vessels": truth.tubes.len(),
-                "spurious": truth.spurious().count(),
-                "lost": truth.lost.len(),
-                "gaps": truth.breaks.len(),
-                "contacts": truth.contacts.len(),
-            },
-        }))
+        let counts = json!({
+            "voxels": mask.classes.len(),
+            "foreground": voxels,
+            "vessels": truth.tubes.len(),
+            "spurious": truth.spurious().count(),
+            "lost": truth.lost.len(),
+            "gaps": truth.breaks.len(),
+            "contacts": truth.contacts.len(),
+        });
+        self.print_truth(&answer, json!({ "counts": counts }), terminal)
     }
 
     /// The broken graph with its candidates, and the truth.
@@ -232,39 +229,55 @@ impl PhantomArgs {
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let mut staged = StagedFiles::new(&self.output, force)?;
-        staged.write(&sibling(&self.output, "truth.json"), |out| truth.write_json(out))?;
+        let answer = sibling(&self.output, "truth.json");
+        staged.write(&answer, |out| truth.write_json(out))?;
         let (files, _) = put_into(staged, &graph, target, terminal)?;
         let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
         terminal.say("written", format!("{}: {size}, {made}", names.join(", ")));
-        terminal.say("truth", sibling(&self.output, "truth.json").display().to_string());
-        self.print(json!({
-            "truth": sibling(&self.output, "truth.json").display().to_string(),
-            "counts": {
-                "nodes": graph.node_count(),
-                "vessels": graph.vessel_count(),
-                "candidates": candidates,
-                "gaps": truth.breaks.len(),
-            },
-        }))
+        let counts = json!({
+            "nodes": graph.node_count(),
+            "vessels": graph.vessel_count(),
+            "candidates": candidates,
+            "gaps": truth.breaks.len(),
+        });
+        self.print_truth(&answer, json!({ "counts": counts }), terminal)
     }
 
-    /// The broken centerlines, and the truth.
-    fn write_broken(&self, lines: &Centerlines, truth: &Truth, staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
-        let loops = write_extraction(&self.output, lines, truth, staged, terminal)?;
-        let spurious = truth.spurious.iter().filter(|s| **s).count();
-        self.print(json!({
-            "truth": sibling(&self.output, "truth.json").display().to_string(),
-            "loops": loops.map(|path| path.display().to_string()),
-            "counts": {
-                "points": lines.points.len(),
-                "fragments": truth.spurious.len(),
-                "spurious": spurious,
-                "gaps": truth.breaks.len(),
-            },
-        }))
+    /// Writes the broken centerlines and the truth beside what else is staged, with a table of the links that SWC cannot hold, where there are
+    /// any.
+    fn write_broken(&self, lines: &Centerlines, truth: &Truth, mut staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
+        let answer = sibling(&self.output, "truth.json");
+        staged.write(&answer, |out| truth.write_json(out))?;
+        let mut links = Vec::new();
+        staged.write_main(|out| {
+            links = write_centerlines_swc(out, lines)?;
+            Ok(())
+        })?;
+        let loops = (!links.is_empty()).then(|| sibling(&self.output, "loops.csv"));
+        if let Some(loops) = &loops {
+            staged.write(loops, |out| write_loops(out, &links))?;
+            let lost = plural(links.len(), "link");
+            terminal.say("note", format!("SWC cannot hold {lost}: give them with --loops {}", loops.display()));
+        }
+        staged.commit()?;
+        let (points, fragments) = (lines.points.len(), truth.spurious.len());
+        let (spurious, gaps) = (truth.spurious.iter().filter(|s| **s).count(), truth.breaks.len());
+        let held = format!("{} points in {}, {spurious} of them spurious", count(points as u64), plural(fragments, "fragment"));
+        terminal.say("written", format!("{}: {held}, {}", self.output.display(), plural(gaps, "gap")));
+        let counts = json!({ "points": points, "fragments": fragments, "spurious": spurious, "gaps": gaps });
+        let loops = loops.map(|path| path.display().to_string());
+        self.print_truth(&answer, json!({ "loops": loops, "counts": counts }), terminal)
+    }
+
+    /// Says where the truth is, and the summary with it.
+    fn print_truth(&self, answer: &Path, mut summary: Value, terminal: TextTerminal) -> Result<()> {
+        let answer = answer.display().to_string();
+        terminal.say("truth", &answer);
+        summary["truth"] = answer.into();
+        self.print(summary)
     }
 
     /// The summary, where it is asked for.
@@ -297,45 +310,4 @@ fn is_mask(path: &Path) -> bool {
 /// The file that goes with another: `circle.swc` -> `circle.truth.json`, `scan.nii.gz` -> `scan.truth.json`.
 fn sibling(path: &Path, ending: &str) -> PathBuf {
     if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
-}
-
-/// Writes the damaged centerlines and the truth beside what else is staged; the path of the table of links that SWC cannot hold, where there
-/// are any.
-fn write_extraction(
-    path: &Path,
-    lines: &Centerlines,
-    truth: &Truth,
-    mut staged: StagedFiles,
-    terminal: TextTerminal,
-) -> Result<Option<PathBuf>> {
-    staged.write(&sibling(path, "truth.json"), |out| truth.write_json(out))?;
-    let mut loops = Vec::new();
-    staged.write_main(|out| {
-        loops = write_centerlines_swc(out, lines)?;
-        Ok(())
-    })?;
-    if !loops.is_empty() {
-        staged.write(&sibling(path, "loops.csv"), |out| write_loops(out, &loops))?;
-        terminal.say(
-            "note",
-            format!(
-                "SWC cannot hold {}: give them with --loops {}",
-                plural(loops.len(), "link"),
-                sibling(path, "loops.csv").display()
-            ),
-        );
-    }
-    staged.commit()?;
-    let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
-    let spurious = truth.spurious.iter().filter(|s| **s).count();
-    terminal.say(
-        "written",
-        format!(
-            "{}: {points} points in {fragments}, {spurious} of them spurious, {}",
-            path.display(),
-            plural(truth.breaks.len(), "gap")
-        ),
-    );
-    terminal.say("truth", sibling(path, "truth.json").display().to_string());
-    Ok((!loops.is_empty()).then(|| sibling(path, "loops.csv")))
 }

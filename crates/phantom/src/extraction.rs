@@ -24,8 +24,8 @@ struct OrderedExtraction {
     points: Vec<TruePoint>,
     /// Pairs of linked points.
     links: Vec<[usize; 2]>,
-    /// The missing stretches.
-    gaps: Vec<MissingStretch>,
+    /// The missing stretches, with the rows of points as their ids.
+    gaps: Vec<Break>,
 }
 
 /// A point at its true place.
@@ -36,14 +36,6 @@ struct TruePoint {
     radius: f64,
     /// The row of its vessel; `None` where it is spurious.
     vessel: Option<usize>,
-}
-
-/// A missing stretch between points that have no ids yet.
-struct MissingStretch {
-    /// The rows of the points at its two ends.
-    ends: [usize; 2],
-    /// Everything except the ids.
-    truth: Break,
 }
 
 impl OrderedExtraction {
@@ -80,11 +72,17 @@ impl OrderedExtraction {
     }
 
     /// Adds the missing stretches of a vessel that have a point at both ends. `pieces` are the first and last points of its pieces.
-    fn add_gaps(&mut self, row: usize, vessel: &SampledVessel, pieces: &[[usize; 2]], nodes: [Option<usize>; 2]) {
+    fn add_gaps(
+        &mut self,
+        (row, label): (usize, &String),
+        vessel: &SampledVessel,
+        pieces: &[[usize; 2]],
+        nodes: [Option<usize>; 2],
+    ) {
         let (Some(first), Some(last)) = (vessel.pieces.first(), vessel.pieces.last()) else { return };
         let mut add = |kind, ends: [usize; 2], stretch: [usize; 2]| {
             let stretch = stretch.map(|at| at as f64 * vessel.step);
-            self.gaps.push(MissingStretch { ends, truth: Break { ids: [0; 2], kind, vessel: row, stretch } });
+            self.gaps.push(Break { ids: ends.map(|point| point as u64), kind, vessel: row, label: label.clone(), stretch });
         };
         if let (Some(node), true) = (nodes[0], first[0] > 0) {
             add(BreakKind::Junction, [node, pieces[0][0]], [0, first[0]]);
@@ -183,7 +181,8 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
         pieces.push(ordered.add_vessel(row, vessel, network.ends(row), &mut node_point));
     }
     for (row, vessel) in vessels.iter().enumerate() {
-        ordered.add_gaps(row, vessel, &pieces[row], network.ends(row).map(|node| node_point[node]));
+        let nodes = network.ends(row).map(|node| node_point[node]);
+        ordered.add_gaps((row, &network.vessel(row).label), vessel, &pieces[row], nodes);
     }
     let true_fragments = ordered.fragments().len();
     let wanted = (params.spurious * true_fragments as f64).round() as usize;
@@ -204,12 +203,11 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
         inlets: inlets.into_iter().map(|point| lines.ids[number[point]]).collect(),
         spurious: vec![false; lines.strand.iter().max().map_or(0, |last| *last as usize + 1)],
         points: vec![None; lines.points.len()],
-        breaks: ordered
-            .gaps
-            .iter()
-            .map(|gap| Break { ids: gap.ends.map(|p| lines.ids[number[p]]), ..gap.truth.clone() })
-            .collect(),
+        breaks: ordered.gaps,
     };
+    for gap in &mut truth.breaks {
+        gap.ids = gap.ids.map(|point| lines.ids[number[point as usize]]);
+    }
     for (point, true_point) in ordered.points.iter().enumerate() {
         truth.points[number[point]] = true_point.vessel;
         truth.spurious[lines.strand[number[point]] as usize] = true_point.vessel.is_none();
