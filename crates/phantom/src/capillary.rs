@@ -48,9 +48,8 @@ pub fn capillary(params: &Large) -> Result<Network> {
         .ok_or_else(|| Error::parameter("edges", params.edges, "no lattice of that size holds together; expected another"))?;
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
-    let jitter = Uniform::new(-JITTER, JITTER).map_err(|_| Error::parameter("capillary", JITTER, "expected a positive share"))?;
-    let radius = LogNormal::new(CAPILLARY.0.ln(), CAPILLARY.1)
-        .map_err(|_| Error::parameter("capillary", CAPILLARY.1, "expected a positive deviation"))?;
+    let jitter = Uniform::new(-JITTER, JITTER).expect("a positive share");
+    let radius = LogNormal::new(CAPILLARY.0.ln(), CAPILLARY.1).expect("a positive deviation");
     let mut row_of = vec![u32::MAX; mesh.lattice.places];
     for place in (0..mesh.lattice.places).filter(|place| mesh.kept[*place]) {
         let at = mesh.lattice.at(place).map(|x| (x as f64 + jitter.sample(&mut rng)) * SPACING);
