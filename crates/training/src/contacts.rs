@@ -1,8 +1,6 @@
 //! Fits the contact model to skeletons whose true vessels are known: boosted trees over pairs of branch ends, then the weights of
 //! partitions on scores of trees that never saw the subject.
 
-use std::path::PathBuf;
-
 use ndarray::Array2;
 
 use super::boosting::boost;
@@ -41,12 +39,8 @@ pub struct ContactExample<'a> {
     pub case: &'a Case,
     /// Its contacts.
     pub table: ContactTable,
-    /// What the skeleton tells of its pairs, shape (pairs, features).
-    of_skeleton: Array2<f32>,
-    /// What the mask tells of them, where there is one.
-    of_mask: Option<Array2<f32>>,
-    /// What mask and image tell of them, for each image, with its name.
-    of_images: Vec<(String, Array2<f32>)>,
+    /// What is seen of its pairs: by the skeleton alone, in its mask, in each image.
+    seen: Vec<SeenPairs>,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
@@ -67,15 +61,17 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
             Some(a? == b?)
         });
         let joined: Vec<Option<bool>> = joined.collect();
-        let of_mask = field.as_ref().map(|field| table.features(Some(field), None));
-        let images: &[PathBuf] = if field.is_some() { &case.images } else { &[] };
         let extraction = Resampled::new(&case.network, CenterlineKind::Skeleton).extraction(&[])?;
-        let of_images = images.iter().map(|path| {
-            let scene = shown(path, &extraction)?;
-            Ok((image_name(path), table.features(field.as_ref(), Some(&scene))))
-        });
-        let of_images = of_images.collect::<Result<Vec<_>>>()?;
-        Ok(Self { case, of_skeleton: table.features(None, None), of_mask, of_images, table, joined, classes })
+        let mut seen = Vec::new();
+        let mut see = |basis, image, features| seen.push(SeenPairs { basis, image, features });
+        see(Basis::Skeleton, String::new(), table.features(None, None));
+        if let Some(field) = &field {
+            see(Basis::Mask, String::new(), table.features(Some(field), None));
+            for path in &case.images {
+                see(Basis::Image, image_name(path), table.features(Some(field), Some(&shown(path, &extraction)?)));
+            }
+        }
+        Ok(Self { case, seen, table, joined, classes })
     }
 
     fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
@@ -83,7 +79,7 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
         progress("without mask");
         let mask = fit_part(examples, Basis::Mask)?;
         progress("with mask");
-        let has_images = examples.iter().any(|e| !e.of_images.is_empty());
+        let has_images = examples.iter().any(|e| e.seen.iter().any(|seen| seen.basis == Basis::Image));
         let image = has_images.then(|| fit_part(examples, Basis::Image)).transpose()?;
         if has_images {
             progress("with images");
@@ -97,17 +93,7 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
 impl ContactExample<'_> {
     /// Whether there is a mask.
     pub fn has_mask(&self) -> bool {
-        self.of_mask.is_some()
-    }
-
-    /// What is measured of the pairs, each with the name of the image, which is empty without one.
-    fn views(&self, basis: Basis) -> Vec<SeenCase<'_>> {
-        let view = |image, features| SeenCase { e: self, image, features };
-        match basis {
-            Basis::Skeleton => vec![view("", &self.of_skeleton)],
-            Basis::Mask => self.of_mask.iter().map(|features| view("", features)).collect(),
-            Basis::Image => self.of_images.iter().map(|(image, features)| view(image.as_str(), features)).collect(),
-        }
+        self.seen.iter().any(|seen| seen.basis == Basis::Mask)
     }
 
     /// The contacts that are found by some scores of pairs: how probably the partitions join each, and whether it is one vessel, as far as
@@ -138,15 +124,13 @@ impl ContactExample<'_> {
             }
             let all = partitions(ends);
             let mut numbers = Vec::new();
-            let blocks: Vec<usize> = classes
-                .iter()
-                .map(|class| {
-                    numbers.iter().position(|c| c == class).unwrap_or_else(|| {
-                        numbers.push(*class);
-                        numbers.len() - 1
-                    })
-                })
-                .collect();
+            let blocks = classes.iter().map(|class| {
+                if !numbers.contains(class) {
+                    numbers.push(*class);
+                }
+                numbers.iter().position(|c| c == class).unwrap_or(0)
+            });
+            let blocks: Vec<usize> = blocks.collect();
             let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
             out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
         }
@@ -160,31 +144,39 @@ struct Design {
     truth: usize,
 }
 
-/// A case as it is seen: without image, or in one.
-struct SeenCase<'a> {
-    e: &'a ContactExample<'a>,
-    image: &'a str,
+/// What is seen of the pairs of a case.
+struct SeenPairs {
+    basis: Basis,
+    /// The name of the image; empty without one.
+    image: String,
     /// Shape (pairs, features).
-    features: &'a Array2<f32>,
+    features: Array2<f32>,
+}
+
+/// A case with what is seen of it.
+type SeenCase<'a> = (&'a ContactExample<'a>, &'a SeenPairs);
+
+/// All that is seen of some cases on a basis.
+fn views<'a>(examples: impl Iterator<Item = &'a ContactExample<'a>>, basis: Basis) -> Vec<SeenCase<'a>> {
+    examples.flat_map(|e| e.seen.iter().filter(move |seen| seen.basis == basis).map(move |seen| (e, seen))).collect()
 }
 
 fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
-    let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
-    let (fold, subjects) = dealt(views.iter().map(|view| view.e.case.subject.as_str()), INNER);
+    let views = views(examples.iter().copied(), basis);
+    let (fold, subjects) = dealt(views.iter().map(|(e, _)| e.case.subject.as_str()), INNER);
     if subjects < INNER {
         let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
         return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects), accepted));
     }
-    let trees = fit_trees(&views.iter().collect::<Vec<_>>())?;
+    let trees = fit_trees(&views)?;
     let (mut designs, mut unseen) = (Vec::new(), Vec::new());
     for held in 0..INNER {
-        let part =
-            |is_held: bool| views.iter().zip(&fold).filter(move |(_, fold)| (**fold == held) == is_held).map(|(view, _)| view);
-        let trees = fit_trees(&part(false).collect::<Vec<_>>())?;
-        for view in part(true) {
-            let scores = trees.scores(view.features);
-            designs.extend(view.e.designs(&scores));
-            unseen.push((view, scores));
+        let (unknown, known): (Vec<_>, Vec<_>) = views.iter().zip(&fold).partition(|(_, fold)| **fold == held);
+        let trees = fit_trees(&known.into_iter().map(|(view, _)| *view).collect::<Vec<_>>())?;
+        for ((e, seen), _) in unknown {
+            let scores = trees.scores(&seen.features);
+            designs.extend(e.designs(&scores));
+            unseen.push((*e, scores));
         }
     }
     let (features, weights) = (basis.feature_names(), fit_weights(&designs));
@@ -194,8 +186,8 @@ fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
 }
 
 /// Calibrates a part on the contacts that it finds by scores of trees that never saw the subject; nothing changes without one.
-fn calibrate_part(part: &mut ContactPart, unseen: &[(&SeenCase, Vec<f64>)]) {
-    let found = in_order(unseen, |_, (view, scores)| view.e.found(scores, &part.weights));
+fn calibrate_part(part: &mut ContactPart, unseen: &[(&ContactExample, Vec<f64>)]) {
+    let found = in_order(unseen, |_, (e, scores)| e.found(scores, &part.weights));
     let pairs: Vec<(f64, bool)> = found.iter().flat_map(|(pairs, _)| pairs.iter().copied()).collect();
     if let Some(calibration) = calibrate_in_order(&pairs) {
         part.calibration = calibration;
@@ -206,7 +198,6 @@ fn calibrate_part(part: &mut ContactPart, unseen: &[(&SeenCase, Vec<f64>)]) {
 /// Calibrates a model on cases of its subjects or others that it was not fitted to, and changes nothing else in it.
 pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample]) {
     for basis in Basis::ALL {
-        let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
         let part = match basis {
             Basis::Skeleton => &mut model.skeleton,
             Basis::Mask => &mut model.mask,
@@ -215,18 +206,19 @@ pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample])
                 None => continue,
             },
         };
-        let unseen: Vec<(&SeenCase, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
+        let unseen: Vec<(&ContactExample, Vec<f64>)> =
+            views(examples.iter(), basis).into_iter().map(|(e, seen)| (e, part.trees.scores(&seen.features))).collect();
         calibrate_part(part, &unseen);
     }
 }
 
 /// Boosted trees over the pairs whose answer is known.
-fn fit_trees(views: &[&SeenCase]) -> Result<Boosted> {
+fn fit_trees(views: &[SeenCase]) -> Result<Boosted> {
     let mut rows = Vec::new();
-    for (at, view) in views.iter().enumerate() {
-        rows.extend(view.e.joined.iter().enumerate().filter_map(|(row, joined)| Some((at, row, (*joined)?))));
+    for (at, (e, _)) in views.iter().enumerate() {
+        rows.extend(e.joined.iter().enumerate().filter_map(|(row, joined)| Some((at, row, (*joined)?))));
     }
-    boost(&views.iter().map(|view| view.features).collect::<Vec<_>>(), &rows)
+    boost(&views.iter().map(|(_, seen)| &seen.features).collect::<Vec<_>>(), &rows)
 }
 
 /// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
@@ -270,9 +262,8 @@ pub struct JudgedContacts {
     ends: Vec<JudgedEnds>,
 }
 
-fn judge(view: &SeenCase, part: &ContactPart) -> Vec<JudgedEnds> {
-    let e = view.e;
-    let scores = part.trees.scores(view.features);
+fn judge(e: &ContactExample, seen: &SeenPairs, part: &ContactPart) -> Vec<JudgedEnds> {
+    let scores = part.trees.scores(&seen.features);
     let tables = e.table.by_cluster(&scores);
     let mut probability = Vec::with_capacity(scores.len());
     for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
@@ -301,10 +292,9 @@ impl<'a> Example<'a> for ContactExample<'a> {
     }
 
     fn judge(&self, model: &ContactModel) -> Result<Vec<JudgedContacts>> {
-        let views = Basis::ALL.into_iter().flat_map(|basis| self.views(basis).into_iter().map(move |view| (basis, view)));
-        let judged = views.map(|(basis, view)| {
-            let ends = judge(&view, model.part(basis));
-            JudgedContacts { basis, image: view.image.to_owned(), ends }
+        let judged = self.seen.iter().map(|seen| {
+            let ends = judge(self, seen, model.part(seen.basis));
+            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends }
         });
         Ok(judged.collect())
     }

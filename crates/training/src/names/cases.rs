@@ -23,8 +23,6 @@ const LABELS_FILE: &str = "labels.csv";
 /// A case whose arteries are known.
 #[derive(Debug, Clone)]
 pub struct LabelledCase {
-    /// The folder's name.
-    pub name: String,
     /// The patient.
     pub subject: String,
     /// What was done to the tracing: `whole`, `easy`, ...
@@ -111,9 +109,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
     let truth_of_nodes = label_nodes(&graph, &labels);
-    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(LabelledCase {
-        name,
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,
