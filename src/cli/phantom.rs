@@ -168,18 +168,17 @@ impl PhantomArgs {
         self.print(json!({ "counts": counts }))
     }
 
-    /// The files beside broken centerlines that are known before the work.
+    /// The files beside a mask or broken centerlines that are known before the work.
     fn beside(&self, kind: Anatomy) -> Vec<PathBuf> {
-        let endings = [("truth.json", self.broken), ("landmarks.csv", self.broken && kind == Anatomy::Cerebral)];
+        let endings =
+            [("truth.json", self.broken || is_mask(&self.output)), ("landmarks.csv", self.broken && kind == Anatomy::Cerebral)];
         endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| sibling(&self.output, ending)).collect()
     }
 
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
     fn write_mask(&self, kind: Anatomy, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
-        let [answer, marks] = ["truth.json", "landmarks.csv"].map(|ending| sibling(&self.output, ending));
-        let has_marks = self.broken && kind == Anatomy::Cerebral;
-        let others = [&answer].into_iter().chain(has_marks.then_some(&marks)).chain(&self.image);
-        StagedFiles::check(&self.output, others, force)?;
+        let beside = self.beside(kind);
+        StagedFiles::check(&self.output, beside.iter().chain(&self.image), force)?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
         let spacing = recipe.spacing.unwrap_or(VOXEL);
@@ -192,10 +191,11 @@ impl PhantomArgs {
         };
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write_main(|out| write_nifti(out, &mask, has_ending(&self.output, ".gz")))?;
-        staged.write(&answer, |out| truth.write_json(out))?;
-        if has_marks {
+        let answer = &beside[0];
+        staged.write(answer, |out| truth.write_json(out))?;
+        if let Some(marks) = beside.get(1) {
             let marked = landmarks(&network, &truth.lost);
-            staged.write(&marks, |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marked))?;
+            staged.write(marks, |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marked))?;
         }
         if let Some((path, image)) = self.image.as_ref().zip(image) {
             staged.write(path, |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
@@ -215,7 +215,7 @@ impl PhantomArgs {
             "gaps": truth.breaks.len(),
             "contacts": truth.contacts.len(),
         });
-        self.print_truth(&answer, json!({ "counts": counts }), terminal)
+        self.print_truth(answer, json!({ "counts": counts }), terminal)
     }
 
     /// The broken graph with its candidates, and the truth.

@@ -1,8 +1,5 @@
 //! Breaks a network up as an imperfect extraction would: gaps, lost ends, noise, spurious fragments, points in random order.
 
-use std::collections::HashMap;
-
-use petgraph::unionfind::UnionFind;
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
@@ -12,7 +9,7 @@ use super::damage::{Breaks, SampledVessel, damage, spurious};
 use super::truth::{Break, BreakKind, Truth};
 use willis_core::error::Result;
 use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Frame, Network, Role};
+use willis_core::network::{Fragments, Frame, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_core::support::random;
 use willis_core::support::random::stream;
@@ -97,19 +94,9 @@ impl OrderedExtraction {
 
     /// The connected points as lists, in the order of their first points.
     fn fragments(&self) -> Vec<Vec<usize>> {
-        let mut connected = UnionFind::<usize>::new(self.points.len());
-        for [a, b] in &self.links {
-            connected.union(*a, *b);
-        }
-        let mut fragments: Vec<Vec<usize>> = Vec::new();
-        let mut row_of = HashMap::new();
-        for point in 0..self.points.len() {
-            let row = *row_of.entry(connected.find(point)).or_insert(fragments.len());
-            if row == fragments.len() {
-                fragments.push(Vec::new());
-            }
-            fragments[row].push(point);
-        }
+        let Fragments { of_node, count } = Fragments::over(self.points.len(), self.links.iter().copied());
+        let mut fragments = vec![Vec::new(); count];
+        of_node.into_iter().enumerate().for_each(|(point, fragment)| fragments[fragment].push(point));
         fragments
     }
 
