@@ -47,8 +47,9 @@ pub fn capillary(params: &Large) -> Result<Network> {
         .ok_or_else(|| Error::parameter("edges", params.edges, "no lattice of that size holds together; expected another"))?;
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
-    let jitter = Uniform::new(-JITTER, JITTER).expect("a positive share");
-    let radius = LogNormal::new(CAPILLARY.0.ln(), CAPILLARY.1).expect("a positive deviation");
+    let jitter = Uniform::new(-JITTER, JITTER).map_err(|_| Error::parameter("capillary", JITTER, "expected a positive share"))?;
+    let radius = LogNormal::new(CAPILLARY.0.ln(), CAPILLARY.1)
+        .map_err(|_| Error::parameter("capillary", CAPILLARY.1, "expected a positive deviation"))?;
     let mut row_of = vec![u32::MAX; mesh.lattice.places];
     for place in (0..mesh.lattice.places).filter(|place| mesh.kept[*place]) {
         let at = mesh.lattice.at(place).map(|x| (x as f64 + jitter.sample(&mut rng)) * SPACING);
@@ -222,7 +223,9 @@ fn largest_part(lattice: Lattice, taken: &[bool]) -> (Vec<bool>, Vec<u32>) {
     let links = || (0..taken.len() as u32).filter(|link| taken[*link as usize]);
     let Fragments { of_node, count } = Fragments::over(lattice.places, links().map(|link| lattice.ends(link)));
     let mut size = vec![0_usize; count];
-    of_node.iter().for_each(|part| size[*part] += 1);
+    for part in &of_node {
+        size[*part] += 1;
+    }
     let largest = (0..count).fold(0, |largest, part| if size[part] > size[largest] { part } else { largest });
     let kept: Vec<bool> = of_node.into_iter().map(|part| part == largest).collect();
     let links = links().filter(|link| kept[lattice.ends(*link)[0]]).collect();

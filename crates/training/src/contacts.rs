@@ -39,12 +39,12 @@ pub struct ContactExample<'a> {
     pub case: &'a Case,
     /// Its contacts.
     pub table: ContactTable,
-    /// What is seen of its pairs: by the skeleton alone, in its mask, in each image.
-    seen: Vec<SeenPairs>,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
     pub classes: Vec<Vec<Option<usize>>>,
+    /// What is seen of its pairs: by the skeleton alone, in its mask, in each image.
+    seen: Vec<SeenPairs>,
 }
 
 impl<'a> TreeExample<'a> for ContactExample<'a> {
@@ -71,7 +71,7 @@ impl<'a> TreeExample<'a> for ContactExample<'a> {
                 see(Basis::Image, image_name(path), table.features(Some(field), Some(&shown(path, &extraction)?)));
             }
         }
-        Ok(Self { case, seen, table, joined, classes })
+        Ok(Self { case, table, joined, classes, seen })
     }
 
     fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {

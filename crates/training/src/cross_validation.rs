@@ -17,8 +17,11 @@ pub(crate) fn dealt<'s>(subjects: impl Iterator<Item = &'s str> + Clone, folds: 
     (subjects.map(|subject| order.range(..subject).count() % folds).collect(), order.len())
 }
 
+/// The models of the folds, and the figures over all examples.
+type Validated<'a, E> = (Vec<<E as Example<'a>>::Model>, Vec<<E as Example<'a>>::Scores>);
+
 /// Fits models without each fold's subjects and judges them by those: `fit` gets the number of the fold, counted from 1, and which cases it
-/// holds out. The models of the folds, and the figures over all examples.
+/// holds out.
 ///
 /// # Errors
 ///
@@ -27,7 +30,7 @@ pub fn cross_validate<'a, E: Example<'a>>(
     examples: &[&E],
     folds: usize,
     mut fit: impl FnMut(usize, &dyn Fn(&Case) -> bool) -> Result<E::Model>,
-) -> Result<(Vec<E::Model>, Vec<E::Scores>)> {
+) -> Result<Validated<'a, E>> {
     let (mut models, mut everything) = (Vec::new(), Vec::new());
     for fold in 0..folds {
         let is_held_out = |case: &Case| fold_of(&case.subject, folds) == fold;
