@@ -7,7 +7,7 @@ use crate::internals::circle_of_willis::{Artery, RING, present_segments};
 use crate::internals::formats::{is_there, write_csv};
 use crate::internals::output::atomic::{StagedFiles, StagedFolder};
 use crate::internals::output::names::{ACCURACY, RECORD};
-use crate::internals::output::{read_json, write_file};
+use crate::internals::output::read_json;
 use crate::internals::report::{Segments, accuracy_columns};
 use crate::{ArterySource, InferOptions, Phenotype, classify};
 use clap::Args;

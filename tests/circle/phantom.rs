@@ -93,7 +93,7 @@ fn the_table_agrees_with_openbfs_copy() {
     };
     let vessels: Vec<&str> = text.split("- label:").skip(1).collect();
     assert_eq!(vessels.len(), TABLE.len());
-    for (block, row) in vessels.iter().zip(&TABLE) {
+    for (block, row) in vessels.iter().zip(&*TABLE) {
         let value = |key: &str| {
             let line = block.lines().find_map(|line| line.trim().strip_prefix(key)?.strip_prefix(':'));
             line.map(|word| word.trim().parse::<f64>().unwrap())

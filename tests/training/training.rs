@@ -10,8 +10,8 @@ use willis::internals::candidates::model::HeldOutScores;
 use willis::internals::training::logistic::calibrate_in_order;
 use willis::internals::training::minimise::minimise;
 use willis::internals::training::{
-    CandidateExample, Case, FittedPass, Match, Objective, TrainParams, average_precision, calibrate, calibration_error,
-    case_scores, case_weights, fit, fold_of, goes_without_inlets, held_out_scores,
+    CandidateExample, Case, Example as _, FittedPass, Match, Objective, TrainParams, average_precision, calibrate,
+    calibration_error, case_weights, fit, fold_of, goes_without_inlets,
 };
 use willis::internals::training::{Model, read_cases};
 
@@ -158,15 +158,16 @@ fn what_was_learnt_holds_on_other_trees() {
     let here = folder();
     let cases = cases(&trees(here.path(), 12));
     let params = TrainParams { iterations: vec![40], ..TrainParams::default() };
-    let known: Vec<&Case> = cases[..8].iter().collect();
-    let examples =
-        CandidateExample::measure(&known, |case| !goes_without_inlets(case, params.without_inlets)).expect("positions");
+    let known = cases[..8].iter();
+    let examples: Vec<CandidateExample> = known
+        .map(|case| CandidateExample::new(case, !goes_without_inlets(case, params.without_inlets)).expect("positions"))
+        .collect();
     let weights = fit(&examples.iter().collect::<Vec<_>>(), &[], &params, &mut |_| ()).expect("weights");
     assert_eq!((weights.provenance.cases, weights.provenance.subjects), (8, 8));
     let judged: Vec<CandidateExample> = cases[8..].iter().map(|c| CandidateExample::new(c, true).expect("bridges")).collect();
-    let answers: Vec<_> = judged.iter().map(|e| case_scores(e, &weights).expect("features")).collect();
+    let answers: Vec<_> = judged.iter().flat_map(|e| e.judge(&weights).expect("features")).collect();
     let of: Vec<_> = judged.iter().zip(&answers).collect();
-    let HeldOutScores { average_precision, cases, .. } = held_out_scores(&of)[0].clone();
+    let HeldOutScores { average_precision, cases, .. } = CandidateExample::scores(&of)[0].clone();
     assert!(cases == 4 && average_precision.expect("links") > 0.6, "{average_precision:?}");
 }
 

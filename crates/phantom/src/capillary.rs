@@ -1,6 +1,5 @@
 //! A block of capillaries: a random graph of degree three on a jittered cubic lattice, fed and drained from the top.
 
-use petgraph::unionfind::UnionFind;
 use rand::seq::{SliceRandom, index};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, LogNormal, Uniform};
@@ -8,7 +7,7 @@ use rand_distr::{Distribution, LogNormal, Uniform};
 use super::large::Large;
 use super::{add_node, make_inlet};
 use willis_core::error::{Error, Result};
-use willis_core::network::{Condition, Network, Role};
+use willis_core::network::{Condition, Fragments, Network, Role};
 use willis_core::support::random;
 use willis_core::support::random::stream;
 
@@ -221,19 +220,14 @@ impl Mesh {
 
 /// The connected part with the most places, and its links.
 fn largest_part(lattice: Lattice, taken: &[bool]) -> (Vec<bool>, Vec<u32>) {
-    let mut parts = UnionFind::<u32>::new(lattice.places);
     let links = || (0..taken.len() as u32).filter(|link| taken[*link as usize]);
-    for link in links() {
-        let [a, b] = lattice.ends(link);
-        parts.union(a as u32, b as u32);
+    let Fragments { of_node, count } = Fragments::over(lattice.places, links().map(|link| lattice.ends(link)));
+    let mut size = vec![0_usize; count];
+    for part in &of_node {
+        size[*part] += 1;
     }
-    let part = parts.into_labeling();
-    let mut size = vec![0_usize; lattice.places];
-    for label in &part {
-        size[*label as usize] += 1;
-    }
-    let largest = (0..size.len()).fold(0, |largest, label| if size[label] > size[largest] { label } else { largest });
-    let kept: Vec<bool> = part.iter().map(|label| *label as usize == largest).collect();
+    let largest = (0..count).fold(0, |largest, part| if size[part] > size[largest] { part } else { largest });
+    let kept: Vec<bool> = of_node.into_iter().map(|part| part == largest).collect();
     let links = links().filter(|link| kept[lattice.ends(*link)[0]]).collect();
     (kept, links)
 }

@@ -1,7 +1,6 @@
 //! The Circle of Willis as a network: published lengths, radii and resistances, along plausible centerlines.
 
-use super::alastruey;
-use super::alastruey::{NODES, ROOT, TABLE};
+use super::alastruey::{POSITIONS, ROOT, TABLE};
 use super::curve::course;
 use super::{add_curved_vessel, add_node, make_inlet, widen_nodes};
 use willis_core::error::{Error, Result};
@@ -22,14 +21,14 @@ pub fn circle_of_willis(spacing: f64) -> Network {
     assert!(spacing.is_finite() && spacing > 0.0, "spacing {spacing} m is not positive");
     let mut network = Network::new();
     network.frame = Frame::Ras;
-    for number in 1..=NODES {
-        add_node(&mut network, alastruey::position(number), None);
+    for position in &*POSITIONS {
+        add_node(&mut network, *position, None);
     }
     make_inlet(&mut network, ROOT - 1);
-    for row in &TABLE {
-        let [a, b] = row.nodes.map(alastruey::position);
-        let points = course(a, b, row.length, alastruey::bow(row.label), spacing);
+    for row in &*TABLE {
         let ends = row.nodes.map(|number| number - 1);
+        let [a, b] = ends.map(|node| POSITIONS[node]);
+        let points = course(a, b, row.length, row.bow, spacing);
         widen_nodes(&mut network, ends, row.radius);
         if let Some(resistance) = row.terminal {
             let node = network.node_mut(ends[1]);

@@ -257,23 +257,33 @@ const TURN: f64 = 0.25;
 
 /// Up to `wanted` spurious fragments (points with radii) that touch neither the complete vessels in `lumens` nor each other.
 pub(crate) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, rng: &mut impl Rng) -> Vec<Vec<(Point, f64)>> {
-    if wanted == 0 {
+    if lumens.is_empty() {
         return Vec::new();
     }
-    let mut taken = lumens.to_vec();
-    let mut fragments = Vec::new();
-    for _ in 0..ATTEMPTS * wanted {
-        if fragments.len() == wanted || lumens.is_empty() {
+    scattered(lumens.to_vec(), [wanted, ATTEMPTS], MARGIN * params.spacing, || walk(lumens, params, rng))
+}
+
+/// Up to so many lines (points with radii) as `draw` makes them, with so many attempts for each, whose lumens are more than `apart` from those
+/// in `taken` and from each other.
+pub(crate) fn scattered(
+    mut taken: Vec<(Point, f64)>,
+    [wanted, attempts]: [usize; 2],
+    apart: f64,
+    mut draw: impl FnMut() -> Vec<(Point, f64)>,
+) -> Vec<Vec<(Point, f64)>> {
+    let mut found = Vec::new();
+    for _ in 0..attempts * wanted {
+        if found.len() == wanted {
             break;
         }
-        let fragment = walk(lumens, params, rng);
-        let clear = |(p, r): &(Point, f64)| taken.iter().all(|(q, s)| distance(*p, *q) > r + s + MARGIN * params.spacing);
-        if fragment.iter().all(clear) {
-            taken.extend(&fragment);
-            fragments.push(fragment);
+        let line = draw();
+        let clear = |(p, r): &(Point, f64)| taken.iter().all(|(q, s)| distance(*p, *q) > r + s + apart);
+        if line.iter().all(clear) {
+            taken.extend(&line);
+            found.push(line);
         }
     }
-    fragments
+    found
 }
 
 /// A random walk that tends to go straight. It begins near a random point of the vessels and is thinner than the vessel there.

@@ -1,8 +1,5 @@
 //! Breaks a network up as an imperfect extraction would: gaps, lost ends, noise, spurious fragments, points in random order.
 
-use std::collections::HashMap;
-
-use petgraph::unionfind::UnionFind;
 use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
@@ -12,7 +9,7 @@ use super::damage::{Breaks, SampledVessel, damage, spurious};
 use super::truth::{Break, BreakKind, Truth};
 use willis_core::error::Result;
 use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Frame, Network, Role};
+use willis_core::network::{Fragments, Frame, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_core::support::random;
 use willis_core::support::random::stream;
@@ -24,8 +21,8 @@ struct OrderedExtraction {
     points: Vec<TruePoint>,
     /// Pairs of linked points.
     links: Vec<[usize; 2]>,
-    /// The missing stretches.
-    gaps: Vec<MissingStretch>,
+    /// The missing stretches, with the rows of points as their ids.
+    gaps: Vec<Break>,
 }
 
 /// A point at its true place.
@@ -36,14 +33,6 @@ struct TruePoint {
     radius: f64,
     /// The row of its vessel; `None` where it is spurious.
     vessel: Option<usize>,
-}
-
-/// A missing stretch between points that have no ids yet.
-struct MissingStretch {
-    /// The rows of the points at its two ends.
-    ends: [usize; 2],
-    /// Everything except the ids.
-    truth: Break,
 }
 
 impl OrderedExtraction {
@@ -80,11 +69,17 @@ impl OrderedExtraction {
     }
 
     /// Adds the missing stretches of a vessel that have a point at both ends. `pieces` are the first and last points of its pieces.
-    fn add_gaps(&mut self, row: usize, vessel: &SampledVessel, pieces: &[[usize; 2]], nodes: [Option<usize>; 2]) {
+    fn add_gaps(
+        &mut self,
+        (row, label): (usize, &String),
+        vessel: &SampledVessel,
+        pieces: &[[usize; 2]],
+        nodes: [Option<usize>; 2],
+    ) {
         let (Some(first), Some(last)) = (vessel.pieces.first(), vessel.pieces.last()) else { return };
         let mut add = |kind, ends: [usize; 2], stretch: [usize; 2]| {
             let stretch = stretch.map(|at| at as f64 * vessel.step);
-            self.gaps.push(MissingStretch { ends, truth: Break { ids: [0; 2], kind, vessel: row, stretch } });
+            self.gaps.push(Break { ids: ends.map(|point| point as u64), kind, vessel: row, label: label.clone(), stretch });
         };
         if let (Some(node), true) = (nodes[0], first[0] > 0) {
             add(BreakKind::Junction, [node, pieces[0][0]], [0, first[0]]);
@@ -99,19 +94,9 @@ impl OrderedExtraction {
 
     /// The connected points as lists, in the order of their first points.
     fn fragments(&self) -> Vec<Vec<usize>> {
-        let mut connected = UnionFind::<usize>::new(self.points.len());
-        for [a, b] in &self.links {
-            connected.union(*a, *b);
-        }
-        let mut fragments: Vec<Vec<usize>> = Vec::new();
-        let mut row_of = HashMap::new();
-        for point in 0..self.points.len() {
-            let row = *row_of.entry(connected.find(point)).or_insert(fragments.len());
-            if row == fragments.len() {
-                fragments.push(Vec::new());
-            }
-            fragments[row].push(point);
-        }
+        let Fragments { of_node, count } = Fragments::over(self.points.len(), self.links.iter().copied());
+        let mut fragments = vec![Vec::new(); count];
+        of_node.into_iter().enumerate().for_each(|(point, fragment)| fragments[fragment].push(point));
         fragments
     }
 
@@ -183,7 +168,8 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
         pieces.push(ordered.add_vessel(row, vessel, network.ends(row), &mut node_point));
     }
     for (row, vessel) in vessels.iter().enumerate() {
-        ordered.add_gaps(row, vessel, &pieces[row], network.ends(row).map(|node| node_point[node]));
+        let nodes = network.ends(row).map(|node| node_point[node]);
+        ordered.add_gaps((row, &network.vessel(row).label), vessel, &pieces[row], nodes);
     }
     let true_fragments = ordered.fragments().len();
     let wanted = (params.spurious * true_fragments as f64).round() as usize;
@@ -204,12 +190,11 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
         inlets: inlets.into_iter().map(|point| lines.ids[number[point]]).collect(),
         spurious: vec![false; lines.strand.iter().max().map_or(0, |last| *last as usize + 1)],
         points: vec![None; lines.points.len()],
-        breaks: ordered
-            .gaps
-            .iter()
-            .map(|gap| Break { ids: gap.ends.map(|p| lines.ids[number[p]]), ..gap.truth.clone() })
-            .collect(),
+        breaks: ordered.gaps,
     };
+    for gap in &mut truth.breaks {
+        gap.ids = gap.ids.map(|point| lines.ids[number[point as usize]]);
+    }
     for (point, true_point) in ordered.points.iter().enumerate() {
         truth.points[number[point]] = true_point.vessel;
         truth.spurious[lines.strand[number[point]] as usize] = true_point.vessel.is_none();

@@ -106,16 +106,17 @@ pub fn over_connected(network: Network, gaps: &Gaps, k: usize) -> Result<(Networ
             truth.points.push(Some(row));
             add_node(&mut graph, position, Some(radius))
         });
+        let label = vessel.label;
         for (ends, piece) in [([ends[0], loose[0]], near), ([loose[1], ends[1]], far)] {
             let points = || sampled.points[piece[0]..=piece[1]].iter();
             let path = points().map(|(position, radius)| PathPoint { position: *position, radius: *radius, id: None });
             let path = if vessel.path.is_empty() { Vec::new() } else { path.collect() };
             let length = sampled.step * (piece[1] - piece[0]) as f64;
-            let label = vessel.label.clone();
-            graph.add_vessel(ends, Vessel { label, path, ..Vessel::new(length, vessel.radius, Origin::Observed) });
+            graph.add_vessel(ends, Vessel { label: label.clone(), path, ..Vessel::new(length, vessel.radius, Origin::Observed) });
         }
         let stretch = [near[1], far[0]].map(|at| at as f64 * sampled.step);
-        truth.breaks.push(Break { ids: loose.map(|node| node as u64 + 1), kind: BreakKind::Vessel, vessel: row, stretch });
+        let ids = loose.map(|node| node as u64 + 1);
+        truth.breaks.push(Break { ids, kind: BreakKind::Vessel, vessel: row, label, stretch });
     }
     truth.spurious = vec![false; fragments(&graph, |_, _| true).count];
     let ends: Vec<usize> = (complete..graph.node_count()).collect();

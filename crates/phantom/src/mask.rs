@@ -132,7 +132,6 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
         tubes.iter().flat_map(|tube| &tube.stations).for_each(|at| classes[grid.row(*at)] = 1);
     } else {
         remove_small(&mut classes, &grid, scan.least_voxels);
-        fill_holes(&mut classes, &grid);
     }
     if !classes.contains(&1) {
         let accepted = "leaves no vessel in the mask; expected less, for vessels so thin";
@@ -140,7 +139,10 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     }
     let [x, y, z] = grid.origin;
     let affine = [[voxel, 0.0, 0.0, x], [0.0, voxel, 0.0, y], [0.0, 0.0, voxel, z]];
-    let mask = Mask::new(grid.shape, classes, affine);
+    let mut mask = Mask::new(grid.shape, classes, affine);
+    if !is_clean {
+        mask.fill_cavities();
+    }
     let truth = judge(network, tubes, &grid, &mask);
     Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }
@@ -365,28 +367,5 @@ fn remove_small(classes: &mut [u8], grid: &VoxelGrid, least: usize) {
     }
     for class in classes {
         *class = u8::from(*class != 0);
-    }
-}
-
-/// Fills background that no way through faces joins to the first voxel. The margin is background all around, so that a step over the
-/// end of a line leads into it again.
-fn fill_holes(classes: &mut [u8], grid: &VoxelGrid) {
-    const OUTSIDE: u8 = 2;
-    let strides = [1, grid.shape[0], grid.shape[0] * grid.shape[1]];
-    let (mut front, mut next) = (vec![0_usize], Vec::new());
-    classes[0] = OUTSIDE;
-    while !front.is_empty() {
-        for row in front.drain(..) {
-            for to in strides.into_iter().flat_map(|stride| [row.wrapping_sub(stride), row + stride]) {
-                if let Some(class @ 0) = classes.get_mut(to) {
-                    *class = OUTSIDE;
-                    next.push(to);
-                }
-            }
-        }
-        std::mem::swap(&mut front, &mut next);
-    }
-    for class in classes {
-        *class = u8::from(*class != OUTSIDE);
     }
 }

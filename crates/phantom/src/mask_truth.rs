@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 
 use super::truth::BreakKind;
 use super::tube::DrawnTube;
@@ -12,7 +12,6 @@ use willis_core::support::geometry::Point;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MaskBreak {
     /// The ends of the vessel's two pieces, mm. Next to a junction the first or the last lies in the lumen of another vessel.
-    #[serde(serialize_with = "rounded_pair")]
     pub ends_mm: [Point; 2],
     /// Next to a junction or along the vessel.
     pub kind: BreakKind,
@@ -21,13 +20,10 @@ pub struct MaskBreak {
     /// Its label.
     pub label: String,
     /// The arc length from the first node of the vessel at which the missing stretch begins, mm.
-    #[serde(serialize_with = "rounded")]
     pub from_mm: f64,
     /// The arc length at which it ends, mm.
-    #[serde(serialize_with = "rounded")]
     pub to_mm: f64,
     /// Its length, mm.
-    #[serde(serialize_with = "rounded")]
     pub gap_mm: f64,
 }
 
@@ -39,7 +35,6 @@ pub struct Contact {
     /// Their labels.
     pub labels: [String; 2],
     /// The middle of the voxels that touch, mm.
-    #[serde(serialize_with = "rounded_point")]
     pub position_mm: Point,
 }
 
@@ -68,10 +63,9 @@ struct MaskTruthDocument<'a> {
     lost_vessels: &'a [usize],
     spurious_vessels: Vec<usize>,
     voxel_mm: f64,
-    #[serde(serialize_with = "rounded_points")]
-    inlets_mm: &'a [Point],
-    breaks: &'a [MaskBreak],
-    contacts: &'a [Contact],
+    inlets_mm: Vec<Point>,
+    breaks: Vec<MaskBreak>,
+    contacts: Vec<Contact>,
     centerlines: Vec<Centerline<'a>>,
 }
 
@@ -79,9 +73,7 @@ struct MaskTruthDocument<'a> {
 struct Centerline<'a> {
     vessel: usize,
     nodes: Option<[&'a str; 2]>,
-    #[serde(serialize_with = "rounded_points")]
     points_mm: Vec<Point>,
-    #[serde(serialize_with = "rounded_all")]
     radii_mm: Vec<f64>,
 }
 
@@ -90,25 +82,8 @@ fn micrometres(x: f64) -> f64 {
     (x * 1e3).round() / 1e3
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
-fn rounded<S: Serializer>(x: &f64, out: S) -> Result<S::Ok, S::Error> {
-    micrometres(*x).serialize(out)
-}
-
-fn rounded_all<S: Serializer>(all: &[f64], out: S) -> Result<S::Ok, S::Error> {
-    out.collect_seq(all.iter().map(|x| micrometres(*x)))
-}
-
-fn rounded_point<S: Serializer>(point: &Point, out: S) -> Result<S::Ok, S::Error> {
-    point.map(micrometres).serialize(out)
-}
-
-fn rounded_pair<S: Serializer>(points: &[Point; 2], out: S) -> Result<S::Ok, S::Error> {
-    points.map(|point| point.map(micrometres)).serialize(out)
-}
-
-fn rounded_points<S: Serializer>(points: &[Point], out: S) -> Result<S::Ok, S::Error> {
-    out.collect_seq(points.iter().map(|point| point.map(micrometres)))
+fn rounded(point: &Point) -> Point {
+    point.map(micrometres)
 }
 
 impl MaskTruth {
@@ -129,14 +104,21 @@ impl MaskTruth {
     ///
     /// Those of `out`.
     pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
+        let in_micrometres = |gap: &MaskBreak| MaskBreak {
+            ends_mm: gap.ends_mm.each_ref().map(rounded),
+            from_mm: micrometres(gap.from_mm),
+            to_mm: micrometres(gap.to_mm),
+            gap_mm: micrometres(gap.gap_mm),
+            ..gap.clone()
+        };
         let document = MaskTruthDocument {
             vessels: self.tubes.iter().map(|tube| tube.label.as_str()).collect(),
             lost_vessels: &self.lost,
             spurious_vessels: self.spurious().collect(),
             voxel_mm: self.voxel,
-            inlets_mm: &self.inlets,
-            breaks: &self.breaks,
-            contacts: &self.contacts,
+            inlets_mm: self.inlets.iter().map(rounded).collect(),
+            breaks: self.breaks.iter().map(in_micrometres).collect(),
+            contacts: self.contacts.iter().map(|at| Contact { position_mm: rounded(&at.position_mm), ..at.clone() }).collect(),
             centerlines: self.tubes.iter().enumerate().map(|(vessel, tube)| self.centerline(vessel, tube)).collect(),
         };
         serde_json::to_writer(&mut out, &document)?;
@@ -156,8 +138,8 @@ impl MaskTruth {
         Centerline {
             vessel,
             nodes: tube.nodes.map(|nodes| nodes.map(|node| self.nodes[node].as_str())),
-            points_mm: chosen().map(|at| tube.stations[at]).collect(),
-            radii_mm: chosen().map(|at| tube.radii[at]).collect(),
+            points_mm: chosen().map(|at| rounded(&tube.stations[at])).collect(),
+            radii_mm: chosen().map(|at| micrometres(tube.radii[at])).collect(),
         }
     }
 }

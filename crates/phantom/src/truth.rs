@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
+use serde_json::json;
 
 use willis_core::network::Network;
 use willis_core::network::units::millimetres;
@@ -35,7 +36,7 @@ pub enum BreakKind {
 }
 
 /// A missing stretch that a correct connection closes.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Break {
     /// The ids of the points at its two ends.
     pub ids: [u64; 2],
@@ -43,20 +44,25 @@ pub struct Break {
     pub kind: BreakKind,
     /// The row of the vessel in the complete network.
     pub vessel: usize,
+    /// Its label.
+    pub label: String,
     /// The arc lengths from the first node of the vessel at which the stretch begins and ends, m.
+    #[serde(flatten, serialize_with = "in_millimetres")]
     pub stretch: [f64; 2],
 }
 
 /// The true answer to an extraction.
-#[derive(Debug, Clone, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Truth {
     /// The labels of the complete network's vessels by row.
     pub vessels: Vec<String>,
     /// The rows of the vessels that are missing completely.
+    #[serde(rename = "lost_vessels")]
     pub lost: Vec<usize>,
     /// The ids of the points at the inlets.
     pub inlets: Vec<u64>,
     /// For each fragment (the strand of its points) whether it is spurious.
+    #[serde(rename = "fragments", serialize_with = "numbered")]
     pub spurious: Vec<bool>,
     /// The missing stretches between two points of the extraction, in order of vessel and arc length.
     pub breaks: Vec<Break>,
@@ -71,31 +77,13 @@ impl Break {
     }
 }
 
-#[derive(Serialize)]
-struct TruthDocument<'a> {
-    vessels: &'a [String],
-    lost_vessels: &'a [usize],
-    inlets: &'a [u64],
-    fragments: Vec<FragmentEntry>,
-    breaks: Vec<BreakEntry<'a>>,
-    points: &'a [Option<usize>],
+fn in_millimetres<S: Serializer>(stretch: &[f64; 2], out: S) -> Result<S::Ok, S::Error> {
+    let [from, to] = *stretch;
+    out.collect_map([("from_mm", from), ("to_mm", to), ("gap_mm", to - from)].map(|(key, length)| (key, millimetres(length))))
 }
 
-#[derive(Serialize)]
-struct FragmentEntry {
-    fragment: usize,
-    spurious: bool,
-}
-
-#[derive(Serialize)]
-struct BreakEntry<'a> {
-    ids: [u64; 2],
-    kind: BreakKind,
-    vessel: usize,
-    label: &'a str,
-    from_mm: f64,
-    to_mm: f64,
-    gap_mm: f64,
+fn numbered<S: Serializer>(spurious: &[bool], out: S) -> Result<S::Ok, S::Error> {
+    out.collect_seq(spurious.iter().enumerate().map(|(fragment, spurious)| json!({ "fragment": fragment, "spurious": spurious })))
 }
 
 impl Truth {
@@ -114,29 +102,8 @@ impl Truth {
     ///
     /// Those of `out`.
     pub fn write_json(&self, mut out: impl Write) -> io::Result<()> {
-        let spurious = self.spurious.iter().enumerate();
-        let document = TruthDocument {
-            vessels: &self.vessels,
-            lost_vessels: &self.lost,
-            inlets: &self.inlets,
-            fragments: spurious.map(|(fragment, spurious)| FragmentEntry { fragment, spurious: *spurious }).collect(),
-            breaks: self.breaks.iter().map(|gap| self.entry(gap)).collect(),
-            points: &self.points,
-        };
-        serde_json::to_writer(&mut out, &document)?;
+        serde_json::to_writer(&mut out, self)?;
         writeln!(out)?;
         out.flush()
-    }
-
-    fn entry(&self, gap: &Break) -> BreakEntry<'_> {
-        BreakEntry {
-            ids: gap.ids,
-            kind: gap.kind,
-            vessel: gap.vessel,
-            label: &self.vessels[gap.vessel],
-            from_mm: millimetres(gap.stretch[0]),
-            to_mm: millimetres(gap.stretch[1]),
-            gap_mm: millimetres(gap.length()),
-        }
     }
 }

@@ -3,8 +3,9 @@
 use rand::{Rng, RngExt};
 use rand_distr::{StandardNormal, UnitSphere};
 
+use super::damage::scattered;
 use super::tube::DrawnTube;
-use willis_core::support::geometry::{Point, cross, distance, dot, sub, unit};
+use willis_core::support::geometry::{Point, cross, dot, sub, unit};
 
 /// Attempts for a vein before the space counts as too crowded.
 const ATTEMPTS: usize = 100;
@@ -19,25 +20,17 @@ const CURVE: [f64; 2] = [5.0, 12.0];
 
 /// Up to `wanted` veins, each beside one artery and clear of all others.
 pub(super) fn veins(arteries: &[DrawnTube], wanted: usize, voxel: f64, rng: &mut impl Rng) -> Vec<DrawnTube> {
-    let mut taken: Vec<(Point, f64)> =
-        arteries.iter().flat_map(|tube| tube.stations.iter().copied().zip(tube.radii.iter().copied())).collect();
-    let mut found = Vec::new();
-    for _ in 0..ATTEMPTS * wanted {
-        if found.len() == wanted {
-            break;
-        }
-        let vein = beside(&arteries[rng.random_range(0..arteries.len())], voxel, rng);
-        let clear = |p: &Point| taken.iter().all(|(q, s)| distance(*p, *q) > s + vein.radii[0] + SPACE[0] * voxel);
-        if vein.stations.iter().all(clear) {
-            taken.extend(vein.stations.iter().copied().zip(vein.radii.iter().copied()));
-            found.push(DrawnTube { label: format!("vein {}", found.len() + 1), ..vein });
-        }
-    }
-    found
+    let taken = arteries.iter().flat_map(|tube| tube.stations.iter().copied().zip(tube.radii.iter().copied())).collect();
+    let draw = || beside(&arteries[rng.random_range(0..arteries.len())], voxel, rng);
+    let vein = |(row, points): (usize, Vec<(Point, f64)>)| {
+        let (stations, radii) = points.into_iter().unzip();
+        DrawnTube { label: format!("vein {}", row + 1), nodes: None, stations, radii, is_free: [true; 2] }
+    };
+    scattered(taken, [wanted, ATTEMPTS], SPACE[0] * voxel, draw).into_iter().enumerate().map(vein).collect()
 }
 
 /// A vein that passes an artery at a random station, and curves away from it.
-fn beside(artery: &DrawnTube, voxel: f64, rng: &mut impl Rng) -> DrawnTube {
+fn beside(artery: &DrawnTube, voxel: f64, rng: &mut impl Rng) -> Vec<(Point, f64)> {
     let at = rng.random_range(1..artery.stations.len());
     let along = unit(sub(artery.stations[at], artery.stations[at - 1]));
     let side: Point = rng.sample(UnitSphere);
@@ -57,6 +50,5 @@ fn beside(artery: &DrawnTube, voxel: f64, rng: &mut impl Rng) -> DrawnTube {
         let (out, turned) = (away + bend, tilt * s + 0.5 * twist * bend);
         [0, 1, 2].map(|axis| artery.stations[at][axis] + s * along[axis] + out * side[axis] + turned * other[axis])
     };
-    let stations: Vec<Point> = (0..=steps).map(place).collect();
-    DrawnTube { label: String::new(), nodes: None, radii: vec![radius; stations.len()], stations, is_free: [true; 2] }
+    (0..=steps).map(|step| (place(step), radius)).collect()
 }

@@ -2,6 +2,7 @@
 
 use forust_ml::gradientbooster::GrowPolicy;
 use forust_ml::{GradientBooster, Matrix};
+use ndarray::Array2;
 
 use willis_core::error::{Error, Result};
 use willis_core::support::boosted_trees::{Boosted, RegressionTree, TreeNode};
@@ -15,18 +16,19 @@ const L2: f32 = 20.0;
 const LEAST_LEAF: f32 = 1.5;
 const FEATURE_SHARE: f64 = 0.5;
 
-/// Boosted trees over so many rows and columns, and whether each row is right. The same rows give the same bits.
+/// Boosted trees over rows of some tables, shape (rows, features) each: table, row, and whether it is right. The same rows give the same bits.
 ///
 /// # Errors
 ///
 /// Rows that no tree can be fitted to.
-pub fn boost(rows: usize, columns: usize, feature: impl Fn(usize, usize) -> f32, right: &[bool]) -> Result<Boosted> {
-    let mut data = Vec::with_capacity(rows * columns);
+pub fn boost(tables: &[&Array2<f32>], rows: &[(usize, usize, bool)]) -> Result<Boosted> {
+    let columns = tables.first().map_or(0, |table| table.ncols());
+    let mut data = Vec::with_capacity(rows.len() * columns);
     for column in 0..columns {
-        data.extend((0..rows).map(|row| f64::from(feature(row, column))));
+        data.extend(rows.iter().map(|(table, row, _)| f64::from(tables[*table][[*row, column]])));
     }
-    let right: Vec<f64> = right.iter().map(|right| f64::from(u8::from(*right))).collect();
-    let share = (right.iter().sum::<f64>() / rows.max(1) as f64).clamp(1e-6, 1.0 - 1e-6);
+    let right: Vec<f64> = rows.iter().map(|(.., right)| f64::from(u8::from(*right))).collect();
+    let share = (right.iter().sum::<f64>() / rows.len().max(1) as f64).clamp(1e-6, 1.0 - 1e-6);
     let mut booster = GradientBooster::default()
         .set_iterations(TREES)
         .set_max_leaves(LEAVES)
@@ -38,8 +40,8 @@ pub fn boost(rows: usize, columns: usize, feature: impl Fn(usize, usize) -> f32,
         .set_base_score((share / (1.0 - share)).ln())
         .set_initialize_base_score(false);
     booster.grow_policy = GrowPolicy::LossGuide;
-    let matrix = Matrix::new(&data, rows, columns);
-    let failed = |why: String| Error::parameter("cases", rows, format!("the trees could not be fitted: {why}"));
+    let matrix = Matrix::new(&data, rows.len(), columns);
+    let failed = |why: String| Error::parameter("cases", rows.len(), format!("the trees could not be fitted: {why}"));
     booster.fit_unweighted(&matrix, &right, None).map_err(|e| failed(e.to_string()))?;
     let trees: Option<Vec<RegressionTree>> = booster.trees.iter().map(of_booster).collect();
     let trees = trees.ok_or_else(|| failed("a tree that is none".into()))?;

@@ -66,18 +66,33 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
         let short = last_name(data_set);
         let twice = data_sets.iter().enumerate().any(|(other, path)| other != at && last_name(path) == short);
         let name = if twice { data_set.display().to_string() } else { short };
-        let (mut here, mut unanswered) = (Vec::new(), 0);
-        walk(data_set, &mut Vec::new(), &mut here, &mut unanswered)?;
-        if here.is_empty() {
+        let (before, mut unanswered) = (folders.len(), 0);
+        walk(data_set, 0, &mut |path, entries| {
+            let truths: Vec<PathBuf> =
+                TRUTHS.into_iter().chain([LINKS]).map(|truth| path.join(truth)).filter(|truth| is_there(truth)).collect();
+            if truths.is_empty() {
+                unanswered += usize::from(entries.iter().any(|path| is_fragments(path)));
+                return false;
+            }
+            // The data set itself, or its folders down to this one.
+            let way = path
+                .strip_prefix(data_set)
+                .ok()
+                .filter(|way| *way != Path::new(""))
+                .unwrap_or(Path::new(path.file_name().unwrap_or_default()));
+            let names = way.iter().map(|name| name.to_string_lossy().into_owned()).collect();
+            folders.push(CaseFolder { data_set: name.clone(), names, path: path.to_owned(), truths, entries: entries.to_vec() });
+            true
+        })?;
+        if folders.len() == before {
             let accepted = "expected folders with fragments.swc and truth.json or links.csv in it";
             return Err(Error::parameter("CASES", format!("{}: no case", data_set.display()), accepted));
         }
         if unanswered > 0 {
             *found.notes.entry("fragments without an answer: left out".into()).or_default() += unanswered;
         }
-        folders.extend(here.into_iter().map(|folder| (name.clone(), folder)));
     }
-    for read in in_order(&folders, |_, (data_set, folder)| read_case(data_set, folder, model)) {
+    for read in in_order(&folders, |_, folder| read_case(folder, model)) {
         let (case, notes) = read?;
         found.cases.push(case);
         for note in notes {
@@ -93,63 +108,31 @@ fn last_name(path: &Path) -> String {
     whole.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// The files of a case.
+/// A folder with a case.
 struct CaseFolder {
+    /// The name of its data set.
+    data_set: String,
     /// Names of the folders that lead to it from its data set, its own last.
     names: Vec<String>,
-    /// The centerlines.
-    fragments: PathBuf,
-    /// The truth, JSON or CSV.
-    truth: PathBuf,
-    /// Positions of inlets, where given.
-    inlets: Option<PathBuf>,
-    /// Links that SWC cannot hold.
-    loops: Option<PathBuf>,
-    /// Images in NIfTI, as many as there are.
-    images: Vec<PathBuf>,
+    /// Where it is.
+    path: PathBuf,
+    /// Its truths, of which there should be one.
+    truths: Vec<PathBuf>,
+    /// Everything in it.
+    entries: Vec<PathBuf>,
 }
 
-impl CaseFolder {
-    /// Its files, none of which anybody named.
-    fn files(&self) -> impl Iterator<Item = &PathBuf> {
-        [&self.fragments, &self.truth].into_iter().chain(&self.inlets).chain(&self.loops).chain(&self.images)
-    }
-}
-
-/// Adds the case folders in a folder, itself among them, in the order of their names, and counts the folders that have fragments but
-/// no truth.
-fn walk(folder: &Path, names: &mut Vec<String>, found: &mut Vec<CaseFolder>, unanswered: &mut usize) -> Result<()> {
+/// Visits a folder with all that lies in it, and the folders in it, in the order of their names, until `is_case` says that this is a case.
+pub(crate) fn walk(folder: &Path, depth: usize, is_case: &mut dyn FnMut(&Path, &[PathBuf]) -> bool) -> Result<()> {
     let unread = |source| Error::Read { path: folder.to_owned(), source };
     let mut entries =
         fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<Result<Vec<_>, _>>().map_err(unread)?;
     entries.sort();
-    let file = |name: &str| Some(folder.join(name)).filter(|path| is_there(path));
-    let truths: Vec<PathBuf> = TRUTHS.into_iter().chain([LINKS]).filter_map(file).collect();
-    match &truths[..] {
-        [] => {}
-        [truth] => {
-            let own = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-            found.push(CaseFolder {
-                names: if names.is_empty() { vec![own] } else { names.clone() },
-                fragments: fragments(folder, &entries)?,
-                truth: truth.clone(),
-                inlets: file("inlets.csv"),
-                loops: LOOPS.into_iter().find_map(file),
-                images: entries.iter().filter(|path| is_image(path)).cloned().collect(),
-            });
-            return Ok(());
-        }
-        [first, second, ..] => {
-            return Err(Fault::file(format!("{} lies beside it", second.display()), "expected one answer").in_file(first));
-        }
+    if is_case(folder, &entries) {
+        return Ok(());
     }
-    *unanswered += usize::from(entries.iter().any(|path| is_fragments(path)));
-    for path in entries.into_iter().filter(|path| path.is_dir()) {
-        if names.len() < DEEPEST {
-            names.push(path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned()));
-            walk(&path, names, found, unanswered)?;
-            names.pop();
-        }
+    for path in entries.into_iter().filter(|path| path.is_dir() && depth < DEEPEST) {
+        walk(&path, depth + 1, is_case)?;
     }
     Ok(())
 }
@@ -181,15 +164,25 @@ fn fragments(folder: &Path, entries: &[PathBuf]) -> Result<PathBuf> {
 }
 
 /// The case in a folder, and what a person should know about how it was read.
-fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
-    let mask = MASKS.iter().map(|name| folder.truth.with_file_name(name)).find(|path| is_there(path));
-    folder.files().chain(&mask).try_for_each(|path| open_regular(path).map(drop))?;
-    let (network, mut notes) = network(folder)?;
-    let bytes = regular_bytes_of(&folder.truth)?;
-    let here = |fault: Fault| fault.in_file(&folder.truth);
+fn read_case(folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
+    let [path] = &folder.truths[..] else {
+        let fault = Fault::file(format!("{} lies beside it", folder.truths[1].display()), "expected one answer");
+        return Err(fault.in_file(&folder.truths[0]));
+    };
+    let file = |name: &str| Some(folder.path.join(name)).filter(|path| is_there(path));
+    let lines = fragments(&folder.path, &folder.entries)?;
+    let (mask, loops) = (MASKS.into_iter().find_map(file), LOOPS.into_iter().find_map(file));
+    let given_inlets = file("inlets.csv");
+    let images: Vec<PathBuf> = folder.entries.iter().filter(|path| is_image(path)).cloned().collect();
+    // Nobody named these files.
+    let files = [&lines, path].into_iter().chain(&given_inlets).chain(&loops).chain(&images).chain(&mask);
+    files.into_iter().try_for_each(|path| open_regular(path).map(drop))?;
+    let (network, mut notes) = read_network(&lines, loops)?;
+    let bytes = regular_bytes_of(path)?;
+    let here = |fault: Fault| fault.in_file(path);
     let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
     let case = Case {
-        data_set: data_set.to_owned(),
+        data_set: folder.data_set.clone(),
         group: groups.join("/"),
         subject: own,
         name: folder.names.join("/"),
@@ -197,7 +190,7 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
         inlets: Vec::new(),
         truth: KnownConnections::default(),
         contacts: None,
-        images: folder.images.clone(),
+        images,
         mask,
     };
     let kind = match model {
@@ -209,11 +202,11 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
             return Ok((Case { subject, network, contacts: Some(truth), ..case }, notes));
         }
     };
-    let inlets = folder.inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
+    let inlets = given_inlets.as_ref().map_or(Ok(Vec::new()), |path| inlets(path, &network))?;
     // The truth is about the points that the model sees.
     let resampled = Resampled::new(&network, kind);
     let extraction = resampled.extraction(&inlets)?;
-    let (truth, subject) = if folder.truth.extension().is_some_and(|ending| ending == "json") {
+    let (truth, subject) = if path.extension().is_some_and(|ending| ending == "json") {
         truth_file::read(&bytes, &network, &extraction).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
@@ -224,17 +217,16 @@ fn read_case(data_set: &str, folder: &CaseFolder, model: Model) -> Result<(Case,
     Ok((Case { subject: subject.unwrap_or(case.subject), network, inlets, truth, ..case }, notes))
 }
 
-/// The observed vessels.
-fn network(folder: &CaseFolder) -> Result<(Network, Vec<String>)> {
-    let path = &folder.fragments;
-    let document = read_file(path, &ReadOptions { loops: folder.loops.clone(), ..ReadOptions::default() })?;
+/// The observed vessels in a file, with links that SWC cannot hold, and what a person should know about how they were read.
+pub(crate) fn read_network(path: &Path, loops: Option<PathBuf>) -> Result<(Network, Vec<String>)> {
+    let own = loops.as_ref().map(|loops| format!(" {}", loops.display()));
+    let document = read_file(path, &ReadOptions { loops, ..ReadOptions::default() })?;
     let network = match document.content {
         Content::Graph(_) => Err(Fault::file("a candidate graph", "expected centerlines")),
         lines => lines.into_network(RadiusRule::Mean, None).map(|made| made.network),
     }
     .map_err(|fault| fault.in_file(path))?;
-    let own = format!(" {}", folder.loops.as_ref().map_or(String::new(), |loops| loops.display().to_string()));
-    Ok((network, document.notes.into_iter().filter(|note| folder.loops.is_none() || !note.ends_with(&own)).collect()))
+    Ok((network, document.notes.into_iter().filter(|note| own.as_ref().is_none_or(|own| !note.ends_with(own))).collect()))
 }
 
 /// The nodes that a table of conditions names as inlets.

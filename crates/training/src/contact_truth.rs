@@ -145,9 +145,8 @@ impl ContactTruth {
             others.filter(same).count() >= 2
         };
         for row in 0..identities.len() {
-            if identities[row].is_short_and_mixed && !(passed(row, 0, &identities) && passed(row, 1, &identities)) {
-                identities[row].is_short_and_mixed = false;
-            }
+            let is_nobodys = identities[row].is_short_and_mixed && (0..2).all(|side| passed(row, side, &identities));
+            identities[row].is_short_and_mixed = is_nobodys;
         }
         let of_cluster = |(row, cluster): (usize, &willis_models::contacts::branches::Cluster)| {
             let mut class: Vec<usize> = (0..cluster.ends.len()).collect();

@@ -1,16 +1,15 @@
 //! Fits the contact model to skeletons whose true vessels are known: boosted trees over pairs of branch ends, then the weights of
 //! partitions on scores of trees that never saw the subject.
 
-use std::collections::BTreeSet;
-use std::path::PathBuf;
-
 use ndarray::Array2;
 
 use super::boosting::boost;
-use super::cross_validation::fold_of;
-use super::example::{Case, image_name, shown};
+use super::cases::Model;
+use super::cross_validation::dealt;
+use super::example::{Case, Example, TreeExample, image_name, shown};
 use super::logistic::calibrate_in_order;
 use super::minimise::minimise;
+use super::scores::{binned, grouped, name_of};
 use willis_core::error::{Error, Result};
 use willis_core::network::Origin;
 use willis_core::support::boosted_trees::Boosted;
@@ -40,25 +39,18 @@ pub struct ContactExample<'a> {
     pub case: &'a Case,
     /// Its contacts.
     pub table: ContactTable,
-    /// What the skeleton tells of its pairs, shape (pairs, features).
-    of_skeleton: Array2<f32>,
-    /// What the mask tells of them, where there is one.
-    of_mask: Option<Array2<f32>>,
-    /// What mask and image tell of them, for each image, with its name.
-    of_images: Vec<(String, Array2<f32>)>,
     /// Per pair whether its ends are one vessel; `None` where that is not known.
     pub joined: Vec<Option<bool>>,
     /// Per cluster the vessel of each end; see [`super::contact_truth::ContactTruth::classes`].
     pub classes: Vec<Vec<Option<usize>>>,
+    /// What is seen of its pairs: by the skeleton alone, in its mask, in each image.
+    seen: Vec<SeenPairs>,
 }
 
-impl<'a> ContactExample<'a> {
-    /// Measures the contacts of a case.
-    ///
-    /// # Errors
-    ///
-    /// A mask or an image that cannot be read, an image that does not show the vessels.
-    pub fn new(case: &'a Case) -> Result<Self> {
+impl<'a> TreeExample<'a> for ContactExample<'a> {
+    const KIND: Model = Model::Contacts;
+
+    fn new(case: &'a Case) -> Result<Self> {
         let mask = case.mask.as_ref().map(|path| read_mask(path, &ReadOptions::default())).transpose()?;
         let lumen = mask.and_then(|mask| Foreground::of(&mask.in_scanner_order()));
         let field = lumen.as_ref().map(Field::of);
@@ -69,39 +61,39 @@ impl<'a> ContactExample<'a> {
             Some(a? == b?)
         });
         let joined: Vec<Option<bool>> = joined.collect();
-        let of_mask = field.as_ref().map(|field| table.features(Some(field), None));
-        let images: &[PathBuf] = if field.is_some() { &case.images } else { &[] };
         let extraction = Resampled::new(&case.network, CenterlineKind::Skeleton).extraction(&[])?;
-        let of_images = images.iter().map(|path| {
-            let scene = shown(path, &extraction)?;
-            Ok((image_name(path), table.features(field.as_ref(), Some(&scene))))
-        });
-        let of_images = of_images.collect::<Result<Vec<_>>>()?;
-        Ok(Self { case, of_skeleton: table.features(None, None), of_mask, of_images, table, joined, classes })
+        let mut seen = Vec::new();
+        let mut see = |basis, image, features| seen.push(SeenPairs { basis, image, features });
+        see(Basis::Skeleton, String::new(), table.features(None, None));
+        if let Some(field) = &field {
+            see(Basis::Mask, String::new(), table.features(Some(field), None));
+            for path in &case.images {
+                see(Basis::Image, image_name(path), table.features(Some(field), Some(&shown(path, &extraction)?)));
+            }
+        }
+        Ok(Self { case, table, joined, classes, seen })
     }
 
+    fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
+        let skeleton = fit_part(examples, Basis::Skeleton)?;
+        progress("without mask");
+        let mask = fit_part(examples, Basis::Mask)?;
+        progress("with mask");
+        let has_images = examples.iter().any(|e| e.seen.iter().any(|seen| seen.basis == Basis::Image));
+        let image = has_images.then(|| fit_part(examples, Basis::Image)).transpose()?;
+        if has_images {
+            progress("with images");
+        }
+        let (_, subjects) = dealt(examples.iter().map(|e| e.case.subject.as_str()), INNER);
+        let provenance = ModelProvenance::of(examples.len(), subjects);
+        Ok(ContactModel { kind: ContactKind::Contacts, skeleton, mask, image, provenance, figures: Vec::new() })
+    }
+}
+
+impl ContactExample<'_> {
     /// Whether there is a mask.
     pub fn has_mask(&self) -> bool {
-        self.of_mask.is_some()
-    }
-
-    /// What is measured of the pairs, each with the name of the image, which is empty without one.
-    fn views(&self, basis: Basis) -> Vec<SeenCase<'_>> {
-        let view = |image, features| SeenCase { e: self, image, features };
-        match basis {
-            Basis::Skeleton => vec![view("", &self.of_skeleton)],
-            Basis::Mask => self.of_mask.iter().map(|features| view("", features)).collect(),
-            Basis::Image => self.of_images.iter().map(|(image, features)| view(image.as_str(), features)).collect(),
-        }
-    }
-
-    /// Measures several cases.
-    ///
-    /// # Errors
-    ///
-    /// As [`ContactExample::new`].
-    pub fn measure(cases: &[&'a Case]) -> Result<Vec<Self>> {
-        in_order(cases, |_, case| Self::new(case)).into_iter().collect()
+        self.seen.iter().any(|seen| seen.basis == Basis::Mask)
     }
 
     /// The contacts that are found by some scores of pairs: how probably the partitions join each, and whether it is one vessel, as far as
@@ -132,15 +124,13 @@ impl<'a> ContactExample<'a> {
             }
             let all = partitions(ends);
             let mut numbers = Vec::new();
-            let blocks: Vec<usize> = classes
-                .iter()
-                .map(|class| {
-                    numbers.iter().position(|c| c == class).unwrap_or_else(|| {
-                        numbers.push(*class);
-                        numbers.len() - 1
-                    })
-                })
-                .collect();
+            let blocks = classes.iter().map(|class| {
+                if !numbers.contains(class) {
+                    numbers.push(*class);
+                }
+                numbers.iter().position(|c| c == class).unwrap_or(0)
+            });
+            let blocks: Vec<usize> = blocks.collect();
             let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
             out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
         }
@@ -154,52 +144,39 @@ struct Design {
     truth: usize,
 }
 
-/// A case as it is seen: without image, or in one.
-struct SeenCase<'a> {
-    e: &'a ContactExample<'a>,
-    image: &'a str,
+/// What is seen of the pairs of a case.
+struct SeenPairs {
+    basis: Basis,
+    /// The name of the image; empty without one.
+    image: String,
     /// Shape (pairs, features).
-    features: &'a Array2<f32>,
+    features: Array2<f32>,
 }
 
-/// Fits the contact model to measured cases. The same cases give the same bits at any number of threads.
-///
-/// # Errors
-///
-/// No case with a mask, fewer subjects than inner folds, no pair of which anything is known.
-pub fn fit_contacts(examples: &[&ContactExample], progress: &mut dyn FnMut(&str)) -> Result<ContactModel> {
-    let skeleton = fit_part(examples, Basis::Skeleton)?;
-    progress("without mask");
-    let mask = fit_part(examples, Basis::Mask)?;
-    progress("with mask");
-    let has_images = examples.iter().any(|e| !e.of_images.is_empty());
-    let image = has_images.then(|| fit_part(examples, Basis::Image)).transpose()?;
-    if has_images {
-        progress("with images");
-    }
-    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
-    let provenance = ModelProvenance::of(examples.len(), subjects.len());
-    Ok(ContactModel { kind: ContactKind::Contacts, skeleton, mask, image, provenance, figures: Vec::new() })
+/// A case with what is seen of it.
+type SeenCase<'a> = (&'a ContactExample<'a>, &'a SeenPairs);
+
+/// All that is seen of some cases on a basis.
+fn views<'a>(examples: impl Iterator<Item = &'a ContactExample<'a>>, basis: Basis) -> Vec<SeenCase<'a>> {
+    examples.flat_map(|e| e.seen.iter().filter(move |seen| seen.basis == basis).map(move |seen| (e, seen))).collect()
 }
 
 fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
-    let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
-    let subjects: BTreeSet<&str> = views.iter().map(|view| view.e.case.subject.as_str()).collect();
-    if subjects.len() < INNER {
+    let views = views(examples.iter().copied(), basis);
+    let (fold, subjects) = dealt(views.iter().map(|(e, _)| e.case.subject.as_str()), INNER);
+    if subjects < INNER {
         let accepted = format!("expected {INNER} subjects at least, with mask.nii.gz beside their fragments");
-        return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects.len()), accepted));
+        return Err(Error::parameter("cases", format!("{} of {} subjects", views.len(), subjects), accepted));
     }
-    let order: Vec<&str> = subjects.iter().copied().collect();
-    let fold = |view: &SeenCase| order.iter().position(|s| *s == view.e.case.subject).unwrap_or(0) % INNER;
-    let trees = fit_trees(&views.iter().collect::<Vec<_>>(), basis)?;
+    let trees = fit_trees(&views)?;
     let (mut designs, mut unseen) = (Vec::new(), Vec::new());
     for held in 0..INNER {
-        let inner: Vec<&SeenCase> = views.iter().filter(|view| fold(view) != held).collect();
-        let trees = fit_trees(&inner, basis)?;
-        for view in views.iter().filter(|view| fold(view) == held) {
-            let scores = trees.scores(view.features);
-            designs.extend(view.e.designs(&scores));
-            unseen.push((view, scores));
+        let (unknown, known): (Vec<_>, Vec<_>) = views.iter().zip(&fold).partition(|(_, fold)| **fold == held);
+        let trees = fit_trees(&known.into_iter().map(|(view, _)| *view).collect::<Vec<_>>())?;
+        for ((e, seen), _) in unknown {
+            let scores = trees.scores(&seen.features);
+            designs.extend(e.designs(&scores));
+            unseen.push((*e, scores));
         }
     }
     let (features, weights) = (basis.feature_names(), fit_weights(&designs));
@@ -209,8 +186,8 @@ fn fit_part(examples: &[&ContactExample], basis: Basis) -> Result<ContactPart> {
 }
 
 /// Calibrates a part on the contacts that it finds by scores of trees that never saw the subject; nothing changes without one.
-fn calibrate_part(part: &mut ContactPart, unseen: &[(&SeenCase, Vec<f64>)]) {
-    let found = in_order(unseen, |_, (view, scores)| view.e.found(scores, &part.weights));
+fn calibrate_part(part: &mut ContactPart, unseen: &[(&ContactExample, Vec<f64>)]) {
+    let found = in_order(unseen, |_, (e, scores)| e.found(scores, &part.weights));
     let pairs: Vec<(f64, bool)> = found.iter().flat_map(|(pairs, _)| pairs.iter().copied()).collect();
     if let Some(calibration) = calibrate_in_order(&pairs) {
         part.calibration = calibration;
@@ -221,7 +198,6 @@ fn calibrate_part(part: &mut ContactPart, unseen: &[(&SeenCase, Vec<f64>)]) {
 /// Calibrates a model on cases of its subjects or others that it was not fitted to, and changes nothing else in it.
 pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample]) {
     for basis in Basis::ALL {
-        let views: Vec<SeenCase> = examples.iter().flat_map(|e| e.views(basis)).collect();
         let part = match basis {
             Basis::Skeleton => &mut model.skeleton,
             Basis::Mask => &mut model.mask,
@@ -230,24 +206,19 @@ pub fn calibrate_contacts(model: &mut ContactModel, examples: &[ContactExample])
                 None => continue,
             },
         };
-        let unseen: Vec<(&SeenCase, Vec<f64>)> = views.iter().map(|view| (view, part.trees.scores(view.features))).collect();
+        let unseen: Vec<(&ContactExample, Vec<f64>)> =
+            views(examples.iter(), basis).into_iter().map(|(e, seen)| (e, part.trees.scores(&seen.features))).collect();
         calibrate_part(part, &unseen);
     }
 }
 
 /// Boosted trees over the pairs whose answer is known.
-fn fit_trees(views: &[&SeenCase], basis: Basis) -> Result<Boosted> {
-    let (mut rows, mut right) = (Vec::new(), Vec::new());
-    for (at, view) in views.iter().enumerate() {
-        for (row, joined) in view.e.joined.iter().enumerate() {
-            if let Some(joined) = joined {
-                rows.push((at, row));
-                right.push(*joined);
-            }
-        }
+fn fit_trees(views: &[SeenCase]) -> Result<Boosted> {
+    let mut rows = Vec::new();
+    for (at, (e, _)) in views.iter().enumerate() {
+        rows.extend(e.joined.iter().enumerate().filter_map(|(row, joined)| Some((at, row, (*joined)?))));
     }
-    let columns = basis.feature_names().len();
-    boost(rows.len(), columns, |row, column| views[rows[row].0].features[[rows[row].1, column]], &right)
+    boost(&views.iter().map(|(_, seen)| &seen.features).collect::<Vec<_>>(), &rows)
 }
 
 /// The weights that make the true partitions the most probable: maximum conditional likelihood with a penalty.
@@ -284,9 +255,15 @@ fn fit_weights(designs: &[Design]) -> PartitionWeights {
 /// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.
 type JudgedEnds = (f64, f64, bool);
 
-fn judge(view: &SeenCase, part: &ContactPart) -> Vec<JudgedEnds> {
-    let e = view.e;
-    let scores = part.trees.scores(view.features);
+/// The pairs of a case as it is seen: on which basis, and in which image.
+pub struct JudgedContacts {
+    basis: Basis,
+    image: String,
+    ends: Vec<JudgedEnds>,
+}
+
+fn judge(e: &ContactExample, seen: &SeenPairs, part: &ContactPart) -> Vec<JudgedEnds> {
+    let scores = part.trees.scores(&seen.features);
     let tables = e.table.by_cluster(&scores);
     let mut probability = Vec::with_capacity(scores.len());
     for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
@@ -304,59 +281,48 @@ fn judge(view: &SeenCase, part: &ContactPart) -> Vec<JudgedEnds> {
     rows.filter_map(|pair| Some((scores[pair], probability[pair]?, e.joined[pair]?))).collect()
 }
 
-/// Cross-validation by subject: models without each fold's subjects, judged by those. The models of the folds, and the figures over
-/// all cases by data set and folder.
-///
-/// # Errors
-///
-/// Those of [`fit_contacts`].
-pub fn cross_validate_contacts(
-    examples: &[ContactExample],
-    folds: usize,
-    progress: &mut dyn FnMut(usize, &str),
-) -> Result<(Vec<ContactModel>, Vec<ContactScores>)> {
-    let (mut models, mut judged) = (Vec::new(), Vec::new());
-    for fold in 0..folds {
-        let held = |e: &&ContactExample| fold_of(&e.case.subject, folds) == fold;
-        let inner: Vec<&ContactExample> = examples.iter().filter(|e| !held(e)).collect();
-        let mut model = fit_contacts(&inner, &mut |step| progress(fold + 1, step))?;
-        let outer: Vec<&ContactExample> = examples.iter().filter(held).collect();
-        let subjects: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
-        model.provenance.held_out = subjects.into_iter().cloned().collect();
-        for e in outer {
-            for basis in Basis::ALL {
-                judged.extend(e.views(basis).iter().map(|view| (e, (basis, view.image), judge(view, model.part(basis)))));
-            }
-        }
-        models.push(model);
+impl<'a> Example<'a> for ContactExample<'a> {
+    type Model = ContactModel;
+    type Judged = JudgedContacts;
+    type Scores = ContactScores;
+    const FOLDS_KEEP_FIGURES: bool = false;
+
+    fn case(&self) -> &'a Case {
+        self.case
     }
-    let groups: BTreeSet<(&str, &str, (Basis, &str))> =
-        judged.iter().map(|(e, seen, _)| (e.case.data_set.as_str(), e.case.group.as_str(), *seen)).collect();
-    let figures = groups.into_iter().map(|(data_set, group, seen)| {
-        let own = |e: &ContactExample| e.case.data_set == data_set && e.case.group == group;
-        let of: Vec<&[JudgedEnds]> =
-            judged.iter().filter(|(e, other, _)| own(e) && *other == seen).map(|(.., j)| &j[..]).collect();
-        let name = if group.is_empty() { data_set.to_owned() } else { format!("{data_set}/{group}") };
-        scores_of(name, seen, &of)
-    });
-    let figures = figures.collect();
-    Ok((models, figures))
+
+    fn judge(&self, model: &ContactModel) -> Result<Vec<JudgedContacts>> {
+        let judged = self.seen.iter().map(|seen| {
+            let ends = judge(self, seen, model.part(seen.basis));
+            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends }
+        });
+        Ok(judged.collect())
+    }
+
+    /// Figures by folder of each data set, and by what was seen.
+    fn scores(judged: &[(&Self, &JudgedContacts)]) -> Vec<ContactScores> {
+        let groups =
+            grouped(judged, |e, judged| [([e.case.data_set.as_str(), &e.case.group], judged.basis, judged.image.as_str()); 2]);
+        let scores = groups.into_iter().map(|((group, basis, image), of)| {
+            scores_of(name_of(group), (basis, image), &of.iter().map(|(_, judged)| &judged.ends[..]).collect::<Vec<_>>())
+        });
+        scores.collect()
+    }
+
+    fn record(model: &mut ContactModel) -> (&mut ModelProvenance, &mut Vec<ContactScores>) {
+        (&mut model.provenance, &mut model.figures)
+    }
 }
 
-const BINS: usize = 10;
 const LEAST_IN_BIN: f64 = 50.0;
 
 fn scores_of(of: String, (basis, image): (Basis, &str), cases: &[&[JudgedEnds]]) -> ContactScores {
-    let mut all: Vec<JudgedEnds> = cases.iter().flat_map(|case| case.iter().copied()).collect();
+    let mut all: Vec<JudgedEnds> = cases.concat();
     all.sort_by(|a, b| a.0.total_cmp(&b.0));
     let pairs = all.len();
     let joined = all.iter().filter(|(.., joined)| *joined).count();
-    let mut bins = [[0.0; 3]; BINS];
-    for (_, p, joined) in &all {
-        let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
-        *bin = [bin[0] + 1.0, bin[1] + p, bin[2] + f64::from(u8::from(*joined))];
-    }
-    let errors = bins.iter().filter(|bin| bin[0] >= LEAST_IN_BIN).map(|bin| ((bin[1] - bin[2]) / bin[0]).abs());
+    let bins = binned(all.iter().map(|(_, p, joined)| (*p, *joined)));
+    let errors = bins.iter().filter(|bin| bin[2] >= LEAST_IN_BIN).map(|[p, right, count]| ((p - right) / count).abs());
     // Of pairs in rising order of their scores: how many false ones come before each true one.
     let (mut apart, mut before, mut precision) = (0.0, 0.0, 0.0);
     for (row, (.., joined)) in all.iter().enumerate() {

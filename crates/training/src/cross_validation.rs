@@ -2,66 +2,57 @@
 
 use std::collections::BTreeSet;
 
-use super::example::{CandidateExample, Case, share_of};
-use super::fit::{FittedPass, TrainParams, fit};
-use super::scores::{CaseScores, case_scores, held_out_scores};
+use super::example::{Case, Example, share_of};
 use willis_core::error::{Error, Result};
 use willis_core::support::in_order;
-use willis_models::candidates::model::weights::{Fold, HeldOutScores, Weights};
 
 /// The fold, of so many, that holds a subject out: by a hash of its name.
 pub fn fold_of(subject: &str, folds: usize) -> usize {
     ((share_of(&["fold", subject]) * folds as f64) as usize).min(folds.saturating_sub(1))
 }
 
-/// The outcome of a cross-validation.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CrossValidation {
-    /// Over all cases.
-    pub figures: Vec<HeldOutScores>,
-    /// Fold by fold.
-    pub folds: Vec<Fold>,
-    /// The weights of each fold.
-    pub weights: Vec<Weights>,
+/// The fold of each case, of so many, subjects dealt in the order of their names; and how many subjects there are.
+pub(crate) fn dealt<'s>(subjects: impl Iterator<Item = &'s str> + Clone, folds: usize) -> (Vec<usize>, usize) {
+    let order: BTreeSet<&str> = subjects.clone().collect();
+    (subjects.map(|subject| order.range(..subject).count() % folds).collect(), order.len())
 }
 
-/// Fits weights without each fold's subjects and judges them by those. `training` and `judged` are the same cases, measured for
-/// the one purpose and the other; the cases in `calibrating` have a part in the calibration alone, and are judged too. `progress` is
-/// called after every pass with the number of the fold, counted from 1.
+/// The models of the folds, and the figures over all examples.
+type Validated<'a, E> = (Vec<<E as Example<'a>>::Model>, Vec<<E as Example<'a>>::Scores>);
+
+/// Fits models without each fold's subjects and judges them by those: `fit` gets the number of the fold, counted from 1, and which cases it
+/// holds out.
 ///
 /// # Errors
 ///
-/// Fewer than two folds, a fold without any subject on one side, and those of [`fit`].
-pub fn cross_validate(
-    training: &[&CandidateExample],
-    judged: &[&CandidateExample],
-    calibrating: &[&CandidateExample],
+/// Those of `fit`, and of [`Example::judge`].
+pub fn cross_validate<'a, E: Example<'a>>(
+    examples: &[&E],
     folds: usize,
-    params: &TrainParams,
-    progress: &mut dyn FnMut(usize, &FittedPass),
-) -> Result<CrossValidation> {
-    let all: Vec<&Case> = training.iter().map(|e| e.case).collect();
-    check_folds(&all, folds)?;
-    let outside = |e: &CandidateExample, fold: usize| fold_of(&e.case.subject, folds) == fold;
-    let mut out = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
-    let mut everything: Vec<(&CandidateExample, CaseScores)> = Vec::new();
+    mut fit: impl FnMut(usize, &dyn Fn(&Case) -> bool) -> Result<E::Model>,
+) -> Result<Validated<'a, E>> {
+    let (mut models, mut everything) = (Vec::new(), Vec::new());
     for fold in 0..folds {
-        let inner: Vec<&CandidateExample> = training.iter().copied().filter(|e| !outside(e, fold)).collect();
-        let calibrating_inner: Vec<&CandidateExample> = calibrating.iter().copied().filter(|e| !outside(e, fold)).collect();
-        let mut weights = fit(&inner, &calibrating_inner, params, &mut |step| progress(fold + 1, step))?;
-        let outer: Vec<&CandidateExample> = judged.iter().chain(calibrating).copied().filter(|e| outside(e, fold)).collect();
-        let scores = in_order(&outer, |_, e| case_scores(e, &weights)).into_iter().collect::<Result<Vec<CaseScores>>>()?;
-        let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case.subject).collect();
-        let held_out: Vec<String> = held_out.into_iter().cloned().collect();
-        weights.provenance.held_out.clone_from(&held_out);
-        let of: Vec<(&CandidateExample, &CaseScores)> = outer.iter().copied().zip(&scores).collect();
-        weights.figures = held_out_scores(&of);
-        out.folds.push(Fold { held_out, figures: weights.figures.clone() });
-        out.weights.push(weights);
-        everything.extend(outer.into_iter().zip(scores));
+        let is_held_out = |case: &Case| fold_of(&case.subject, folds) == fold;
+        let mut model = fit(fold + 1, &is_held_out)?;
+        let outer: Vec<&E> = examples.iter().copied().filter(|e| is_held_out(e.case())).collect();
+        let found = in_order(&outer, |_, e| e.judge(&model)).into_iter().collect::<Result<Vec<_>>>()?;
+        let found: Vec<(&E, E::Judged)> =
+            outer.iter().zip(found).flat_map(|(e, views)| views.into_iter().map(|judged| (*e, judged))).collect();
+        let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case().subject).collect();
+        let (provenance, figures) = E::record(&mut model);
+        provenance.held_out = held_out.into_iter().cloned().collect();
+        if E::FOLDS_KEEP_FIGURES {
+            *figures = scores_of(&found);
+        }
+        models.push(model);
+        everything.extend(found);
     }
-    out.figures = held_out_scores(&everything.iter().map(|(e, t)| (*e, t)).collect::<Vec<_>>());
-    Ok(out)
+    Ok((models, scores_of(&everything)))
+}
+
+fn scores_of<'a, E: Example<'a>>(judged: &[(&E, E::Judged)]) -> Vec<E::Scores> {
+    E::scores(&judged.iter().map(|(e, judged)| (*e, judged)).collect::<Vec<_>>())
 }
 
 /// Whether every fold has subjects to fit to and subjects to judge by.
@@ -69,7 +60,7 @@ pub fn cross_validate(
 /// # Errors
 ///
 /// It has not: says how many subjects there are.
-pub fn check_folds(cases: &[&Case], folds: usize) -> Result<()> {
+pub fn check_folds(cases: &[Case], folds: usize) -> Result<()> {
     let subjects: BTreeSet<&str> = cases.iter().map(|c| c.subject.as_str()).collect();
     let taken: BTreeSet<usize> = subjects.iter().map(|s| fold_of(s, folds)).collect();
     if folds < 2 || taken.len() < folds {

@@ -2,13 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
 use sha2::{Digest, Sha256};
 
+use super::cases::Model;
 use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match, found};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::support::in_order;
+use willis_core::support::model_provenance::ModelProvenance;
 use willis_io::formats::{ReadOptions, read_image};
 use willis_io::masks::{Appearance, Scene, View};
 use willis_models::candidates::features::Extraction;
@@ -40,6 +43,63 @@ pub struct Case {
     pub mask: Option<PathBuf>,
     /// Its images, where it has some beside it.
     pub images: Vec<PathBuf>,
+}
+
+/// A case with what models of a kind see of it.
+pub trait Example<'a>: Sized + Send + Sync {
+    /// What is fitted to such examples.
+    type Model: Sync;
+    /// What a model says of a case as it is seen: without image, or in one.
+    type Judged: Send;
+    /// How well models did.
+    type Scores: Clone + Serialize;
+    /// Whether the model of a fold keeps the figures of that fold.
+    const FOLDS_KEEP_FIGURES: bool;
+
+    /// The case.
+    fn case(&self) -> &'a Case;
+
+    /// Judges a model by the case.
+    ///
+    /// # Errors
+    ///
+    /// A model of other features.
+    fn judge(&self, model: &Self::Model) -> Result<Vec<Self::Judged>>;
+
+    /// Figures over cases, by data set and folder.
+    fn scores(judged: &[(&Self, &Self::Judged)]) -> Vec<Self::Scores>;
+
+    /// Where a model comes from, and how well such models did.
+    fn record(model: &mut Self::Model) -> (&mut ModelProvenance, &mut Vec<Self::Scores>);
+}
+
+/// A skeleton with what models of boosted trees see of it.
+pub trait TreeExample<'a>: Example<'a> {
+    /// What its case is read for.
+    const KIND: Model;
+
+    /// Measures a case.
+    ///
+    /// # Errors
+    ///
+    /// A node without a position, points that are crowded, a mask or an image that cannot be read, an image that does not show the vessels.
+    fn new(case: &'a Case) -> Result<Self>;
+
+    /// Fits a model to measured cases. The same cases give the same bits at any number of threads.
+    ///
+    /// # Errors
+    ///
+    /// Nothing to learn from, fewer subjects than inner folds.
+    fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<Self::Model>;
+
+    /// Measures several cases.
+    ///
+    /// # Errors
+    ///
+    /// As [`TreeExample::new`].
+    fn measure(cases: &'a [Case]) -> Result<Vec<Self>> {
+        in_order(cases, |_, case| Self::new(case)).into_iter().collect()
+    }
 }
 
 /// A case with its candidates measured.
@@ -76,13 +136,13 @@ impl<'a> CandidateExample<'a> {
         Ok(Self { case, extraction, table, allowed, matches })
     }
 
-    /// Measures several cases.
+    /// Measures several cases, with their inlets or without.
     ///
     /// # Errors
     ///
     /// A node without a position.
-    pub fn measure(cases: &[&'a Case], with_inlets: impl Fn(&Case) -> bool + Sync) -> Result<Vec<Self>> {
-        in_order(cases, |_, case| Self::new(case, with_inlets(case))).into_iter().collect()
+    pub fn measure(cases: impl Iterator<Item = &'a Case>, with_inlets: bool) -> Result<Vec<Self>> {
+        in_order(&cases.collect::<Vec<_>>(), |_, case| Self::new(case, with_inlets)).into_iter().collect()
     }
 
     /// How many of the candidates that the truth needs are among those found.

@@ -1,6 +1,7 @@
 //! Fits weights to cases: maximum conditional likelihood pass by pass, then the calibration.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use ndarray::Array2;
 
@@ -119,9 +120,7 @@ pub fn fit(
         posteriors = next.into_iter().map(|p| p.map(|(m, f)| (f, m))).collect::<Result<_>>()?;
         passes.push(pass);
     }
-    let mut subjects: Vec<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
-    subjects.sort_unstable();
-    subjects.dedup();
+    let subjects: BTreeSet<&str> = examples.iter().map(|e| e.case.subject.as_str()).collect();
     let mut weights = Weights {
         passes,
         calibration: [0.0, 1.0, 0.0],

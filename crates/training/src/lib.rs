@@ -19,13 +19,13 @@ pub mod scores;
 mod truth_file;
 
 pub use cases::{Cases, Model, read_cases};
-pub use contacts::{ContactExample, calibrate_contacts, cross_validate_contacts, fit_contacts};
-pub use cross_validation::{CrossValidation, check_folds, cross_validate, fold_of};
-pub use example::{CandidateExample, Case};
+pub use contacts::{ContactExample, calibrate_contacts};
+pub use cross_validation::{check_folds, cross_validate, fold_of};
+pub use example::{CandidateExample, Case, Example, TreeExample};
 pub use fit::{FittedPass, TrainParams, fit, goes_without_inlets};
-pub use joins::{JoinExample, cross_validate_joins, fit_joins};
+pub use joins::JoinExample;
 pub use known_connections::Match;
 pub use logistic::calibrate;
 pub use objective::{Objective, case_weights};
-pub use scores::{average_precision, calibration_error, case_scores, held_out_scores};
+pub use scores::{CaseScores, average_precision, calibration_error};
 pub use willis_models::contacts::model::{ContactModel, ContactScores};

@@ -1,5 +1,7 @@
 //! Logistic regression with a penalty of large slopes.
 
+use ndarray::ArrayView1;
+
 use super::minimise::minimise;
 use willis_core::support::calibration::Calibration;
 use willis_core::support::statistics::sigmoid;
@@ -14,14 +16,8 @@ pub type RegressionRow = (Vec<f64>, bool, f64);
 pub fn logistic(rows: &[RegressionRow], l2: f64) -> Vec<f64> {
     let columns = rows.first().map_or(0, |(x, ..)| x.len());
     let total: f64 = rows.iter().map(|(.., weight)| weight).sum();
-    let mean = |f: &dyn Fn(&[f64]) -> f64| rows.iter().map(|(x, ..)| f(x)).sum::<f64>() / rows.len().max(1) as f64;
-    let scale: Vec<f64> = (0..columns)
-        .map(|k| {
-            let middle = mean(&|x| x[k]);
-            let spread = mean(&|x| (x[k] - middle).powi(2)).sqrt();
-            if spread > 0.0 { spread } else { 1.0 }
-        })
-        .collect();
+    let design: Vec<ArrayView1<f64>> = rows.iter().map(|(x, ..)| ArrayView1::from(x)).collect();
+    let scale: Vec<f64> = spread(columns, &design).into_iter().map(|spread| if spread > 0.0 { spread } else { 1.0 }).collect();
     let loss = |y: &[f64]| {
         let mut value = l2 * y.iter().skip(1).map(|y| y * y).sum::<f64>();
         let mut slope: Vec<f64> = y.iter().enumerate().map(|(k, y)| if k > 0 { 2.0 * l2 * y } else { 0.0 }).collect();
@@ -36,6 +32,19 @@ pub fn logistic(rows: &[RegressionRow], l2: f64) -> Vec<f64> {
     };
     let found = minimise(vec![0.0; columns], ITERATIONS, &loss).point;
     found.iter().zip(&scale).map(|(y, s)| y / s).collect()
+}
+
+/// The standard deviation of each column over some rows; 0 without a row.
+pub(crate) fn spread(columns: usize, rows: &[ArrayView1<f64>]) -> Vec<f64> {
+    let mean_of = |f: &dyn Fn(usize, f64) -> f64| {
+        let mut sum = vec![0.0; columns];
+        for row in rows {
+            sum.iter_mut().zip(row).enumerate().for_each(|(column, (sum, x))| *sum += f(column, *x));
+        }
+        sum.into_iter().map(|s| s / rows.len().max(1) as f64).collect::<Vec<f64>>()
+    };
+    let mean = mean_of(&|_, x| x);
+    mean_of(&|column, x| (x - mean[column]).powi(2)).into_iter().map(f64::sqrt).collect()
 }
 
 const L2: f64 = 1e-5;

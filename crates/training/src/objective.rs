@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use ndarray::{Array2, ArrayView1};
 
 use super::example::CandidateExample;
+use super::logistic::spread;
 use willis_core::error::Result;
 use willis_core::forest_posterior::{log_likelihood, marginals};
 use willis_core::support::in_order;
@@ -33,14 +34,15 @@ impl<'a> Objective<'a> {
     /// The objective of cases with the features of their candidates, shape (candidates, features) each.
     pub fn new(examples: &'a [&'a CandidateExample<'a>], designs: &'a [Cow<'a, Array2<f64>>], l2: f64) -> Self {
         let standing = |s: f64| if s > LEAST_SPREAD { s + LEAST_SPREAD } else { 1.0 };
-        let mut scale: Vec<f64> =
-            spread(&designs.iter().map(AsRef::as_ref).collect::<Vec<_>>()).into_iter().map(standing).collect();
+        let spread_of = |tables: &[&Array2<f64>]| {
+            let rows: Vec<ArrayView1<f64>> = tables.iter().flat_map(|table| table.rows()).collect();
+            spread(tables.first().map_or(0, |table| table.ncols()), &rows)
+        };
+        let candidates: Vec<&Array2<f64>> = designs.iter().map(AsRef::as_ref).collect();
+        let roots: Vec<&Array2<f64>> = examples.iter().map(|e| &e.table.root_features).collect();
+        let mut scale: Vec<f64> = spread_of(&candidates).into_iter().map(standing).collect();
         let candidate_features = scale.len();
-        scale.extend(
-            spread(&examples.iter().map(|e| &e.table.root_features).collect::<Vec<_>>())
-                .into_iter()
-                .map(|s| s.max(LEAST_ROOT_SPREAD)),
-        );
+        scale.extend(spread_of(&roots).into_iter().map(|s| s.max(LEAST_ROOT_SPREAD)));
         Self { examples, designs, case_weights: case_weights(examples), scale, candidate_features, l2 }
     }
 
@@ -102,19 +104,4 @@ pub fn case_weights(examples: &[&CandidateExample]) -> Vec<f64> {
     let of: Vec<f64> = examples.iter().map(|e| (e.extraction.fragments.len().max(1) as f64).powf(-0.5)).collect();
     let sum: f64 = of.iter().sum();
     of.into_iter().map(|w| w / sum).collect()
-}
-
-/// The standard deviation of each column over the rows of all tables; 0 without a row.
-fn spread(tables: &[&Array2<f64>]) -> Vec<f64> {
-    let columns = tables.first().map_or(0, |t| t.ncols());
-    let count = tables.iter().map(|t| t.nrows()).sum::<usize>().max(1) as f64;
-    let mean_of = |f: &dyn Fn(usize, f64) -> f64| {
-        let mut sum = vec![0.0; columns];
-        for row in tables.iter().flat_map(|t| t.rows()) {
-            sum.iter_mut().zip(row).enumerate().for_each(|(column, (sum, x))| *sum += f(column, *x));
-        }
-        sum.into_iter().map(|s| s / count).collect::<Vec<f64>>()
-    };
-    let mean = mean_of(&|_, x| x);
-    mean_of(&|column, x| (x - mean[column]).powi(2)).into_iter().map(f64::sqrt).collect()
 }

@@ -2,11 +2,12 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::example::CandidateExample;
+use super::example::{CandidateExample, Case, Example};
 use super::fit::LEAST_LISTED;
 use super::known_connections::{JoinedPieces, Match};
 use willis_core::error::Result;
 use willis_core::forest_posterior::log_likelihood;
+use willis_core::support::model_provenance::ModelProvenance;
 use willis_models::candidates::model::posterior::last_pass;
 use willis_models::candidates::model::weights::{HeldOutScores, Weights};
 
@@ -25,23 +26,77 @@ pub struct CaseScores {
     pub pairs: Vec<(f64, bool)>,
 }
 
-/// Judges weights by a case.
-///
-/// # Errors
-///
-/// Weights of other features.
-pub fn case_scores(example: &CandidateExample, weights: &Weights) -> Result<CaseScores> {
-    let (forests, marginals) = last_pass(&example.extraction, &example.table, weights)?;
-    let calibration = weights.calibration_of(&marginals);
-    let p = example.table.summed_by_pair(&marginals.edges);
-    let listed = p.iter().zip(&example.matches).filter(|(p, _)| **p > LEAST_LISTED);
-    let ranked: Vec<(f64, Option<Match>)> = listed.map(|(p, right)| (calibration.apply(*p), *right)).collect();
-    let needed = example.case.truth.needed();
-    Ok(CaseScores {
-        pairs: ranked.iter().map(|(p, right)| (*p, right.is_some())).collect(),
-        average_precision: (needed > 0).then(|| average_precision(ranked, needed)),
-        log_likelihood: log_likelihood(&forests, &marginals, &example.allowed).0,
-    })
+impl<'a> Example<'a> for CandidateExample<'a> {
+    type Model = Weights;
+    type Judged = CaseScores;
+    type Scores = HeldOutScores;
+    const FOLDS_KEEP_FIGURES: bool = true;
+
+    fn case(&self) -> &'a Case {
+        self.case
+    }
+
+    fn judge(&self, weights: &Weights) -> Result<Vec<CaseScores>> {
+        let (forests, marginals) = last_pass(&self.extraction, &self.table, weights)?;
+        let calibration = weights.calibration_of(&marginals);
+        let p = self.table.summed_by_pair(&marginals.edges);
+        let listed = p.iter().zip(&self.matches).filter(|(p, _)| **p > LEAST_LISTED);
+        let ranked: Vec<(f64, Option<Match>)> = listed.map(|(p, right)| (calibration.apply(*p), *right)).collect();
+        let needed = self.case.truth.needed();
+        Ok(vec![CaseScores {
+            pairs: ranked.iter().map(|(p, right)| (*p, right.is_some())).collect(),
+            average_precision: (needed > 0).then(|| average_precision(ranked, needed)),
+            log_likelihood: log_likelihood(&forests, &marginals, &self.allowed).0,
+        }])
+    }
+
+    /// Figures by data set, and by folder of those that have several.
+    fn scores(judged: &[(&Self, &CaseScores)]) -> Vec<HeldOutScores> {
+        let of = grouped(judged, |e, _| [[&e.case.data_set, ""], [&e.case.data_set, &e.case.group]]);
+        let folders = |data_set: &str| of.keys().filter(|[d, group]| *d == data_set && !group.is_empty()).count();
+        of.iter()
+            .filter(|([data_set, group], _)| group.is_empty() || folders(data_set) > 1)
+            .map(|(group, cases)| {
+                let scores = || cases.iter().map(|(_, scores)| scores);
+                HeldOutScores {
+                    of: name_of(*group),
+                    cases: cases.len(),
+                    subjects: cases.iter().map(|(e, _)| &e.case.subject).collect::<BTreeSet<_>>().len(),
+                    average_precision: mean(&scores().filter_map(|t| t.average_precision).collect::<Vec<f64>>()),
+                    calibration_error: calibration_error(scores().flat_map(|t| t.pairs.iter().copied())),
+                    log_likelihood: scores().map(|t| t.log_likelihood).sum::<f64>() / cases.len() as f64,
+                }
+            })
+            .collect()
+    }
+
+    fn record(model: &mut Weights) -> (&mut ModelProvenance, &mut Vec<HeldOutScores>) {
+        (&mut model.provenance, &mut model.figures)
+    }
+}
+
+/// What was judged, by the groups of each.
+pub(crate) fn grouped<'e, E, J, K: Ord>(
+    judged: &[(&'e E, &'e J)],
+    groups: impl Fn(&'e E, &'e J) -> [K; 2],
+) -> BTreeMap<K, Vec<(&'e E, &'e J)>> {
+    let mut of: BTreeMap<K, Vec<(&E, &J)>> = BTreeMap::new();
+    for (e, judged) in judged {
+        for group in BTreeSet::from(groups(e, judged)) {
+            of.entry(group).or_default().push((*e, *judged));
+        }
+    }
+    of
+}
+
+/// The name of a group of cases: data set, folder and image, where there are any.
+pub(crate) fn name_of<const N: usize>(group: [&str; N]) -> String {
+    group.into_iter().filter(|part| !part.is_empty()).collect::<Vec<&str>>().join("/")
+}
+
+/// The mean of some values; `None` of none.
+pub(crate) fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
 }
 
 /// Average precision of ranked candidates over `needed` ones. Of several candidates that make one connection the first counts and the
@@ -65,42 +120,19 @@ pub fn average_precision(mut ranked: Vec<(f64, Option<Match>)>, needed: usize) -
     sum / needed.max(1) as f64
 }
 
-/// Expected calibration error of the pairs that leave doubt: |mean P - share right| over ten bins, by their numbers.
-pub fn calibration_error(pairs: impl Iterator<Item = (f64, bool)>) -> Option<f64> {
+/// Probabilities with whether they were right, in ten bins: per bin the sums of both, and how many there are.
+pub(crate) fn binned(pairs: impl Iterator<Item = (f64, bool)>) -> [[f64; 3]; BINS] {
     let mut bins = [[0.0; 3]; BINS];
-    for (p, right) in pairs.filter(|(p, _)| DOUBT[0] < *p && *p < DOUBT[1]) {
+    for (p, right) in pairs {
         let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
-        for (sum, x) in bin.iter_mut().zip([p, f64::from(u8::from(right)), 1.0]) {
-            *sum += x;
-        }
+        *bin = [bin[0] + p, bin[1] + f64::from(u8::from(right)), bin[2] + 1.0];
     }
-    let count: f64 = bins.iter().map(|bin| bin[2]).sum();
-    (count > 0.0).then(|| bins.iter().map(|[p, right, _]| (p - right).abs()).sum::<f64>() / count)
+    bins
 }
 
-/// Scores by data set, and by folder of those that have several.
-pub fn held_out_scores(cases: &[(&CandidateExample, &CaseScores)]) -> Vec<HeldOutScores> {
-    let mut of: BTreeMap<(&str, &str), Vec<usize>> = BTreeMap::new();
-    for (row, (example, _)) in cases.iter().enumerate() {
-        of.entry((&example.case.data_set, "")).or_default().push(row);
-        if !example.case.group.is_empty() {
-            of.entry((&example.case.data_set, &example.case.group)).or_default().push(row);
-        }
-    }
-    let folders = |data_set: &str| of.keys().filter(|(d, g)| *d == data_set && !g.is_empty()).count();
-    of.iter()
-        .filter(|((data_set, group), _)| group.is_empty() || folders(data_set) > 1)
-        .map(|((data_set, group), rows)| {
-            let scores = || rows.iter().map(|row| cases[*row].1);
-            let precisions: Vec<f64> = scores().filter_map(|t| t.average_precision).collect();
-            HeldOutScores {
-                of: if group.is_empty() { (*data_set).to_owned() } else { format!("{data_set}/{group}") },
-                cases: rows.len(),
-                subjects: rows.iter().map(|row| &cases[*row].0.case.subject).collect::<BTreeSet<_>>().len(),
-                average_precision: (!precisions.is_empty()).then(|| precisions.iter().sum::<f64>() / precisions.len() as f64),
-                calibration_error: calibration_error(scores().flat_map(|t| t.pairs.iter().copied())),
-                log_likelihood: scores().map(|t| t.log_likelihood).sum::<f64>() / rows.len() as f64,
-            }
-        })
-        .collect()
+/// Expected calibration error of the pairs that leave doubt: |mean P - share right| over ten bins, by their numbers.
+pub fn calibration_error(pairs: impl Iterator<Item = (f64, bool)>) -> Option<f64> {
+    let bins = binned(pairs.filter(|(p, _)| DOUBT[0] < *p && *p < DOUBT[1]));
+    let count: f64 = bins.iter().map(|bin| bin[2]).sum();
+    (count > 0.0).then(|| bins.iter().map(|[p, right, _]| (p - right).abs()).sum::<f64>() / count)
 }

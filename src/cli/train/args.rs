@@ -2,6 +2,7 @@
 
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::internals::output::StagedFiles;
@@ -11,6 +12,7 @@ use serde_json::{Value, json};
 
 use crate::cli::args::figures::whole;
 use crate::cli::command_line::command_line;
+use crate::cli::print::TextTerminal;
 use crate::cli::shell::print_json;
 
 /// Fit the evidence model to extractions whose true connections are known
@@ -95,39 +97,62 @@ impl TrainArgs {
     }
 }
 
-/// The files to write: the weights, then those of the folds.
+/// Where the models go, and what is said of them.
 pub struct Output {
+    /// The files to write: the weights, then those of the folds.
     pub paths: Vec<PathBuf>,
     pub force: bool,
+    pub terminal: TextTerminal,
+    pub began: Instant,
 }
 
-/// Writes each of some models to its file, all or none; their names.
-pub fn save<M>(
-    output: &Output,
-    models: impl Iterator<Item = M>,
-    write: impl Fn(M, &mut dyn Write) -> io::Result<()>,
-) -> Result<Vec<String>> {
-    let mut staged = StagedFiles::new(&output.paths[0], output.force)?;
-    for (at, (path, model)) in output.paths.iter().zip(models).enumerate() {
-        if at == 0 {
-            staged.write_main(|out| write(model, out))?;
-        } else {
-            staged.write(path, |out| write(model, out))?;
-        }
+impl Output {
+    /// Says that so many seconds have passed.
+    pub fn say_after(&self, heading: &str, step: &str) {
+        self.terminal.say(heading, format!("{step} after {:.0} s", self.began.elapsed().as_secs_f64()));
     }
-    staged.commit()?;
-    Ok(output.paths.iter().map(|path| path.display().to_string()).collect())
+
+    /// Writes each of some models to its file, all or none, with a summary where it is asked for: how many cases there were, and the figures.
+    pub fn save<M>(
+        &self,
+        args: &TrainArgs,
+        models: impl Iterator<Item = M>,
+        write: impl Fn(M, &mut dyn Write) -> io::Result<()>,
+        cases: usize,
+        figures: &Value,
+    ) -> Result<()> {
+        let mut staged = StagedFiles::new(&self.paths[0], self.force)?;
+        for (at, (path, model)) in self.paths.iter().zip(models).enumerate() {
+            if at == 0 {
+                staged.write_main(|out| write(model, out))?;
+            } else {
+                staged.write(path, |out| write(model, out))?;
+            }
+        }
+        staged.commit()?;
+        let names: Vec<String> = self.paths.iter().map(|path| path.display().to_string()).collect();
+        let took = if args.calibrate_onto.is_none() {
+            format!(" in {:.0} s", self.began.elapsed().as_secs_f64())
+        } else {
+            String::new()
+        };
+        self.terminal.say("written", format!("{}{took}", names.join(", ")));
+        if !args.json {
+            return Ok(());
+        }
+        print_json(&json!({
+            "willis": env!("CARGO_PKG_VERSION"),
+            "command": command_line("again.toml"),
+            "output": names,
+            "cases": cases,
+            "figures": figures,
+        }))
+    }
 }
 
-/// Prints a summary as JSON.
-pub fn summary(cases: usize, outputs: &[String], figures: &Value) -> Result<()> {
-    print_json(&json!({
-        "willis": env!("CARGO_PKG_VERSION"),
-        "command": command_line("again.toml"),
-        "output": outputs,
-        "cases": cases,
-        "figures": figures,
-    }))
+/// Program and command, for models.
+pub fn made_by() -> String {
+    format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"))
 }
 
 /// A figure, or that there is none.

@@ -5,29 +5,29 @@ mod names;
 mod trees;
 
 use std::collections::BTreeSet;
+use std::io::Write;
 use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::internals::candidates::joins::model::JoinModel;
-use crate::internals::candidates::model::HeldOutScores;
+use crate::internals::candidates::model::weights::{Fold, HeldOutScores, Weights};
 use crate::internals::output::StagedFiles;
 use crate::internals::training::{
-    CandidateExample, Case, ContactModel, CrossValidation, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,
+    CandidateExample, Case, Cases, ContactModel, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,
     goes_without_inlets, read_cases,
 };
 use serde_json::json;
 
 pub use args::TrainArgs;
-use args::{ModelKind, Output, or_none, save, summary};
+use args::{ModelKind, Output, made_by, or_none};
 
-use crate::cli::command_line::command_line;
 use crate::cli::print::notes::say_notes;
 use crate::cli::print::{TextTerminal, count, plural};
 
 impl TrainArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let params = self.params()?;
-        let output = Output { paths: self.outputs()?, force };
+        let output = Output { paths: self.outputs()?, force, terminal, began: Instant::now() };
         StagedFiles::check(&output.paths[0], &output.paths[1..], force)?;
         if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(self.model, ModelKind::Tracing)) {
             return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
@@ -36,32 +36,30 @@ impl TrainArgs {
             if !matches!(self.model, ModelKind::Contacts) {
                 return Err(Error::parameter("calibrate_onto", path.display(), "goes with --model contacts"));
             }
-            return trees::calibrate(path, &self, &output, terminal);
+            return trees::calibrate(path, &self, &output);
         }
         match self.model {
-            ModelKind::Tracing => self.fit_tracings(&params, &output, terminal),
-            ModelKind::Skeleton => trees::run::<JoinModel>(&self, &output, terminal),
-            ModelKind::Contacts => trees::run::<ContactModel>(&self, &output, terminal),
-            ModelKind::Labels => names::run(&self, &output, terminal),
+            ModelKind::Tracing => self.fit_tracings(&params, &output),
+            ModelKind::Skeleton => trees::run::<JoinModel>(&self, &output),
+            ModelKind::Contacts => trees::run::<ContactModel>(&self, &output),
+            ModelKind::Labels => names::run(&self, &output),
         }
     }
 
     /// Fits the weights of tracings.
-    fn fit_tracings(&self, params: &TrainParams, output: &Output, terminal: TextTerminal) -> Result<()> {
-        let began = Instant::now();
-        let read = read_cases(&self.cases, Model::Tracing)?;
-        say_notes(terminal, &read.notes, "case");
-        let all: Vec<&Case> = read.cases.iter().collect();
+    fn fit_tracings(&self, params: &TrainParams, output: &Output) -> Result<()> {
+        let terminal = output.terminal;
+        let Cases { cases: all, notes } = read_cases(&self.cases, Model::Tracing)?;
+        say_notes(terminal, &notes, "case");
         if self.folds > 0 {
             check_folds(&all, self.folds)?;
         }
         let others = read_cases(&self.calibrate_with, Model::Tracing)?;
         say_notes(terminal, &others.notes, "case");
-        let calibrating = CandidateExample::measure(&others.cases.iter().collect::<Vec<_>>(), |_| true)?;
-        let judged = CandidateExample::measure(&all, |_| true)?;
+        let calibrating = CandidateExample::measure(others.cases.iter(), true)?;
+        let judged = CandidateExample::measure(all.iter(), true)?;
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
-        let without: Vec<&Case> = all.iter().copied().filter(|case| bare(case)).collect();
-        let unfed = CandidateExample::measure(&without, |_| false)?;
+        let unfed = CandidateExample::measure(all.iter().filter(|case| bare(case)), false)?;
         let mut rest = unfed.iter();
         let training: Vec<&CandidateExample> =
             judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
@@ -70,30 +68,32 @@ impl TrainArgs {
         let calibrating: Vec<&CandidateExample> = calibrating.iter().collect();
         terminal.say(
             "measured",
-            format!("in {:.0} s; {} used without their inlets", began.elapsed().as_secs_f64(), plural(unfed.len(), "case")),
+            format!(
+                "in {:.0} s; {} used without their inlets",
+                output.began.elapsed().as_secs_f64(),
+                plural(unfed.len(), "case")
+            ),
         );
         let mut weights = fit(&training, &calibrating, params, &mut |step| say_step(terminal, "fitted", step))?;
-        let mut validated = CrossValidation { figures: Vec::new(), folds: Vec::new(), weights: Vec::new() };
-        if self.folds > 0 {
-            let judged: Vec<&CandidateExample> = judged.iter().collect();
-            validated = cross_validate(&training, &judged, &calibrating, self.folds, params, &mut |fold, step| {
-                say_step(terminal, &format!("fold {fold}"), step);
-            })?;
-            validated.figures.iter().for_each(|figures| say_figures(terminal, figures));
+        let examples: Vec<&CandidateExample> = judged.iter().chain(calibrating.iter().copied()).collect();
+        let (folds, figures) = cross_validate(&examples, self.folds, |fold, is_held_out| {
+            let stays = |e: &&CandidateExample| !is_held_out(e.case);
+            let inner: Vec<&CandidateExample> = training.iter().copied().filter(stays).collect();
+            let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
+            fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
+        })?;
+        for of in &figures {
+            say_figures(terminal, of);
         }
-        let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-        weights.figures.clone_from(&validated.figures);
-        weights.folds.clone_from(&validated.folds);
-        let folds = if self.save_folds { validated.weights } else { Vec::new() };
-        let names = save(output, [weights].into_iter().chain(folds), |mut weights, out| {
+        let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };
+        weights.folds = folds.iter().map(of_fold).collect();
+        weights.figures.clone_from(&figures);
+        let made_by = made_by();
+        let write = |mut weights: Weights, out: &mut dyn Write| {
             weights.provenance.made_by.clone_from(&made_by);
             weights.write(out)
-        })?;
-        terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
-        if self.json {
-            summary(read.cases.len(), &names, &json!(validated.figures))?;
-        }
-        Ok(())
+        };
+        output.save(self, [weights].into_iter().chain(folds), write, all.len(), &json!(figures))
     }
 }
 

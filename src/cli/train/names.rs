@@ -1,18 +1,18 @@
 //! `willis train --model labels`: the model that names arteries.
 
-use std::time::Instant;
+use std::io::Write;
 
 use crate::error::{Error, Result};
+use crate::internals::naming::model::NamingModel;
 use crate::internals::training::names::{fit_names, read_labelled_cases};
 use serde_json::json;
 
-use super::args::{Output, TrainArgs, save, summary};
-use crate::cli::command_line::command_line;
-use crate::cli::print::{TextTerminal, plural};
+use super::args::{Output, TrainArgs, made_by};
+use crate::cli::print::plural;
 
 /// Fits the model and those of its folds, and writes them.
-pub(super) fn run(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
-    let began = Instant::now();
+pub(super) fn run(args: &TrainArgs, output: &Output) -> Result<()> {
+    let terminal = output.terminal;
     let cases = read_labelled_cases(&args.cases)?;
     terminal.say("read", plural(cases.len(), "case"));
     if args.folds < 2 {
@@ -22,9 +22,7 @@ pub(super) fn run(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> 
             "expected 2 or more: which pieces are false is learnt from atlases without the subject",
         ));
     }
-    let fitted = fit_names(&cases, args.folds, &mut |step| {
-        terminal.say("fitted", format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
-    })?;
+    let fitted = fit_names(&cases, args.folds, &mut |step| output.say_after("fitted", step))?;
     for of in &fitted.scores {
         terminal.say(
             "held out",
@@ -41,15 +39,10 @@ pub(super) fn run(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> 
             ),
         );
     }
-    let made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-    let folds = fitted.folds.into_iter().filter(|_| args.save_folds);
-    let names = save(output, [fitted.model].into_iter().chain(folds), |mut model, out| {
+    let made_by = made_by();
+    let write = |mut model: NamingModel, out: &mut dyn Write| {
         model.provenance.made_by.clone_from(&made_by);
         model.write(out)
-    })?;
-    terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
-    if args.json {
-        summary(cases.len(), &names, &json!(fitted.scores))?;
-    }
-    Ok(())
+    };
+    output.save(args, [fitted.model].into_iter().chain(fitted.folds), write, cases.len(), &json!(fitted.scores))
 }

@@ -2,151 +2,104 @@
 
 use std::io::{self, Write};
 use std::path::Path;
-use std::time::Instant;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
 use crate::internals::formats::bytes_of;
-use crate::internals::support::model_provenance::ModelProvenance;
 use crate::internals::training::{
-    Case, ContactExample, ContactModel, ContactScores, JoinExample, Model, calibrate_contacts, check_folds,
-    cross_validate_contacts, cross_validate_joins, fit_contacts, fit_joins, read_cases,
+    Case, Cases, ContactExample, ContactModel, ContactScores, Example, JoinExample, Model, TreeExample, calibrate_contacts,
+    check_folds, cross_validate, read_cases,
 };
 use serde::Serialize;
 use serde_json::json;
 
-use super::args::{Output, TrainArgs, or_none, save, summary};
-use crate::cli::command_line::command_line;
+use super::args::{Output, TrainArgs, made_by, or_none};
 use crate::cli::print::notes::say_notes;
-use crate::cli::print::{TextTerminal, count, plural};
+use crate::cli::print::{count, plural};
 
-/// A model of boosted trees and what it is fitted to.
-pub(super) trait TreeModel: Sized {
+/// A model of boosted trees in a file, and what is said of it.
+pub(super) trait TreeModel: Sized + Sync {
     /// A case with what the trees see of it.
-    type Measured<'a>;
+    type Seen<'a>: TreeExample<'a, Model = Self, Scores = Self::HeldOut>;
     /// How well a model did.
     type HeldOut: Clone + Serialize;
-    /// What the cases are.
-    const MODEL: Model;
 
-    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<Self::Measured<'a>>>;
-    fn data_set<'e>(example: &'e Self::Measured<'_>) -> &'e str;
     /// What the cases of a data set hold.
-    fn say_read(of_set: &[Self::Measured<'_>]) -> String;
-    fn fit(examples: &[Self::Measured<'_>], progress: &mut dyn FnMut(&str)) -> Result<Self>;
-    /// The models of the folds, and how well they did.
-    fn cross_validate(
-        examples: &[Self::Measured<'_>],
-        folds: usize,
-        progress: &mut dyn FnMut(usize, &str),
-    ) -> Result<(Vec<Self>, Vec<Self::HeldOut>)>;
+    fn say_read(of_set: &[Self::Seen<'_>]) -> String;
     fn say_scores(scores: &Self::HeldOut) -> String;
     /// The model in a file.
     fn read(text: &str) -> Result<Self, Fault>;
     /// This model with the part for images of another one, and its figures of images.
     fn with_images_of(self, other: Self) -> Self;
-    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<Self::HeldOut>);
     fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 
 /// Fits a model and those of its folds, and writes them.
-pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
-    let began = Instant::now();
-    let read = read_cases(&args.cases, M::MODEL)?;
-    say_notes(terminal, &read.notes, "case");
-    let all: Vec<&Case> = read.cases.iter().collect();
-    let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &all)).transpose()?;
+pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()> {
+    let terminal = output.terminal;
+    let Cases { cases, notes } = read_cases(&args.cases, M::Seen::KIND)?;
+    say_notes(terminal, &notes, "case");
+    let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &cases)).transpose()?;
     if args.folds > 0 {
-        check_folds(&all, args.folds)?;
+        check_folds(&cases, args.folds)?;
     }
-    let examples = M::measure(&all)?;
-    for of_set in examples.chunk_by(|a, b| M::data_set(a) == M::data_set(b)) {
-        let held = M::say_read(of_set);
-        terminal.say("read", format!("{}: {}, {held}", M::data_set(&of_set[0]), plural(of_set.len(), "case")));
+    let examples = M::Seen::measure(&cases)?;
+    for of_set in examples.chunk_by(|a, b| a.case().data_set == b.case().data_set) {
+        let (data_set, held) = (&of_set[0].case().data_set, M::say_read(of_set));
+        terminal.say("read", format!("{data_set}: {}, {held}", plural(of_set.len(), "case")));
     }
-    terminal.say("measured", format!("in {:.0} s", began.elapsed().as_secs_f64()));
-    let say = |heading: &str, step: &str| {
-        terminal.say(heading, format!("{step} after {:.0} s", began.elapsed().as_secs_f64()));
-    };
-    let mut model = M::fit(&examples, &mut |step| say("fitted", step))?;
-    let (mut folds, mut figures) = (Vec::new(), Vec::new());
-    if args.folds > 0 {
-        (folds, figures) = M::cross_validate(&examples, args.folds, &mut |fold, step| say(&format!("fold {fold}"), step))?;
-        for scores in &figures {
-            terminal.say("held out", M::say_scores(scores));
-        }
-        model.record().1.clone_from(&figures);
+    terminal.say("measured", format!("in {:.0} s", output.began.elapsed().as_secs_f64()));
+    let all: Vec<&M::Seen<'_>> = examples.iter().collect();
+    let mut model = M::Seen::fit(&all, &mut |step| output.say_after("fitted", step))?;
+    let (folds, figures) = cross_validate(&all, args.folds, |fold, is_held_out| {
+        let inner: Vec<&M::Seen<'_>> = examples.iter().filter(|e| !is_held_out(e.case())).collect();
+        M::Seen::fit(&inner, &mut |step| output.say_after(&format!("fold {fold}"), step))
+    })?;
+    for scores in &figures {
+        terminal.say("held out", M::say_scores(scores));
     }
-    let mut made_by = format!("willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
+    M::Seen::record(&mut model).1.clone_from(&figures);
+    let mut made_by = made_by();
     if let Some(onto) = onto {
         model = onto.with_images_of(model);
-        made_by = format!("{}; images: {made_by}", model.record().0.made_by);
+        made_by = format!("{}; images: {made_by}", M::Seen::record(&mut model).0.made_by);
     }
-    let folds = folds.into_iter().filter(|_| args.save_folds);
-    let names = save(output, [model].into_iter().chain(folds), |mut model, out| {
-        model.record().0.made_by.clone_from(&made_by);
+    let write = |mut model: M, out: &mut dyn Write| {
+        M::Seen::record(&mut model).0.made_by.clone_from(&made_by);
         model.write(out)
-    })?;
-    terminal.say("written", format!("{} in {:.0} s", names.join(", "), began.elapsed().as_secs_f64()));
-    if args.json {
-        summary(read.cases.len(), &names, &json!(figures))?;
-    }
-    Ok(())
+    };
+    output.save(args, [model].into_iter().chain(folds), write, cases.len(), &json!(figures))
 }
 
 /// What parts the command of the fit from that of the calibration in `made_by`.
 const CALIBRATION: &str = "; calibration: ";
 
 /// Calibrates the model of contacts in a file, and writes it.
-pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output, terminal: TextTerminal) -> Result<()> {
+pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output) -> Result<()> {
+    let terminal = output.terminal;
     let mut model = read_model::<ContactModel>(path)?;
-    let read = read_cases(&args.cases, Model::Contacts)?;
-    say_notes(terminal, &read.notes, "case");
-    let examples = ContactExample::measure(&read.cases.iter().collect::<Vec<_>>())?;
-    calibrate_contacts(&mut model, &examples);
+    let Cases { cases, notes } = read_cases(&args.cases, Model::Contacts)?;
+    say_notes(terminal, &notes, "case");
+    calibrate_contacts(&mut model, &ContactExample::measure(&cases)?);
     for (name, part) in [("without", &model.skeleton), ("with mask", &model.mask)] {
         let [a, b] = part.calibration;
         terminal.say("calibrated", format!("{name}: log-odds {a:.3} + {b:.3} times those of the partitions"));
     }
-    let made_by = &mut model.provenance.made_by;
     // A calibration from before is replaced.
-    let fit = made_by.split(CALIBRATION).next().unwrap_or_default();
-    *made_by = format!("{fit}{CALIBRATION}willis {}: {}", env!("CARGO_PKG_VERSION"), command_line("again.toml"));
-    let names = save(output, std::iter::once(model), |model, out| model.write(out))?;
-    terminal.say("written", names.join(", "));
-    if args.json { summary(read.cases.len(), &names, &json!([])) } else { Ok(()) }
+    let fit = model.provenance.made_by.split(CALIBRATION).next().unwrap_or_default();
+    model.provenance.made_by = format!("{fit}{CALIBRATION}{}", made_by());
+    output.save(args, std::iter::once(model), |model, out| model.write(out), cases.len(), &json!([]))
 }
 
 impl TreeModel for JoinModel {
-    type Measured<'a> = JoinExample<'a>;
+    type Seen<'a> = JoinExample<'a>;
     type HeldOut = JoinScores;
-    const MODEL: Model = Model::Skeleton;
-
-    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<JoinExample<'a>>> {
-        JoinExample::measure(cases)
-    }
-
-    fn data_set<'e>(example: &'e JoinExample<'_>) -> &'e str {
-        &example.case.data_set
-    }
 
     fn say_read(of_set: &[JoinExample]) -> String {
         let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
         let connections = plural(sum(&|e| e.needed), "true connection");
         let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.truth.matches.len()), "candidate"));
         format!("{connections}, {reached} of them within reach of {pairs}")
-    }
-
-    fn fit(examples: &[JoinExample], progress: &mut dyn FnMut(&str)) -> Result<Self> {
-        fit_joins(&examples.iter().collect::<Vec<_>>(), progress)
-    }
-
-    fn cross_validate(
-        examples: &[JoinExample],
-        folds: usize,
-        progress: &mut dyn FnMut(usize, &str),
-    ) -> Result<(Vec<Self>, Vec<JoinScores>)> {
-        cross_validate_joins(examples, folds, progress)
     }
 
     fn say_scores(of: &JoinScores) -> String {
@@ -176,17 +129,13 @@ impl TreeModel for JoinModel {
         self
     }
 
-    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<JoinScores>) {
-        (&mut self.provenance, &mut self.figures)
-    }
-
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {
         self.write(out)
     }
 }
 
 /// The model that gets the part for images, for cases that have some.
-fn model_for_images<M: TreeModel>(path: &Path, cases: &[&Case]) -> Result<M> {
+fn model_for_images<M: TreeModel>(path: &Path, cases: &[Case]) -> Result<M> {
     if cases.iter().all(|case| case.images.is_empty()) {
         let accepted = "needs cases with images: image.nii.gz beside the truth";
         return Err(Error::parameter("images_onto", path.display(), accepted));
@@ -202,17 +151,8 @@ fn read_model<M: TreeModel>(path: &Path) -> Result<M> {
 }
 
 impl TreeModel for ContactModel {
-    type Measured<'a> = ContactExample<'a>;
+    type Seen<'a> = ContactExample<'a>;
     type HeldOut = ContactScores;
-    const MODEL: Model = Model::Contacts;
-
-    fn measure<'a>(cases: &[&'a Case]) -> Result<Vec<ContactExample<'a>>> {
-        ContactExample::measure(cases)
-    }
-
-    fn data_set<'e>(example: &'e ContactExample<'_>) -> &'e str {
-        &example.case.data_set
-    }
 
     fn say_read(of_set: &[ContactExample]) -> String {
         let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
@@ -220,18 +160,6 @@ impl TreeModel for ContactModel {
         let pairs = plural(sum(&|e| e.joined.iter().flatten().count()), "pair");
         let joined = count(sum(&|e| e.joined.iter().flatten().filter(|joined| **joined).count()) as u64);
         format!("{masks}, {pairs} of branch ends, {joined} of them one vessel")
-    }
-
-    fn fit(examples: &[ContactExample], progress: &mut dyn FnMut(&str)) -> Result<Self> {
-        fit_contacts(&examples.iter().collect::<Vec<_>>(), progress)
-    }
-
-    fn cross_validate(
-        examples: &[ContactExample],
-        folds: usize,
-        progress: &mut dyn FnMut(usize, &str),
-    ) -> Result<(Vec<Self>, Vec<ContactScores>)> {
-        cross_validate_contacts(examples, folds, progress)
     }
 
     fn say_scores(of: &ContactScores) -> String {
@@ -258,10 +186,6 @@ impl TreeModel for ContactModel {
         let in_images = other.figures.into_iter().filter(|of| !of.image.is_empty());
         self.figures.extend(in_images);
         self
-    }
-
-    fn record(&mut self) -> (&mut ModelProvenance, &mut Vec<ContactScores>) {
-        (&mut self.provenance, &mut self.figures)
     }
 
     fn write(&self, out: &mut dyn Write) -> io::Result<()> {

@@ -1,32 +1,28 @@
 //! Reads labelled cases from folders: the centerlines, the artery of each point, and which segments of the ring are there.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
 use super::truth::{LabelledNodes, label_nodes};
+use crate::cases::{read_network, walk};
 use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Frame, Network, RadiusRule};
+use willis_core::network::{Frame, Network};
 use willis_core::support::in_order;
 use willis_io::formats::tables::reader::TableReader;
-use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, regular_bytes_of};
+use willis_io::formats::{is_there, open_regular, regular_bytes_of};
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::{CandidateOptions, build_with_evidence};
 use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
 use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, label_of};
 
-/// Folders further down are not looked into.
-const DEEPEST: usize = 8;
 const TRUTH: &str = "truth.json";
 const LABELS_FILE: &str = "labels.csv";
 
 /// A case whose arteries are known.
 #[derive(Debug, Clone)]
 pub struct LabelledCase {
-    /// The folder's name.
-    pub name: String,
     /// The patient.
     pub subject: String,
     /// What was done to the tracing: `whole`, `easy`, ...
@@ -73,7 +69,11 @@ pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
     let mut found = Vec::new();
     for folder in folders {
         let before = found.len();
-        walk(folder, 0, &mut found)?;
+        walk(folder, 0, &mut |path, _| {
+            let is_case = [TRUTH, LABELS_FILE].iter().all(|name| is_there(&path.join(name)));
+            found.extend(is_case.then(|| path.to_owned()));
+            is_case
+        })?;
         if found.len() == before {
             let accepted = "expected folders with fragments.swc, labels.csv and truth.json in them";
             return Err(Error::parameter("CASES", format!("{}: no labelled case", folder.display()), accepted));
@@ -83,31 +83,11 @@ pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
     in_order(&found, |_, folder| read_case(folder, &weights)).into_iter().collect()
 }
 
-fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<()> {
-    let unread = |source| Error::Read { path: folder.to_owned(), source };
-    let mut entries: Vec<PathBuf> =
-        fs::read_dir(folder).map_err(unread)?.map(|e| e.map(|e| e.path())).collect::<std::io::Result<_>>().map_err(unread)?;
-    entries.sort();
-    if [TRUTH, LABELS_FILE].iter().all(|name| is_there(&folder.join(name))) {
-        found.push(folder.to_owned());
-        return Ok(());
-    }
-    for path in entries.into_iter().filter(|path| path.is_dir() && depth < DEEPEST) {
-        walk(&path, depth + 1, found)?;
-    }
-    Ok(())
-}
-
 fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     let path = folder.join("fragments.swc");
     let loops = Some(folder.join("loops.csv")).filter(|path| is_there(path));
     [Some(&path), loops.as_ref()].into_iter().flatten().try_for_each(|path| open_regular(path).map(drop))?;
-    let document = read_file(&path, &ReadOptions { loops, ..ReadOptions::default() })?;
-    let mut network = match document.content {
-        Content::Graph(_) => Err(Fault::file("a candidate graph", "expected centerlines")),
-        lines => lines.into_network(RadiusRule::Mean, None).map(|made| made.network),
-    }
-    .map_err(|fault| fault.in_file(&path))?;
+    let (mut network, _) = read_network(&path, loops)?;
     let truth_file = folder.join(TRUTH);
     let truth: NamesTruthFile = serde_json::from_slice(&regular_bytes_of(&truth_file)?).map_err(|e| {
         Fault::line(e.line().max(1), e.to_string(), "expected an object with subject and phenotype").in_file(&truth_file)
@@ -129,9 +109,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
     let truth_of_nodes = label_nodes(&graph, &labels);
-    let name = folder.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     Ok(LabelledCase {
-        name,
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,

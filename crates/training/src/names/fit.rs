@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 
 use super::atlas::fit_atlas;
 use super::cases::LabelledCase;
+use crate::cross_validation::dealt;
 use crate::logistic::{RegressionRow, logistic};
 use willis_core::error::{Error, Result};
 use willis_core::sampling::SamplingOptions;
@@ -11,7 +12,6 @@ use willis_core::support::in_order;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::{CandidateOptions, build_with_evidence};
-use willis_models::naming::atlas::Atlas;
 use willis_models::naming::model::{Logistic, NamingModel, logistic_probability};
 use willis_models::naming::pieces::PIECE_FEATURES;
 use willis_models::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
@@ -49,32 +49,29 @@ struct NamedCase<'a> {
 pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(&str)) -> Result<FittedNames> {
     let subjects: Vec<&str> = cases.iter().map(|c| c.subject.as_str()).collect::<BTreeSet<_>>().into_iter().collect();
     check(cases, subjects.len(), folds)?;
-    let fold_of = |case: &LabelledCase| subjects.iter().position(|s| *s == case.subject).unwrap_or(0) % folds;
-    let without = |fold: usize| -> Vec<&LabelledCase> { cases.iter().filter(|case| fold_of(case) != fold).collect() };
-    let numbers: Vec<usize> = (0..=folds).collect();
-    let mut atlases: Vec<Atlas> = in_order(&numbers, |_, fold| fit_atlas(&without(*fold)));
-    let Some(of_all) = atlases.pop() else {
-        return Err(Error::parameter("folds", folds, "expected 2 or more"));
-    };
+    // The last model holds nobody out.
+    let all = folds;
+    let (fold_of, _) = dealt(cases.iter().map(|case| case.subject.as_str()), folds);
+    let numbers: Vec<usize> = (0..=all).collect();
+    let mut models: Vec<NamingModel> = in_order(&numbers, |_, fold| {
+        let inner: Vec<&LabelledCase> = cases.iter().zip(&fold_of).filter(|(_, of)| *of != fold).map(|(case, _)| case).collect();
+        NamingModel {
+            provenance: ModelProvenance::default(),
+            figures: Vec::new(),
+            atlas: fit_atlas(&inner),
+            false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
+            presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
+            presence_with_topology: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
+            share: [0.5; KINDS],
+        }
+    });
     progress("atlases");
-
-    let bare = |atlas: &Atlas| NamingModel {
-        provenance: ModelProvenance::default(),
-        figures: Vec::new(),
-        atlas: atlas.clone(),
-        false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
-        presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
-        presence_with_topology: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
-        share: [0.5; KINDS],
-    };
-    let mut models: Vec<NamingModel> = atlases.iter().map(bare).collect();
-    let mut model = bare(&of_all);
 
     // Twice: the second pass sees the pieces as the first one left them.
     let mut named: Vec<NamedCase> = Vec::new();
     for pass in 0..2 {
-        let found = in_order(cases, |_, case| {
-            let of = &models[fold_of(case)];
+        let found = in_order(cases, |at, case| {
+            let of = &models[fold_of[at]];
             name_with(&case.graph, of, |features, before| {
                 let mut x = features.to_vec();
                 x.extend(before);
@@ -84,23 +81,20 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         });
         named = cases
             .iter()
+            .zip(&fold_of)
             .zip(found)
-            .filter_map(|(case, names)| Some(NamedCase { case, fold: fold_of(case), names: names? }))
+            .filter_map(|((case, fold), names)| Some(NamedCase { case, fold: *fold, names: names? }))
             .collect();
         progress(["first pass", "second pass"][pass]);
-        let first = model.false_pieces[0].clone();
-        let firsts: Vec<Logistic> = models.iter().map(|m| m.false_pieces[0].clone()).collect();
-        let rows = |fold: Option<usize>| piece_rows(&named, fold, pass, &first, &firsts);
         for (fold, of) in models.iter_mut().enumerate() {
-            of.false_pieces[pass] = fit(&rows(Some(fold)), L2);
+            of.false_pieces[pass] = fit(&piece_rows(&named, fold, pass, &of.false_pieces[0]), L2);
         }
-        model.false_pieces[pass] = fit(&rows(None), L2);
     }
     let weights = Weights::shipped()?;
     let judged: Vec<JudgedCase> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
-    let presence_rows = |fold: Option<usize>, kind: usize, with_topology: bool| -> Vec<RegressionRow> {
+    let presence_rows = |fold: usize, kind: usize, with_topology: bool| -> Vec<RegressionRow> {
         let mut rows = Vec::new();
-        for one in judged.iter().filter(|one| Some(one.fold) != fold) {
+        for one in judged.iter().filter(|one| one.fold != fold) {
             for segment in (0..7).filter(|s| kind_of(*s) == kind) {
                 if let Some(there) = one.case.present[segment] {
                     rows.push(([&[1.0][..], &one.features(segment, with_topology)].concat(), there, 1.0));
@@ -112,26 +106,23 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let share = |rows: &[RegressionRow]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
         for (fold, of) in models.iter_mut().enumerate() {
-            let rows = presence_rows(Some(fold), kind, false);
+            let rows = presence_rows(fold, kind, false);
             (of.presence[kind], of.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
-            of.presence_with_topology[kind] = fit(&presence_rows(Some(fold), kind, true), PRESENCE_L2);
+            of.presence_with_topology[kind] = fit(&presence_rows(fold, kind, true), PRESENCE_L2);
         }
-        let rows = presence_rows(None, kind, false);
-        (model.presence[kind], model.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
-        model.presence_with_topology[kind] = fit(&presence_rows(None, kind, true), PRESENCE_L2);
     }
     progress("presence");
     let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
     let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
-    model.provenance = ModelProvenance::of(cases.len(), subjects.len());
-    model.figures.clone_from(&scores);
     for (fold, of) in models.iter_mut().enumerate() {
         let held_out: Vec<String> =
             subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
-        let own = cases.iter().filter(|case| fold_of(case) != fold).count();
+        let own = fold_of.iter().filter(|of| **of != fold).count();
         of.provenance =
-            ModelProvenance { held_out: held_out.clone(), ..ModelProvenance::of(own, subjects.len() - held_out.len()) };
+            ModelProvenance { cases: own, subjects: subjects.len() - held_out.len(), held_out, ..ModelProvenance::default() };
     }
+    let mut model = models.remove(all);
+    model.figures.clone_from(&scores);
     Ok(FittedNames { model, folds: models, scores })
 }
 
@@ -233,15 +224,9 @@ impl JudgedCase<'_> {
 }
 
 /// The features of pieces that an atlas without their subject found, with whether they are false.
-fn piece_rows(
-    named: &[NamedCase],
-    without: Option<usize>,
-    pass: usize,
-    first: &[f64],
-    firsts: &[Logistic],
-) -> Vec<RegressionRow> {
+fn piece_rows(named: &[NamedCase], without: usize, pass: usize, first: &[f64]) -> Vec<RegressionRow> {
     let mut rows = Vec::new();
-    for one in named.iter().filter(|one| Some(one.fold) != without) {
+    for one in named.iter().filter(|one| one.fold != without) {
         let nodes = &one.names.nodes;
         let known = &one.case.truth;
         if known.nodes.len() != nodes.len() {
@@ -252,15 +237,11 @@ fn piece_rows(
             total[nodes.piece[n]] += nodes.weight[n];
             wrong[nodes.piece[n]] += if known.label[n] == OTHER { nodes.weight[n] } else { 0.0 };
         }
-        let before = match without {
-            Some(fold) => &firsts[fold],
-            None => first,
-        };
         for piece in 0..nodes.pieces {
             let mut x = vec![1.0];
             x.extend(one.names.piece_features[pass][piece]);
             if pass == 1 {
-                x.push((logistic_probability(before, &one.names.piece_features[0][piece]) + 1e-3).ln());
+                x.push((logistic_probability(first, &one.names.piece_features[0][piece]) + 1e-3).ln());
             }
             rows.push((x, wrong[piece] / total[piece] > 0.5, 1.0));
         }
