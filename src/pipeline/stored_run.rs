@@ -56,8 +56,9 @@ impl StoredRun {
         let named = serde_json::from_value(record["named"].take()).map_err(|_| unlike())?;
         let samples = record["parameters"]["samples"].as_u64().ok_or_else(unlike)?;
         let conditions = record["boundary_conditions"].as_array().ok_or_else(unlike)?;
-        let stated = conditions.iter().filter(|condition| condition["found"] == false);
-        let given = stated.filter_map(|condition| condition["node"].as_u64()).map(|node| node as usize).collect();
+        let of = |condition: &Value| Some((condition["found"].as_bool()?, condition["node"].as_u64()? as usize));
+        let conditions: Vec<(bool, usize)> = conditions.iter().map(of).collect::<Option<_>>().ok_or_else(unlike)?;
+        let given = conditions.into_iter().filter(|(is_found, _)| !is_found).map(|(_, node)| node).collect();
         let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| is_there(path));
         copy.as_deref().map(open_regular).transpose()?;
         if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut options.infer.arteries, copy) {
