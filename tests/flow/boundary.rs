@@ -325,7 +325,7 @@ fn the_radius_of_an_end_is_the_mean_of_its_last_ten_points() {
     assert!((tapering.length - distance([1e-3, 0.0, 0.0], [12e-3, 0.0, 0.0])).abs() < 1e-15);
     let network = network(2, [([0, 1], tapering)]);
     let ends = FreeEnds::of(&network, &[Role::Inner; 2]);
-    assert!((ends.radius(0) - 5.5e-3).abs() < 1e-15 && (ends.radius(1) - 7.5e-3).abs() < 1e-15);
+    assert!((ends.radius[0] - 5.5e-3).abs() < 1e-15 && (ends.radius[1] - 7.5e-3).abs() < 1e-15);
 }
 
 /// Murray: R goes as 1/r³, and with every terminal at the inlet pressure 700 mL/min leave in all. 1e-14: a few roundings.

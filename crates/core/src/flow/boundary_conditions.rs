@@ -109,11 +109,11 @@ impl Boundary {
             boundary.found_inlets = inlets;
         }
         if !sinks && boundary.found_outlets.is_empty() {
-            let found: Vec<usize> = ends.nodes().iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
+            let found: Vec<usize> = ends.nodes.iter().copied().filter(|n| boundary.roles[*n] == Role::Inner).collect();
             if found.is_empty() {
                 return Err(none("outlet", &ends, true));
             }
-            let cubes: Vec<f64> = found.iter().map(|n| ends.radius(*n).powi(3)).collect();
+            let cubes: Vec<f64> = found.iter().map(|n| ends.radius[*n].powi(3)).collect();
             let total: f64 = cubes.iter().sum();
             let pressure = boundary.conditions.iter().filter_map(|(_, c)| match c {
                 Condition::Pressure(p) => Some(*p),
@@ -133,7 +133,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found.into_iter().filter(|node| !ends.is_named_outlet(*node)).collect();
+            boundary.found_outlets = found.into_iter().filter(|node| !ends.named_outlet[*node]).collect();
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -289,7 +289,7 @@ pub fn stated(network: &Network) -> Vec<Given> {
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
-    let ends = ends.nodes().len();
+    let ends = ends.nodes.len();
     let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
     Error::parameter(
         what_is_missing,

@@ -21,8 +21,6 @@ const ROUNDINGS: f64 = 8.0;
 pub struct Drops {
     circuit: Circuit,
     program: Elimination,
-    /// Per node its place; `NOWHERE` where the pressure is fixed.
-    place: Vec<u32>,
     /// The pressures that conditions hold, Pa above the circuit's level.
     levels: Vec<f64>,
     /// Per node the level of its own condition.
@@ -81,24 +79,20 @@ impl std::ops::Neg for Bounded {
 impl Drops {
     /// Compiles a circuit; `None` when it would take more than `limit` joins a sample.
     pub fn compile(circuit: &Circuit, limit: usize) -> Option<Self> {
-        let free: Vec<usize> = (0..circuit.node_count()).filter(|node| circuit.fixed[*node].is_none()).collect();
-        let mut index = vec![None; circuit.node_count()];
-        for (at, node) in free.iter().enumerate() {
-            index[*node] = Some(at);
-        }
-        let both_free = |[a, b]: &[usize; 2]| Some([index[*a]?, index[*b]?]).filter(|_| a != b);
-        let links: Vec<[usize; 2]> = circuit.ends.iter().filter_map(both_free).collect();
-        let program = Elimination::compile(free.len(), &links, limit)?;
-        let place: Vec<u32> = index.iter().map(|index| index.map_or(NOWHERE, |at| program.place(at))).collect();
-        let ray = |[a, b]: &[usize; 2]| if a == b { NOWHERE } else { program.ray_between(place[*a], place[*b]) };
+        let is_free = |node: usize| circuit.fixed[node].is_none();
+        let order = |nodes: usize, links: &[[usize; 2]]| Elimination::compile(nodes, links, limit);
+        let program = Elimination::among(circuit.node_count(), &circuit.ends, is_free, order)?;
+        let ray = |[a, b]: &[usize; 2]| {
+            let joins_free = a != b && is_free(*a) && is_free(*b);
+            if joins_free { program.ray_between(program.place(*a), program.place(*b)) } else { NOWHERE }
+        };
         let levels = circuit.levels();
         let level_of = |pressure: f64| levels.partition_point(|level| *level <= pressure || same_pressure(*level, pressure)) - 1;
         Some(Self {
-            ray: circuit.ends.iter().map(|ends| if both_free(ends).is_some() { ray(ends) } else { NOWHERE }).collect(),
+            ray: circuit.ends.iter().map(ray).collect(),
             level: (0..circuit.node_count()).map(|node| circuit.ground(node).map(level_of)).collect(),
             circuit: circuit.clone(),
             program,
-            place,
             levels,
         })
     }
@@ -158,8 +152,8 @@ impl Drops {
         }
         match [work.held[a], work.held[b]] {
             [None, None] => work.drop[self.ray[row] as usize],
-            [None, Some(level)] => work.above[self.place[a] as usize * self.levels.len() + level],
-            [Some(level), None] => work.above[self.place[b] as usize * self.levels.len() + level],
+            [None, Some(level)] => work.above[self.program.place(a) as usize * self.levels.len() + level],
+            [Some(level), None] => work.above[self.program.place(b) as usize * self.levels.len() + level],
             [Some(a), Some(b)] => Bounded::exactly(self.levels[a] - self.levels[b]),
         }
     }
@@ -188,14 +182,14 @@ impl Drops {
             let own = circuit.conductance[row];
             match [held[*a], held[*b]] {
                 [None, None] => conductance[self.ray[row] as usize] += own,
-                [None, Some(level)] => ground[self.place[*a] as usize * levels.len() + level] += own,
-                [Some(level), None] => ground[self.place[*b] as usize * levels.len() + level] += own,
+                [None, Some(level)] => ground[program.place(*a) as usize * levels.len() + level] += own,
+                [Some(level), None] => ground[program.place(*b) as usize * levels.len() + level] += own,
                 [Some(_), Some(_)] => {}
             }
         }
         let grounded = circuit.injects.then(|| grounded(circuit, &open));
         for node in (0..circuit.node_count()).filter(|node| held[*node].is_none()) {
-            let place = self.place[node] as usize;
+            let place = program.place(node) as usize;
             match self.level[node] {
                 Some(level) => ground[place * levels.len() + level] += circuit.shunt[node],
                 None if grounded.as_ref().is_some_and(|grounded| grounded[node]) => source[place] = circuit.source[node],

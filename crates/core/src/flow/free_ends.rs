@@ -21,16 +21,17 @@ const LEAST_PART: f64 = 0.1;
 /// does not make one, and a speck that nothing can join to another part has none.
 #[derive(Debug, Clone)]
 pub struct FreeEnds {
-    nodes: Vec<usize>,
-    /// By node, m: the mean over the last points.
-    radius: Vec<f64>,
+    /// Their nodes, in order.
+    pub nodes: Vec<usize>,
+    /// By node the mean radius of the vessel over its last points at this end, m.
+    pub radius: Vec<f64>,
     /// By node.
     part: Vec<usize>,
     /// By node whether inlets are looked for there: not in a small part that nothing can join to the rest.
     belongs: Vec<bool>,
     at_border: Vec<bool>,
-    /// By node whether a landmark names it as an outlet: it is no inlet.
-    named_outlet: Vec<bool>,
+    /// By node whether a landmark names it as an outlet, so that it is one, stated, with the condition of an outlet found.
+    pub named_outlet: Vec<bool>,
     /// By node whether the input states it as its source.
     is_source: Vec<bool>,
     /// By node, the sum of the probabilities of the candidates there.
@@ -83,21 +84,6 @@ impl FreeEnds {
             position,
             is_upright: network.frame != Frame::Unknown,
         }
-    }
-
-    /// Their nodes, in order.
-    pub fn nodes(&self) -> &[usize] {
-        &self.nodes
-    }
-
-    /// The mean radius of the vessel over its last points at this end, m.
-    pub fn radius(&self, node: usize) -> f64 {
-        self.radius[node]
-    }
-
-    /// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
-    pub fn is_named_outlet(&self, node: usize) -> bool {
-        self.named_outlet[node]
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;

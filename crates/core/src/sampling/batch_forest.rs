@@ -15,8 +15,8 @@ use crate::support::simd::{Lanes, Simd, zip};
 #[derive(Debug, Clone)]
 pub struct ForestProgram {
     program: Elimination,
-    /// Per vessel its ray; `NOWHERE` for one that is in no forest.
-    ray_of: Vec<u32>,
+    /// Per vessel the ray where its keys go; `NOWHERE` for one that is in no forest.
+    pub ray_of: Vec<u32>,
 }
 
 /// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
@@ -44,11 +44,6 @@ impl ForestProgram {
     /// How many rays there are: the length of the memory that the other functions take.
     pub fn rays(&self) -> usize {
         self.program.rays()
-    }
-
-    /// Where the keys of each vessel go, which [`ForestProgram::put`] puts there.
-    pub fn ray_of(&self) -> &[u32] {
-        &self.ray_of
     }
 
     /// Puts the keys of a vessel, one a lane, zero where it is not diffused, among the keys by ray, all zero before the first.

@@ -248,7 +248,7 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
                 _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
                 Some(program) => {
                     keys.fill(Lanes::ZERO);
-                    for (at, ray) in program.ray_of().iter().enumerate() {
+                    for (at, ray) in program.ray_of.iter().enumerate() {
                         program.put(simd, *ray, &group.keys(simd, coins, &coin, at, resilience, is_last), keys);
                     }
                     program.grow(simd, coins, keys, in_forest);

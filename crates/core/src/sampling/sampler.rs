@@ -22,12 +22,14 @@ pub struct Sampler {
     plan: SamplingPlan,
 }
 
+/// Replaces sums by those of a block, in memory of its own.
+type SumsOfBlock<'a> = Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>;
+
 /// One worker and its memory.
 pub struct SamplerWorkspace<'a> {
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
-    /// Replaces the sums by those of a block.
-    add_up: Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>,
+    sums_of: SumsOfBlock<'a>,
 }
 
 /// A graph made ready for the way in which its samples are computed.
@@ -97,7 +99,7 @@ impl Sampler {
         SamplerWorkspace {
             masks: Vec::new(),
             probability: [0.0; BLOCK as usize],
-            add_up: match &self.plan {
+            sums_of: match &self.plan {
                 SamplingPlan::Full(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
                 SamplingPlan::Reduced(graph) => side_by_side::<REDUCED_GRAPH_LANES>(graph),
                 SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
@@ -119,12 +121,12 @@ impl Sampler {
         }
         let coin = &self.coins.of_block(block);
         let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
-        (work.add_up)(block, sums)
+        (work.sums_of)(block, sums)
     }
 }
 
 /// A worker that computes so many samples side by side.
-fn side_by_side<const B: usize>(graph: &SampledGraph) -> Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + '_> {
+fn side_by_side<const B: usize>(graph: &SampledGraph) -> SumsOfBlock<'_> {
     let mut work = graph.workspace::<B>();
     Box::new(move |block, sums| graph.block(block, &mut work, sums))
 }

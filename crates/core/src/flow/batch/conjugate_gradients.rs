@@ -25,7 +25,8 @@ const MOST_STEPS: usize = 5000;
 /// The core that partial elimination leaves of a circuit, compiled.
 #[derive(Debug, Clone)]
 pub struct ConjugateGradients {
-    incomplete: Incomplete,
+    /// The incomplete elimination of the core.
+    pub incomplete: Incomplete,
     dead_ends: DeadEnds,
     fixed: Vec<Option<f64>>,
     /// One over the largest conductance of a vessel.
@@ -53,15 +54,10 @@ impl ConjugateGradients {
     /// Eliminates the nodes of few neighbours of a circuit, and compiles the rest; `None` when indices cannot count its joins.
     pub fn compile(circuit: &Circuit) -> Option<(StarMesh, Self)> {
         let mesh = StarMesh::compile(circuit, |nodes, links| Elimination::compile_partly(nodes, links, FEW))?;
-        let incomplete = Incomplete::compile(mesh.program());
+        let incomplete = Incomplete::compile(&mesh.program);
         let largest = circuit.conductance[..circuit.vessel_count()].iter().copied().fold(f64::MIN_POSITIVE, f64::max);
         let dead_ends = DeadEnds::new(circuit);
         Some((mesh, Self { incomplete, dead_ends, fixed: circuit.fixed.clone(), scale: 1.0 / largest }))
-    }
-
-    /// The incomplete elimination of the core.
-    pub fn incomplete(&self) -> &Incomplete {
-        &self.incomplete
     }
 
     /// The memory for groups of `B` samples.
@@ -87,8 +83,8 @@ impl ConjugateGradients {
         of_mesh: &mut StarMeshWorkspace<B>,
         work: &mut GradientsWorkspace<B>,
     ) {
-        self.precondition(simd, mesh.program(), of_mesh, work);
-        self.iterate(simd, mesh.program(), of_mesh, work);
+        self.precondition(simd, &mesh.program, of_mesh, work);
+        self.iterate(simd, &mesh.program, of_mesh, work);
     }
 
     /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
@@ -100,11 +96,12 @@ impl ConjugateGradients {
         conductance: &[Lanes<B>],
     ) {
         let GradientsWorkspace { pressure, dead_ends, .. } = work;
+        let is_open = |vessel: usize, lane: usize| conductance[vessel][lane] > 0.0;
         for lane in 0..B {
             for (node, p) in pressure.iter_mut().enumerate() {
                 *p = of_mesh.pressure[mesh.slot(node)][lane];
             }
-            self.dead_ends.level(|vessel| conductance[vessel][lane] > 0.0, dead_ends, pressure, &self.fixed);
+            self.dead_ends.level(|vessel| is_open(vessel, lane), dead_ends, pressure, &self.fixed);
             for (node, p) in pressure.iter().enumerate() {
                 of_mesh.pressure[mesh.slot(node)][lane] = *p;
             }

@@ -16,7 +16,7 @@ use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product
 /// The compiled elimination of a circuit.
 #[derive(Debug, Clone)]
 pub struct StarMesh {
-    program: Elimination,
+    pub(super) program: Elimination,
     /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones, each pressure once.
     slot: Vec<u32>,
     rays: Vec<RayStamp>,
@@ -70,25 +70,18 @@ pub struct StarMeshWorkspace<const B: usize> {
 impl StarMesh {
     /// Compiles what `order` makes of the free nodes, by their number, and of the links between them; `None` where it makes nothing.
     pub(super) fn compile(circuit: &Circuit, order: impl FnOnce(usize, &[[usize; 2]]) -> Option<Elimination>) -> Option<Self> {
-        let free: Vec<usize> = (0..circuit.node_count()).filter(|n| circuit.fixed[*n].is_none()).collect();
-        let mut index = vec![usize::MAX; circuit.node_count()];
-        for (i, node) in free.iter().enumerate() {
-            index[*node] = i;
-        }
         let is_free = |node: usize| circuit.fixed[node].is_none();
-        let links: Vec<[usize; 2]> =
-            circuit.ends.iter().filter(|[a, b]| a != b && is_free(*a) && is_free(*b)).map(|e| e.map(|n| index[n])).collect();
-        let program = order(free.len(), &links)?;
+        let program = Elimination::among(circuit.node_count(), &circuit.ends, is_free, order)?;
 
         let mut slot = vec![NOWHERE; circuit.node_count()];
         // Outlets of one pressure share its place.
         let (mut fixed, mut place_of) = (Vec::new(), HashMap::new());
         for (node, slot) in slot.iter_mut().enumerate() {
             *slot = match circuit.fixed[node] {
-                None => program.place(index[node]),
+                None => program.place(node),
                 Some(pressure) => *place_of.entry(pressure.to_bits()).or_insert_with(|| {
                     fixed.push(pressure);
-                    (free.len() + fixed.len() - 1) as u32
+                    (program.nodes() + fixed.len() - 1) as u32
                 }),
             };
         }
@@ -103,19 +96,13 @@ impl StarMesh {
                 (Some(_), Some(_)) => {}
             }
         }
-        let mut by_place = [vec![0.0; free.len()], vec![0.0; free.len()]];
-        for node in free {
-            by_place[0][slot[node] as usize] = circuit.shunt[node];
-            by_place[1][slot[node] as usize] = circuit.source[node];
+        let (mut shunt, mut source) = (vec![0.0; program.nodes()], vec![0.0; program.nodes()]);
+        for node in (0..circuit.node_count()).filter(|node| is_free(*node)) {
+            shunt[slot[node] as usize] = circuit.shunt[node];
+            source[slot[node] as usize] = circuit.source[node];
         }
-        let [shunt, source] = by_place;
         let holds = holds(circuit, &slot, &program);
         Some(Self { program, slot, rays, grounds, shunt, source, fixed, holds })
-    }
-
-    /// The compiled elimination.
-    pub(super) fn program(&self) -> &Elimination {
-        &self.program
     }
 
     /// Where the pressure of a node stands in a workspace.

@@ -173,24 +173,17 @@ impl<'a> System<'a> {
             None => matches!(boundary.condition(node), Some(Condition::Pressure(_))),
         };
         let is_dead = |node: usize| state.pressure[node].is_none();
-        let mut number = vec![0; nodes];
-        let mut free = 0;
-        for node in (0..nodes).filter(|node| !is_dead(*node) && !is_fixed(*node)) {
-            number[node] = free;
-            free += 1;
-        }
-        let links = ends
-            .iter()
-            .enumerate()
-            .filter(|(row, ends)| setting.vessels[*row].is_open() && ends.iter().all(|node| !is_dead(*node) && !is_fixed(*node)));
-        let links: Vec<[usize; 2]> = links.map(|(_, ends)| ends.map(|node| number[node])).collect();
-        let elimination = Elimination::compile(free, &links, MOST_JOINS).ok_or_else(|| {
+        let is_free = |node: usize| !is_dead(node) && !is_fixed(node);
+        let open = ends.iter().enumerate().filter(|(row, _)| setting.vessels[*row].is_open());
+        let open: Vec<[usize; 2]> = open.map(|(_, ends)| *ends).collect();
+        let order = |nodes: usize, links: &[[usize; 2]]| Elimination::compile(nodes, links, MOST_JOINS);
+        let elimination = Elimination::among(nodes, &open, is_free, order).ok_or_else(|| {
             Error::parameter("pulse", format!("{nodes} nodes"), "the loops of the network are too many for a direct solution")
         })?;
         let place = |node: usize| match (is_dead(node), is_fixed(node)) {
             (true, _) => NodeEquation::Dead,
             (_, true) => NodeEquation::Fixed,
-            _ => NodeEquation::Free(elimination.place(number[node])),
+            _ => NodeEquation::Free(elimination.place(node)),
         };
         let places = (0..nodes).map(place).collect();
         Ok(Self { ends, setting, elimination, places, drive })

@@ -126,6 +126,24 @@ impl Elimination {
         (pairs <= u32::MAX as usize / 2).then(|| Self::flatten(nodes, &stars, eliminated))
     }
 
+    /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others
+    /// have no place.
+    pub fn among(
+        nodes: usize,
+        links: &[[usize; 2]],
+        counts: impl Fn(usize) -> bool,
+        order: impl FnOnce(usize, &[[usize; 2]]) -> Option<Self>,
+    ) -> Option<Self> {
+        let admitted: Vec<usize> = (0..nodes).filter(|node| counts(*node)).collect();
+        let mut number = vec![usize::MAX; nodes];
+        admitted.iter().enumerate().for_each(|(at, node)| number[*node] = at);
+        let between = links.iter().filter(|[a, b]| a != b && counts(*a) && counts(*b));
+        let compiled = order(admitted.len(), &between.map(|ends| ends.map(|node| number[node])).collect::<Vec<_>>())?;
+        let mut place = vec![NOWHERE; nodes];
+        admitted.iter().zip(&compiled.place).for_each(|(node, own)| place[*node] = *own);
+        Some(Self { place, ..compiled })
+    }
+
     fn flatten(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
         let mut place = vec![NOWHERE; nodes];
         for (at, star) in stars.iter().enumerate() {
@@ -140,7 +158,7 @@ impl Elimination {
         Self { place, program, eliminated }
     }
 
-    /// The place of a node in the order.
+    /// The place of a node in the order; [`NOWHERE`] for one that does not take part.
     pub fn place(&self, node: usize) -> u32 {
         self.place[node]
     }
