@@ -160,17 +160,35 @@ impl PhantomArgs {
         self.print(json!({ "counts": counts }))
     }
 
-    /// The files beside a mask or broken centerlines that are known before the work.
+    /// The file that goes with the output.
+    fn sibling(&self, ending: &str) -> PathBuf {
+        sibling(&self.output, ending)
+    }
+
+    /// Whether there are landmarks beside the output.
+    fn has_landmarks(&self, kind: Anatomy) -> bool {
+        self.broken && kind == Anatomy::Cerebral
+    }
+
+    fn stage_landmarks(&self, kind: Anatomy, network: &Network, lost: &[usize], staged: &mut StagedFiles) -> Result<()> {
+        if !self.has_landmarks(kind) {
+            return Ok(());
+        }
+        let marks = landmarks(network, lost);
+        staged.write(&self.sibling("landmarks.csv"), |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marks))
+    }
+
+    /// The files beside broken centerlines that are known before the work.
     fn beside(&self, kind: Anatomy) -> Vec<PathBuf> {
-        let endings =
-            [("truth.json", self.broken || is_mask(&self.output)), ("landmarks.csv", self.broken && kind == Anatomy::Cerebral)];
-        endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| sibling(&self.output, ending)).collect()
+        let endings = [("truth.json", self.broken), ("landmarks.csv", self.has_landmarks(kind))];
+        endings.iter().filter(|(_, is_made)| *is_made).map(|(ending, _)| self.sibling(ending)).collect()
     }
 
     /// The mask and its truth; of a broken `cerebral` the landmarks too.
     fn write_mask(&self, kind: Anatomy, recipe: &Recipe, terminal: TextTerminal, force: bool) -> Result<()> {
-        let beside = self.beside(kind);
-        StagedFiles::check(&self.output, beside.iter().chain(&self.image), force)?;
+        let (answer, marks) = (self.sibling("truth.json"), self.sibling("landmarks.csv"));
+        let others = [&answer].into_iter().chain(self.has_landmarks(kind).then_some(&marks)).chain(&self.image);
+        StagedFiles::check(&self.output, others, force)?;
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
         let spacing = recipe.spacing.unwrap_or(VOXEL);
@@ -183,12 +201,8 @@ impl PhantomArgs {
         };
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write_main(|out| write_nifti(out, &mask, has_ending(&self.output, ".gz")))?;
-        let answer = &beside[0];
-        staged.write(answer, |out| truth.write_json(out))?;
-        if let Some(marks) = beside.get(1) {
-            let marked = landmarks(&network, &truth.lost);
-            staged.write(marks, |out| write_landmarks(out, LandmarkFormat::Csv, network.frame, &marked))?;
-        }
+        staged.write(&answer, |out| truth.write_json(out))?;
+        self.stage_landmarks(kind, &network, &truth.lost, &mut staged)?;
         if let Some((path, image)) = self.image.as_ref().zip(image) {
             staged.write(path, |out| write_nifti_image(out, &image, has_ending(path, ".gz")))?;
         }
@@ -197,7 +211,6 @@ impl PhantomArgs {
         let voxels = mask.classes.iter().filter(|class| **class > 0).count();
         let made = format!("{}, {}", plural(truth.breaks.len(), "break"), plural(truth.contacts.len(), "contact"));
         let size = format!("{x} x {y} x {z} voxels of {mm:.4} mm, {} of vessels", count(voxels as u64));
-        terminal.say("written", format!("{}: {size}, {made}", self.output.display()));
         let counts = json!({
             "voxels": mask.classes.len(),
             "foreground": voxels,
@@ -207,7 +220,8 @@ impl PhantomArgs {
             "gaps": truth.breaks.len(),
             "contacts": truth.contacts.len(),
         });
-        self.print_truth(answer, json!({ "counts": counts }), terminal)
+        let written = format!("{}: {size}, {made}", self.output.display());
+        self.say_truth(terminal, written, json!({ "counts": counts }))
     }
 
     /// The broken graph with its candidates, and the truth.
@@ -221,54 +235,52 @@ impl PhantomArgs {
     ) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let mut staged = StagedFiles::new(&self.output, force)?;
-        let answer = sibling(&self.output, "truth.json");
-        staged.write(&answer, |out| truth.write_json(out))?;
+        staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
         let (files, _) = put_into(staged, &graph, target, terminal)?;
         let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
-        terminal.say("written", format!("{}: {size}, {made}", names.join(", ")));
-        let counts = json!({
-            "nodes": graph.node_count(),
-            "vessels": graph.vessel_count(),
-            "candidates": candidates,
-            "gaps": truth.breaks.len(),
-        });
-        self.print_truth(&answer, json!({ "counts": counts }), terminal)
+        let written = format!("{}: {size}, {made}", names.join(", "));
+        let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
+        let counts = json!({ "nodes": nodes, "vessels": vessels, "candidates": candidates, "gaps": truth.breaks.len() });
+        self.say_truth(terminal, written, json!({ "counts": counts }))
     }
 
-    /// Writes the broken centerlines and the truth beside what else is staged, with a table of the links that SWC cannot hold, where there are
-    /// any.
+    /// The broken centerlines, and the truth beside what else is staged; and the links that SWC cannot hold, where there are any.
     fn write_broken(&self, lines: &Centerlines, truth: &Truth, mut staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
-        let answer = sibling(&self.output, "truth.json");
-        staged.write(&answer, |out| truth.write_json(out))?;
+        staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
         let mut links = Vec::new();
         staged.write_main(|out| {
             links = write_centerlines_swc(out, lines)?;
             Ok(())
         })?;
-        let loops = (!links.is_empty()).then(|| sibling(&self.output, "loops.csv"));
-        if let Some(loops) = &loops {
-            staged.write(loops, |out| write_loops(out, &links))?;
-            let lost = plural(links.len(), "link");
-            terminal.say("note", format!("SWC cannot hold {lost}: give them with --loops {}", loops.display()));
+        let loops = Some(self.sibling("loops.csv")).filter(|_| !links.is_empty());
+        if let Some(path) = &loops {
+            staged.write(path, |out| write_loops(out, &links))?;
+            let links = plural(links.len(), "link");
+            terminal.say("note", format!("SWC cannot hold {links}: give them with --loops {}", path.display()));
         }
         staged.commit()?;
-        let (points, fragments) = (lines.points.len(), truth.spurious.len());
-        let (spurious, gaps) = (truth.spurious.iter().filter(|s| **s).count(), truth.breaks.len());
-        let held = format!("{} points in {}, {spurious} of them spurious", count(points as u64), plural(fragments, "fragment"));
-        terminal.say("written", format!("{}: {held}, {}", self.output.display(), plural(gaps, "gap")));
-        let counts = json!({ "points": points, "fragments": fragments, "spurious": spurious, "gaps": gaps });
-        let loops = loops.map(|path| path.display().to_string());
-        self.print_truth(&answer, json!({ "loops": loops, "counts": counts }), terminal)
+        let spurious = truth.spurious.iter().filter(|s| **s).count();
+        let (points, fragments) = (count(lines.points.len() as u64), plural(truth.spurious.len(), "fragment"));
+        let made = format!("{points} points in {fragments}, {spurious} of them spurious, {}", plural(truth.breaks.len(), "gap"));
+        let counts = json!({
+            "points": lines.points.len(),
+            "fragments": truth.spurious.len(),
+            "spurious": spurious,
+            "gaps": truth.breaks.len(),
+        });
+        let written = format!("{}: {made}", self.output.display());
+        self.say_truth(terminal, written, json!({ "loops": loops.map(|path| path.display().to_string()), "counts": counts }))
     }
 
-    /// Says where the truth is, and the summary with it.
-    fn print_truth(&self, answer: &Path, mut summary: Value, terminal: TextTerminal) -> Result<()> {
-        let answer = answer.display().to_string();
-        terminal.say("truth", &answer);
-        summary["truth"] = answer.into();
+    /// Says what was written and where the truth is; the summary with it.
+    fn say_truth(&self, terminal: TextTerminal, written: String, mut summary: Value) -> Result<()> {
+        let truth = self.sibling("truth.json").display().to_string();
+        terminal.say("written", written);
+        terminal.say("truth", &truth);
+        summary["truth"] = truth.into();
         self.print(summary)
     }
 
@@ -302,4 +314,10 @@ fn is_mask(path: &Path) -> bool {
 /// The file that goes with another: `circle.swc` -> `circle.truth.json`, `scan.nii.gz` -> `scan.truth.json`.
 fn sibling(path: &Path, ending: &str) -> PathBuf {
     if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
+}
+
+/// A network with its conditions.
+fn with_conditions(network: Network) -> Result<Network> {
+    let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground)?;
+    Ok(boundary.stated_in(network))
 }

@@ -25,16 +25,8 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         let open = format!("not yet: after so many samples a decision {about} is still within two standard errors of turning");
         say("stable", if stable { clear } else { open });
     }
-    let cut = match (outcome.rule, answer.threshold) {
-        (Keep::Frequency(f), _) => format!("frequency >= {f}"),
-        (Keep::Probability(p), _) => format!("probability >= {p}"),
-        (Keep::Reconnect(0.0), _) => "most probable first, then what joins parts".to_owned(),
-        (Keep::Reconnect(p), _) => format!("most probable first, then what joins parts, from {p} on"),
-        (Keep::BestFirst(p), _) => format!("most probable first, above {p}"),
-        (Keep::Probable(price), _) => format!("the most probable forest, price {price}"),
-        (_, Some(cut)) => format!("L > {}{}", brief(cut), if outcome.sampling.weight == Weight::Count { "" } else { " W/m³" }),
-        (_, None) => "no uncertain vessel has L > 0".into(),
-    };
+    let unit = if outcome.sampling.weight == Weight::Count { "" } else { " W/m³" };
+    let cut = outcome.rule.says(answer.threshold.map(|cut| format!("{}{unit}", brief(cut))));
     say(
         "kept",
         format!(

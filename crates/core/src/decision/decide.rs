@@ -2,7 +2,7 @@
 
 use super::best_first::{best_first_of, reconnected};
 use super::most_probable_forest::{has_evidence, probabilities, probable};
-use super::rules::{Keep, threshold};
+use super::rules::{DecidingFigure, Keep, threshold};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::flow::floating_components::parts_that_carry;
@@ -142,7 +142,7 @@ fn near(probability: &[Option<f64>], rule: Keep) -> Vec<bool> {
 
 /// Per vessel whether it passes, and whether its figure is within chance of the threshold.
 fn by_samples(rule: Keep, cut: Option<f64>, result: &Likelihood) -> (Vec<bool>, Vec<bool>) {
-    let figure = if matches!(rule, Keep::Frequency(_)) { &result.frequency } else { &result.likelihood };
+    let figure = if rule.figure() == DecidingFigure::Frequency { &result.frequency } else { &result.likelihood };
     let passes = |row: usize| match (rule, cut) {
         (Keep::Frequency(_), Some(cut)) => !exceeds(cut, figure[row]),
         (_, Some(cut)) => exceeds(figure[row], cut),
@@ -167,7 +167,7 @@ fn decided(distance: f64, error: f64) -> bool {
 /// The figure at which a decision would flip. A threshold that is itself one of the figures, such as a median, flips no decision until a
 /// rank changes; then it lies midway between the nearest figures on its two sides.
 fn flipping_point(rule: Keep, cut: f64, result: &Likelihood) -> Option<f64> {
-    if matches!(rule, Keep::Value(_) | Keep::Frequency(_)) {
+    if rule.is_fixed() {
         return Some(cut);
     }
     let positive = || result.likelihood.iter().zip(&result.uncertain).filter(|(l, u)| **u && **l > 0.0).map(|(l, _)| *l);

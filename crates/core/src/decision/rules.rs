@@ -42,6 +42,29 @@ pub enum Keep {
     Reconnect(f64),
 }
 
+/// The figure of a vessel by which a rule decides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum DecidingFigure {
+    /// The likelihood L.
+    Likelihood,
+    /// The share of the samples whose forest has the vessel.
+    Frequency,
+    /// The probability by the evidence.
+    Probability,
+}
+
+impl DecidingFigure {
+    /// Its column in edges.csv.
+    pub fn column(self) -> &'static str {
+        ["likelihood", "frequency", "probability"][self as usize]
+    }
+
+    /// Its name with its symbol.
+    pub fn name(self) -> &'static str {
+        ["likelihood L", "frequency", "probability P"][self as usize]
+    }
+}
+
 /// The largest price.
 const MOST_PRICE: f64 = 1000.0;
 
@@ -147,6 +170,48 @@ impl Keep {
         }
     }
 
+    /// The figure of a vessel that is weighed.
+    pub fn figure(self) -> DecidingFigure {
+        match self {
+            Self::Median | Self::Quantile(_) | Self::Value(_) | Self::Otsu => DecidingFigure::Likelihood,
+            Self::Frequency(_) => DecidingFigure::Frequency,
+            Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_) | Self::Reconnect(_) => DecidingFigure::Probability,
+        }
+    }
+
+    /// Whether the evidence decides, not the samples.
+    pub fn asks_evidence(self) -> bool {
+        self.figure() == DecidingFigure::Probability
+    }
+
+    /// Whether candidates are taken one by one, the most probable first.
+    pub fn is_one_by_one(self) -> bool {
+        matches!(self, Self::BestFirst(_) | Self::Reconnect(_))
+    }
+
+    /// Whether a vessel is kept for its own figure alone, which passes a threshold or does not.
+    pub fn has_threshold(self) -> bool {
+        !(self.is_one_by_one() || matches!(self, Self::Probable(_)))
+    }
+
+    /// Whether the threshold is given, and not itself made of the likelihoods.
+    pub fn is_fixed(self) -> bool {
+        !matches!(self, Self::Median | Self::Quantile(_) | Self::Otsu)
+    }
+
+    /// What is kept, in words. `cut`: the threshold on L with its unit, `None` where there is none.
+    pub fn says(self, cut: Option<String>) -> String {
+        match self {
+            Self::Frequency(f) => format!("frequency >= {f}"),
+            Self::Probability(p) => format!("probability >= {p}"),
+            Self::Reconnect(0.0) => "most probable first, then what joins parts".to_owned(),
+            Self::Reconnect(p) => format!("most probable first, then what joins parts, from {p} on"),
+            Self::BestFirst(p) => format!("most probable first, above {p}"),
+            Self::Probable(price) => format!("the most probable forest, price {price}"),
+            _ => cut.map_or_else(|| "no uncertain vessel has L > 0".to_owned(), |cut| format!("L > {cut}")),
+        }
+    }
+
     /// The probability near which a vessel is undecided, where the evidence decides.
     pub fn turning_point(self) -> Option<f64> {
         match self {
@@ -155,11 +220,6 @@ impl Keep {
             Self::Reconnect(_) => Some(BEST_FIRST),
             _ => None,
         }
-    }
-
-    /// Whether the evidence decides, not the samples.
-    pub fn asks_evidence(self) -> bool {
-        matches!(self, Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_) | Self::Reconnect(_))
     }
 }
 

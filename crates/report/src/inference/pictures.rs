@@ -11,7 +11,7 @@ use crate::figures::heat_map::{LikelihoodMatrix, heat_map};
 use crate::figures::summary::{DrawnVessel, MOST_RINGS, Projection, Ring, summary as summary_picture};
 use crate::node_blocks::node_blocks;
 use crate::page::{PagePicture, scene};
-use willis_core::decision::{Keep, threshold};
+use willis_core::decision::{DecidingFigure, Keep, threshold};
 use willis_core::error::Result;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Frame, Origin};
@@ -111,12 +111,8 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pa
     let uncertain: Vec<usize> = (0..result.uncertain.len()).filter(|row| result.uncertain[*row]).collect();
     let mean = |at: usize| result.trace.iter().map(|s| s.likelihood[at] / s.samples as f64).collect();
     let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
-    let (cut, rule) = match outcome.rule {
-        Keep::Frequency(_) | Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => {
-            (CutLine::Median, Keep::Median)
-        }
-        rule => (CutLine::Threshold, rule),
-    };
+    let of_likelihood = outcome.rule.figure() == DecidingFigure::Likelihood;
+    let (cut, rule) = if of_likelihood { (CutLine::Threshold, outcome.rule) } else { (CutLine::Median, Keep::Median) };
     let cuts: Vec<f64> = result.trace.iter().map(|s| running_threshold(rule, result.samples, &uncertain, s)).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
     let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.sampling.weight);

@@ -4,7 +4,6 @@ use std::collections::BTreeSet;
 
 use super::outcome::Outcome;
 use super::tables::positions;
-use willis_core::decision::Keep;
 use willis_core::flow::floating_components::parts_that_carry;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Origin, dependents, fragments, if_parted, weakest_of_loops};
@@ -71,7 +70,7 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
     let wrong = |row: usize| {
         network.vessel(row).evidence().map_or(0.0, |e| if answer.kept[row] { 1.0 - e.probability } else { e.probability })
     };
-    let one_by_one = matches!(outcome.rule, Keep::BestFirst(_) | Keep::Reconnect(_));
+    let one_by_one = outcome.rule.is_one_by_one();
     let costs =
         |row: &usize| one_by_one && answer.kept[*row] && outcome.result.uncertain[*row] && wrong(*row) * hangs[*row] > WORTH;
     let mut asked = loose_parts(outcome);

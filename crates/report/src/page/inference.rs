@@ -13,7 +13,8 @@ use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::RunRecord;
 use willis_core::decision::{
-    BEST_FIRST, DOUBTFUL, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, beside_accepted, has_evidence, knows_fragments,
+    BEST_FIRST, DOUBTFUL, DecidingFigure, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, beside_accepted, has_evidence,
+    knows_fragments,
 };
 use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, END_POSITION_COLUMNS};
@@ -88,7 +89,7 @@ pub fn page(
         nodes.push(Column::real(ALONE, outcome.network.nodes().map(|node| node.root_score.unwrap_or(f64::NAN))));
     }
     let table = |title: &str, columns, of_vessels| PageTable { title: title.to_owned(), columns, exact: &EXACT, of_vessels };
-    let of_threshold = if matches!(outcome.rule, Keep::Frequency(_)) || outcome.rule.asks_evidence() { "" } else { unit };
+    let of_threshold = if outcome.rule.figure() == DecidingFigure::Likelihood { unit } else { "" };
     let mut names = vec![
         ("nodes", "/counts/nodes", ""),
         ("observed vessels", "/counts/observed", ""),
@@ -155,26 +156,21 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
 
 fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
     let rule = outcome.rule;
-    let (figure, name) = match rule {
-        Keep::Probability(_) | Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_) => ("probability", "probability P"),
-        Keep::Frequency(_) => ("frequency", "frequency"),
-        _ => ("likelihood", "likelihood L"),
-    };
-    let of_likelihood = figure == "likelihood";
-    let no_threshold = matches!(rule, Keep::Probable(_) | Keep::BestFirst(_) | Keep::Reconnect(_));
+    let figure = rule.figure();
+    let of_likelihood = figure == DecidingFigure::Likelihood;
     Threshold {
-        figure,
-        name,
+        figure: figure.column(),
+        name: figure.name(),
         unit: if of_likelihood { unit } else { "" },
         error: of_likelihood.then_some("std_error"),
         samples: outcome.result.samples,
         at_least: !of_likelihood,
-        midway: of_likelihood && !matches!(rule, Keep::Value(_)),
+        midway: !rule.is_fixed(),
         within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
         cut: outcome.answer.threshold,
         median: outcome.answer.median.filter(|_| of_likelihood),
-        kept: no_threshold.then_some("kept"),
-        middle: rule.turning_point().filter(|_| no_threshold),
+        kept: (!rule.has_threshold()).then_some("kept"),
+        middle: rule.turning_point().filter(|_| !rule.has_threshold()),
         rule: match rule {
             Keep::BestFirst(first) => Some(FollowedRule::BestFirst { first, joins: None, doubtful: None }),
             Keep::Reconnect(least) => {
