@@ -1,12 +1,12 @@
 //! A graph whose samples are solved for masks of any origin: the step of `willis infer` with its mask as an argument.
 
 use willis::error::Result;
-use willis::internals::flow::batch::star_mesh::StarMeshWorkspace;
+use willis::internals::flow::batch::solver::BatchWorkspace;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::floating_components::stranded;
 use willis::internals::flow::poiseuille::BLOOD_VISCOSITY;
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
-use willis::internals::flow::{Boundary, Circuit, FoundOutlets, StarMesh};
+use willis::internals::flow::{BatchSolver, Boundary, Circuit, FoundOutlets};
 use willis::internals::network::Network;
 use willis::internals::perturbation::Occlusion;
 use willis::internals::sampling::{Coins, Kruskal, SamplingOptions, Uncertain, infer};
@@ -24,7 +24,7 @@ pub struct Model {
     /// The vessels that share a node with each vessel.
     pub neighbours: Vec<Vec<usize>>,
     circuit: Circuit,
-    program: StarMesh,
+    program: BatchSolver,
     per_square_drop: Vec<f64>,
     /// What decides between vessels of equal resilience.
     coins: Coins,
@@ -34,7 +34,7 @@ pub struct Model {
 #[derive(Default)]
 pub struct Work {
     pub masks: Vec<u64>,
-    solver: Option<StarMeshWorkspace<LANES>>,
+    solver: Option<BatchWorkspace<LANES>>,
     resilience: Vec<[f64; LANES]>,
     forest: Kruskal,
 }
@@ -44,7 +44,7 @@ impl Model {
     pub fn new(name: &str, network: &Network, epsilon: f64) -> Result<Self> {
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
         let circuit = Circuit::new(network, &boundary, BLOOD_VISCOSITY)?;
-        let program = StarMesh::compile(&circuit, usize::MAX).ok_or(willis::error::Error::Breakdown)?;
+        let program = BatchSolver::star_mesh(&circuit, usize::MAX).ok_or(willis::error::Error::Breakdown)?;
         let uncertain = Uncertain::All.vessels(network);
         let vessels = || network.vessels().map(|(_, v)| v).zip(&circuit.conductance);
         let touch = |a: [usize; 2], b: [usize; 2]| a.iter().any(|node| b.contains(node));
@@ -83,7 +83,7 @@ impl Model {
             work.resilience.clear();
             let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);
             work.resilience.extend(vessels.map(|((ends, per_square_drop), mask)| {
-                let [a, b] = ends.map(|node| *solver.pressure[self.program.slot(node)]);
+                let [a, b] = ends.map(|node| solver.pressure()[self.program.slot(node)]);
                 std::array::from_fn(|lane| {
                     let drop = a[lane] - b[lane];
                     let flows = mask >> (first + lane) & 1 == 1 && is_diffused(drop, a[lane] + level, b[lane] + level);

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::contact_truth::ContactTruth;
-use super::example::Case;
+use super::example::{Case, Model};
 use super::known_connections::KnownConnections;
 use super::truth_file;
 use willis_core::error::{Error, Fault, Result};
@@ -29,18 +29,6 @@ const MASKS: [&str; 2] = ["mask.nii.gz", "mask.nii"];
 const LOOPS: [&str; 2] = ["loops.csv", "fragments.loops.csv"];
 /// An end of a listed connection is a point no more than so many spacings away.
 const MOST_SPACINGS: f64 = 3.0;
-
-/// What a model is fitted to.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Model {
-    /// Tracings: fragments form a forest.
-    #[default]
-    Tracing,
-    /// Automatic skeletons: candidates are judged one by one.
-    Skeleton,
-    /// Automatic skeletons: which branch ends are one vessel where they meet.
-    Contacts,
-}
 
 /// Cases that were read.
 #[derive(Debug, Clone, Default)]

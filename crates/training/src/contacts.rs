@@ -4,9 +4,8 @@
 use ndarray::Array2;
 
 use super::boosting::boost;
-use super::cases::Model;
 use super::cross_validation::dealt;
-use super::example::{Case, Example, TreeExample, image_name, shown};
+use super::example::{Case, Example, Model, TreeExample, image_name, shown};
 use super::logistic::calibrate_in_order;
 use super::minimise::minimise;
 use super::scores::{binned, grouped, name_of};

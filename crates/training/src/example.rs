@@ -5,7 +5,6 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
-use super::cases::Model;
 use super::contact_truth::ContactTruth;
 use super::known_connections::{KnownConnections, Match, found};
 use willis_core::error::{Fault, Result};
@@ -19,6 +18,18 @@ use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::model::feature_table::CandidateTable;
 use willis_models::candidates::resample::Resampled;
 use willis_models::candidates::search::{SearchOptions, search};
+
+/// What a model is fitted to.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Model {
+    /// Tracings: fragments form a forest.
+    #[default]
+    Tracing,
+    /// Automatic skeletons: candidates are judged one by one.
+    Skeleton,
+    /// Automatic skeletons: which branch ends are one vessel where they meet.
+    Contacts,
+}
 
 /// An extraction with its known connections.
 #[derive(Debug, Clone)]

@@ -5,9 +5,8 @@ use std::collections::BTreeSet;
 use ndarray::Array2;
 
 use super::boosting::boost;
-use super::cases::Model;
 use super::cross_validation::dealt;
-use super::example::{Case, Example, TreeExample, image_name, shown};
+use super::example::{Case, Example, Model, TreeExample, image_name, shown};
 use super::known_connections::{KnownConnections, Match, found};
 use super::logistic::calibrate;
 use super::scores::{average_precision, binned, grouped, mean, name_of};

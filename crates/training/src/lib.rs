@@ -18,10 +18,10 @@ pub mod objective;
 pub mod scores;
 mod truth_file;
 
-pub use cases::{Cases, Model, read_cases};
+pub use cases::{Cases, read_cases};
 pub use contacts::{ContactExample, calibrate_contacts};
 pub use cross_validation::{check_folds, cross_validate, fold_of};
-pub use example::{CandidateExample, Case, Example, TreeExample};
+pub use example::{CandidateExample, Case, Example, Model, TreeExample};
 pub use fit::{FittedPass, TrainParams, fit, goes_without_inlets};
 pub use joins::JoinExample;
 pub use known_connections::Match;

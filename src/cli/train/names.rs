@@ -3,8 +3,7 @@
 use std::io::Write;
 
 use crate::error::{Error, Result};
-use crate::internals::naming::model::NamingModel;
-use crate::internals::training::names::{fit_names, read_labelled_cases};
+use crate::internals::training::names::{NamingModel, fit_names, read_labelled_cases};
 use serde_json::json;
 
 use super::args::{Output, TrainArgs, made_by};

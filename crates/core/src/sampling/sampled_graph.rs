@@ -306,6 +306,7 @@ impl<const B: usize> Chosen<'_, B> {
     }
 
     /// The probability of one of several that tie for the weakest of such a row, where blood flows: the forest leaves out one of them at most.
+    #[inline(always)]
     fn share_of(&self, whole: &Lanes<B>, equal: usize, equals: usize) -> Lanes<B> {
         let mut out = *whole;
         for (out, is_last) in out.iter_mut().zip(&self.is_last[equal]) {
@@ -459,48 +460,64 @@ impl<const B: usize> SampleGroup<'_, B> {
         sums: &mut Sums,
     ) {
         let SampledGraph { rows, trees, weight, order, equals, .. } = self.graph;
-        let is_enumerated = chosen.share.is_some();
-        let mut add = |vessel: u32, rho: &Lanes<B>, one: &Lanes<B>| {
-            let value = match weight {
-                Weight::Resilience => *rho,
-                Weight::Count => splat(simd, 1.0),
-                Weight::Global => *global,
-            };
-            let weighted = product(simd, &value, one);
-            let square = product(simd, &weighted, &value);
-            let vessel = vessel as usize;
-            if *order == SumOrder::EveryEighth && !is_enumerated {
-                for (sum, lanes) in eighths[vessel].iter_mut().zip([&weighted, &square, one]) {
-                    for first in (0..B).step_by(SUM_LANES) {
-                        *sum = plus(simd, sum, &part(&**lanes, first));
-                    }
-                }
-                return;
-            }
-            let sums = [&mut sums.likelihood[vessel], &mut sums.square[vessel], &mut sums.count[vessel]];
-            for (sum, lanes) in sums.into_iter().zip([&weighted, &square, one]) {
-                if *order == SumOrder::Eights {
-                    lanes.as_chunks().0.iter().for_each(|eight| *sum += pairwise(eight));
-                } else {
-                    lanes.iter().for_each(|x| *sum += x);
-                }
-            }
-        };
+        let order = if chosen.share.is_some() && *order == SumOrder::EveryEighth { SumOrder::OneByOne } else { *order };
+        let mut into = VesselSums { weight: *weight, order, global, eighths, sums };
         let zero = simd.splat_f64s(0.0);
         for (at, (row, rho)) in rows.iter().zip(resilience).enumerate() {
             let whole = chosen.whole(rows.len() - at, at);
             let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
             if row.equals().is_empty() {
-                add(row.vessel, rho, &product(simd, &whole, counted));
+                into.add(simd, row.vessel, rho, &product(simd, &whole, counted));
             }
             for equal in row.equals() {
-                add(equals[equal], rho, &product(simd, &chosen.share_of(&whole, equal, row.equals().len()), &flows));
+                into.add(simd, equals[equal], rho, &product(simd, &chosen.share_of(&whole, equal, row.equals().len()), &flows));
             }
             if let Some((vessel, share)) = row.others {
                 let share = simd.splat_f64s(share);
-                add(vessel, &map(simd, rho, |rho| simd.mul_f64s(share, rho)), &flows);
+                into.add(simd, vessel, &map(simd, rho, |rho| simd.mul_f64s(share, rho)), &flows);
             }
         }
-        self.each_tree(simd, |tree, rho, flows| add(trees[tree].vessel, rho, &product(simd, flows, counted)));
+        self.each_tree(simd, |tree, rho, flows| into.add(simd, trees[tree].vessel, rho, &product(simd, flows, counted)));
+    }
+}
+
+/// Where groups of samples are added up.
+struct VesselSums<'a, const B: usize> {
+    weight: Weight,
+    order: SumOrder,
+    /// ρ_G of each sample.
+    global: &'a Lanes<B>,
+    eighths: &'a mut [[Lanes<SUM_LANES>; 3]],
+    sums: &'a mut Sums,
+}
+
+impl<const B: usize> VesselSums<'_, B> {
+    /// Adds a vessel, given its ρ and how much each sample counts.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, vessel: u32, rho: &Lanes<B>, one: &Lanes<B>) {
+        let value = match self.weight {
+            Weight::Resilience => *rho,
+            Weight::Count => splat(simd, 1.0),
+            Weight::Global => *self.global,
+        };
+        let weighted = product(simd, &value, one);
+        let square = product(simd, &weighted, &value);
+        let vessel = vessel as usize;
+        if self.order == SumOrder::EveryEighth {
+            for (sum, lanes) in self.eighths[vessel].iter_mut().zip([&weighted, &square, one]) {
+                for first in (0..B).step_by(SUM_LANES) {
+                    *sum = plus(simd, sum, &part(&**lanes, first));
+                }
+            }
+            return;
+        }
+        let sums = [&mut self.sums.likelihood[vessel], &mut self.sums.square[vessel], &mut self.sums.count[vessel]];
+        for (sum, lanes) in sums.into_iter().zip([&weighted, &square, one]) {
+            if self.order == SumOrder::Eights {
+                lanes.as_chunks().0.iter().for_each(|eight| *sum += pairwise(eight));
+            } else {
+                lanes.iter().for_each(|x| *sum += x);
+            }
+        }
     }
 }

@@ -7,3 +7,4 @@ mod truth;
 
 pub use cases::{LabelledCase, read_labelled_cases};
 pub use fit::{FittedNames, fit_names};
+pub use willis_models::naming::model::NamingModel;
