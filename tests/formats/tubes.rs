@@ -223,7 +223,7 @@ fn tre_faults_name_line_and_value() {
         ),
         (
             tube("BinaryData = True\nElementType = MET_CHAR\nNPoints = 9\n", "abc"),
-            "t:4: ElementType MET_CHAR; expected MET_FLOAT or MET_DOUBLE",
+            "t:4: ElementType \"MET_CHAR\"; expected MET_FLOAT or MET_DOUBLE",
         ),
         (
             tube("BinaryData = True\nCompressedData = True\nNPoints = 9\n", "abc"),

@@ -5,7 +5,7 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::formats::format::Format;
+use crate::formats::format::{Format, Written};
 use crate::formats::polylines::{between, is_straight, node_points};
 use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::tables::pairs::nodes_table_path;
@@ -107,17 +107,6 @@ impl Target {
 /// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].
 pub fn refusal(target: &Target, error: &io::Error) -> Error {
     Error::parameter("output", target.path.display(), format!("{} cannot hold the network: {error}", target.format.name()))
-}
-
-/// What remains after a network was written: links for a second file, and notes.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Written {
-    /// Pairs of point ids for the file [`Target::loops`], where there are any.
-    pub loops: Vec<[u64; 2]>,
-    /// Notes for the user.
-    pub notes: Vec<String>,
-    /// The ids of the nodes whose courses openBF takes from inlet files, in the order of their numbers.
-    pub inlets: Vec<String>,
 }
 
 /// Whether a format is the input of a solver in time.

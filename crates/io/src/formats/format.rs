@@ -4,14 +4,13 @@ use std::io;
 use std::path::Path;
 
 use super::content::Content;
-use super::convert::Written;
 use super::graphml::{read_graphml, write_graphml};
 use super::images::metaimage::{is_metaimage, open_metaimage};
 use super::images::nifti::{self, is_nifti, open_nifti};
 use super::images::nrrd::{is_nrrd, open_nrrd};
 use super::images::numpy::{self, open_numpy};
+use super::images::stored_image::StoredImage;
 use super::images::tiff::{is_tiff, open_tiff};
-use super::images::voxels::StoredImage;
 use super::input::{bytes_within, checksum, is_gzip, refuse_utf16, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
@@ -125,6 +124,17 @@ const NAMES: [(Format, &str, &str, &str); 21] = [
     (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
     (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
 ];
+
+/// What remains after a network was written: links for a second file, and notes.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Written {
+    /// Pairs of point ids for the file [`Target::loops`](super::convert::Target::loops), where there are any.
+    pub loops: Vec<[u64; 2]>,
+    /// Notes for the user.
+    pub notes: Vec<String>,
+    /// The ids of the nodes whose courses openBF takes from inlet files, in the order of their numbers.
+    pub inlets: Vec<String>,
+}
 
 impl Format {
     /// The usual name.

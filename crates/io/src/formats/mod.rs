@@ -29,7 +29,7 @@ mod xml;
 pub use attributes::POSITION_COLUMNS;
 pub use companions::{StatedSpacing, companion_files, stated_spacing};
 pub use content::{BuiltNetwork, Content};
-pub use format::{Document, Format, read_image, read_mask};
+pub use format::{Document, Format, Written, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::nifti::{write_nifti, write_nifti_image};
 pub use input::{Checksummed, UnpackLimit, byte_count, bytes_of, checksum, checksum_of, checksum_of_file, regular_bytes_of};

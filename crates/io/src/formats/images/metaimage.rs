@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::ZlibDecoder;
 
-use super::voxels::{StoredImage, Voxels};
+use super::stored_image::StoredImage;
+use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};

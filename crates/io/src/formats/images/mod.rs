@@ -5,5 +5,6 @@ pub(crate) mod nifti;
 pub(crate) mod nrrd;
 pub(crate) mod numpy;
 mod pieces;
+pub(crate) mod stored_image;
 pub(crate) mod tiff;
 pub(crate) mod voxels;

@@ -2,19 +2,18 @@
 //!
 //! The file's `space` is turned to the scanner's frame; where it states none of a patient, nobody says which way the axes point. Source: teem.sourceforge.net/nrrd/format.html; for segments the documentation of 3D Slicer's module Segmentations.
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::io::{self, Read, copy, sink};
 use std::path::{Path, PathBuf};
 
 use flate2::read::MultiGzDecoder;
 
-use super::pieces::Pieces;
-use super::voxels::{StoredImage, Voxels, fill};
+use super::pieces::{PIECE, Pieces};
+use super::stored_image::{Layers, MOST_SEGMENTS, StoredImage};
+use super::voxels::Voxels;
 use crate::formats::binary::NumberType;
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
-use crate::formats::tables::reader::plural;
-use crate::masks::{Affine, Mask};
+use crate::masks::Affine;
 use willis_core::error::{Fault, Result};
 use willis_core::network::{Frame, LengthUnit};
 
@@ -23,10 +22,6 @@ const DATA: &str = "data file";
 const ONE_VOLUME: &str = "expected three dimensions; take one volume";
 /// No header is longer; that of a hundred segments has a tenth of it.
 const MOST_HEADER: usize = 1 << 20;
-/// Classes are numbered by one byte.
-const MOST_SEGMENTS: usize = 255;
-/// Voxels of a piece, for streams that are made piece by piece.
-const PIECE: usize = 1 << 12;
 
 /// The fields of a header, each with its line, the keys of programs with their values, and where the voxels of the same file begin.
 struct NrrdHeader {
@@ -53,13 +48,6 @@ enum Encoding {
     Raw,
     Gzip,
     Text,
-}
-
-/// A segment of 3D Slicer: the voxels of a layer that have its value.
-struct SlicerSegment {
-    layer: usize,
-    value: f64,
-    name: String,
 }
 
 /// Whether a file begins as NRRD does.
@@ -108,77 +96,8 @@ pub(crate) fn open_nrrd<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>
         let data = data.get(skipped..).unwrap_or_default();
         if encoding == Encoding::Text { Box::new(written_numbers(data)) } else { Box::new(data) }
     };
-    Ok(StoredImage { file, voxels, layers: Some(Layers { header, count: layers }), stream })
-}
-
-/// The values of each voxel, which follow one another: one, or those of the layers of a segmentation of 3D Slicer.
-pub(crate) struct Layers {
-    header: NrrdHeader,
-    count: usize,
-}
-
-impl Layers {
-    /// Reads a mask. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where several layers overlap, the last
-    /// segment has the voxel, as when Slicer exports a label map.
-    pub(super) fn mask(&self, voxels: Voxels, stream: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
-        let segments = self.segments()?;
-        if segments.is_empty() || (self.count == 1 && level.is_some()) {
-            self.one()?;
-            return voxels.read(stream, level, most);
-        }
-        let (unnamed, shared) = (Cell::new(0), Cell::new(0));
-        let classes =
-            ClassesOfLayers { segments: &segments, layers: self.count, voxels: &voxels, unnamed: &unnamed, shared: &shared };
-        let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
-        let mut mask = as_bytes.read(classes.of(stream), level, most)?;
-        if unnamed.get() > 0 {
-            mask.notes.push(format!("{} with a value of no segment: left out", plural(unnamed.get(), "voxel")));
-        }
-        if shared.get() > 0 {
-            mask.notes.push(format!("{} in several segments: taken to the last of them", plural(shared.get(), "voxel")));
-        }
-        let names = (1..).zip(segments).filter(|(_, segment)| !segment.name.is_empty());
-        mask.names = names.map(|(class, segment)| (class, segment.name)).collect();
-        Ok(mask)
-    }
-
-    /// Refuses several layers.
-    pub(super) fn one(&self) -> Result<(), Fault> {
-        if self.count == 1 { Ok(()) } else { Err(self.header.fields.wrong("sizes", ONE_VOLUME)) }
-    }
-
-    /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
-    /// ones.
-    fn segments(&self) -> Result<Vec<SlicerSegment>, Fault> {
-        let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
-        let mut rows: Vec<usize> = self.header.keys.keys().filter_map(|key| number(key)).collect();
-        rows.sort_unstable();
-        rows.dedup();
-        if rows.len() > MOST_SEGMENTS {
-            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
-        }
-        let segment = |row: usize| {
-            let text = |what: &str| self.header.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
-            let wrong = |what: &str, text: &str, accepted: String| {
-                Fault::item(format!("Segment{row}_{what}"), format!("\"{text}\""), accepted)
-            };
-            let layer = match text("Layer") {
-                None => Some(if self.count == 1 { 0 } else { row }),
-                Some(text) => text.parse().ok(),
-            };
-            let layer = layer.filter(|layer| *layer < self.count);
-            let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
-            let layer = layer
-                .ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(self.count, "layer"))))?;
-            let value = match text("LabelValue") {
-                None => 1.0,
-                Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
-            };
-            let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
-            Ok(SlicerSegment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
-        };
-        rows.into_iter().map(segment).collect()
-    }
+    let several = header.fields.wrong("sizes", ONE_VOLUME);
+    Ok(StoredImage { file, voxels, layers: Some(Layers { keys: header.keys, count: layers, several }), stream })
 }
 
 /// Numbers that are written as text, as reals of 8 bytes.
@@ -195,50 +114,6 @@ fn written_numbers(text: &[u8]) -> impl Read {
         }
         Ok(())
     })
-}
-
-/// How the values of all layers of a voxel become its class.
-struct ClassesOfLayers<'a> {
-    segments: &'a [SlicerSegment],
-    layers: usize,
-    /// How a value of a layer is stored.
-    voxels: &'a Voxels,
-    /// Voxels with a value of no segment, and with several segments.
-    unnamed: &'a Cell<usize>,
-    shared: &'a Cell<usize>,
-}
-
-impl<'a> ClassesOfLayers<'a> {
-    /// The class of each voxel as a byte, from the stored values of all its layers, which follow one another.
-    fn of(self, mut stored: impl Read + 'a) -> impl Read + 'a {
-        let bytes = self.voxels.size * self.layers;
-        let mut block = vec![0; PIECE * bytes];
-        // Most voxels are as the one before.
-        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
-        Pieces::new(move |piece| {
-            let found = fill(&mut stored, &mut block)?;
-            for voxel in block[..found].chunks_exact(bytes) {
-                if last.0 != voxel {
-                    let (class, is_unnamed, is_shared) = self.class(voxel);
-                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
-                }
-                self.unnamed.set(self.unnamed.get() + usize::from(last.2));
-                self.shared.set(self.shared.get() + usize::from(last.3));
-                piece.push(last.1);
-            }
-            Ok(())
-        })
-    }
-
-    /// The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
-    fn class(&self, voxel: &[u8]) -> (u8, bool, bool) {
-        let values: Vec<f64> =
-            voxel.chunks_exact(self.voxels.size).map(|stored| self.voxels.kind.value(stored, self.voxels.big)).collect();
-        let mut of = (1_u8..).zip(self.segments).filter(|(_, segment)| values[segment.layer] == segment.value);
-        let (first, last) = (of.next(), of.last());
-        let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
-        (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
-    }
 }
 
 /// The name of a field without spaces and capitals, which the format's own programs pass over.

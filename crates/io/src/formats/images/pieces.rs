@@ -2,6 +2,9 @@
 
 use std::io::{self, Read};
 
+/// Voxels of a piece.
+pub(super) const PIECE: usize = 1 << 12;
+
 /// The stream. `next` puts the following piece into an empty buffer, and nothing at the end.
 pub(super) struct Pieces<F> {
     next: F,

@@ -1,12 +1,10 @@
 //! The voxels of an image, read as a stream: as the classes of a mask, or as numbers.
 
 use std::io::{ErrorKind, Read};
-use std::path::PathBuf;
 
-use super::nrrd::Layers;
 use crate::formats::binary::NumberType;
 use crate::masks::{Affine, Image, Mask, WallFinder, steps_of};
-use willis_core::error::{Fault, Result};
+use willis_core::error::Fault;
 use willis_core::network::Frame;
 use willis_core::support::geometry::{cross, dot, norm};
 
@@ -21,42 +19,6 @@ const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask ha
 const BLOCK: usize = 1 << 14;
 /// Values by which an image in memory grows.
 const GROWTH: usize = 1 << 24;
-
-/// The voxels of a file, whose header has been read.
-pub(crate) struct StoredImage<'a> {
-    /// The file that they are in.
-    pub file: PathBuf,
-    pub voxels: Voxels,
-    /// Several values for each voxel, which may be segments.
-    pub layers: Option<Layers>,
-    /// Their bytes.
-    pub stream: Box<dyn Read + 'a>,
-}
-
-impl StoredImage<'_> {
-    /// Reads a mask, at most `most` bytes of it. From `level` on a voxel is a vessel; without it the values are classes.
-    ///
-    /// # Errors
-    ///
-    /// A file that is cut, no mask of three dimensions, or one without a usable frame.
-    pub fn mask(self, level: Option<f64>, most: u64) -> Result<Mask> {
-        let mask = match self.layers {
-            Some(layers) => layers.mask(self.voxels, self.stream, level, most),
-            None => self.voxels.read(self.stream, level, most),
-        };
-        mask.map_err(|fault| fault.in_file(&self.file))
-    }
-
-    /// Reads an image, at most `most` bytes of it.
-    ///
-    /// # Errors
-    ///
-    /// A file that is cut, no image of three dimensions, or one without a usable frame.
-    pub fn image(self, most: u64) -> Result<Image> {
-        let one = self.layers.map_or(Ok(()), |layers| layers.one());
-        one.and_then(|()| self.voxels.read_values(self.stream, most)).map_err(|fault| fault.in_file(&self.file))
-    }
-}
 
 /// How an image stores its voxels, and where they are.
 #[derive(Debug, Clone)]

@@ -1,0 +1,177 @@
+//! The voxels of a file whose header has been read, as a mask or as an image; and those of a segmentation of 3D Slicer in several layers.
+
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::io::Read;
+use std::path::PathBuf;
+
+use super::pieces::{PIECE, Pieces};
+use super::voxels::{Voxels, fill};
+use crate::formats::binary::NumberType;
+use crate::formats::tables::reader::plural;
+use crate::masks::{Image, Mask};
+use willis_core::error::{Fault, Result};
+
+/// Classes are numbered by one byte.
+pub(super) const MOST_SEGMENTS: usize = 255;
+
+/// The voxels of a file, whose header has been read.
+pub(crate) struct StoredImage<'a> {
+    /// The file that they are in.
+    pub file: PathBuf,
+    pub voxels: Voxels,
+    /// Several values for each voxel, which may be segments.
+    pub layers: Option<Layers>,
+    /// Their bytes.
+    pub stream: Box<dyn Read + 'a>,
+}
+
+impl StoredImage<'_> {
+    /// Reads a mask, at most `most` bytes of it. From `level` on a voxel is a vessel; without it the values are classes.
+    ///
+    /// # Errors
+    ///
+    /// A file that is cut, no mask of three dimensions, or one without a usable frame.
+    pub fn mask(self, level: Option<f64>, most: u64) -> Result<Mask> {
+        let mask = match self.layers {
+            Some(layers) => layers.mask(self.voxels, self.stream, level, most),
+            None => self.voxels.read(self.stream, level, most),
+        };
+        mask.map_err(|fault| fault.in_file(&self.file))
+    }
+
+    /// Reads an image, at most `most` bytes of it.
+    ///
+    /// # Errors
+    ///
+    /// A file that is cut, no image of three dimensions, or one without a usable frame.
+    pub fn image(self, most: u64) -> Result<Image> {
+        let one = self.layers.map_or(Ok(()), Layers::one);
+        one.and_then(|()| self.voxels.read_values(self.stream, most)).map_err(|fault| fault.in_file(&self.file))
+    }
+}
+
+/// The values of each voxel, which follow one another: one, or those of the layers of a segmentation of 3D Slicer.
+pub(crate) struct Layers {
+    /// The keys of programs with their values.
+    pub keys: BTreeMap<String, String>,
+    /// How many values a voxel has.
+    pub count: usize,
+    /// What is said of several where one is expected.
+    pub several: Fault,
+}
+
+impl Layers {
+    /// Reads a mask. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where several layers overlap, the last
+    /// segment has the voxel, as when Slicer exports a label map.
+    fn mask(self, voxels: Voxels, stream: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+        let segments = self.segments()?;
+        if segments.is_empty() || (self.count == 1 && level.is_some()) {
+            self.one()?;
+            return voxels.read(stream, level, most);
+        }
+        let (unnamed, shared) = (Cell::new(0), Cell::new(0));
+        let classes =
+            ClassesOfLayers { segments: &segments, layers: self.count, voxels: &voxels, unnamed: &unnamed, shared: &shared };
+        let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
+        let mut mask = as_bytes.read(classes.of(stream), level, most)?;
+        if unnamed.get() > 0 {
+            mask.notes.push(format!("{} with a value of no segment: left out", plural(unnamed.get(), "voxel")));
+        }
+        if shared.get() > 0 {
+            mask.notes.push(format!("{} in several segments: taken to the last of them", plural(shared.get(), "voxel")));
+        }
+        let names = (1..).zip(segments).filter(|(_, segment)| !segment.name.is_empty());
+        mask.names = names.map(|(class, segment)| (class, segment.name)).collect();
+        Ok(mask)
+    }
+
+    /// Refuses several layers.
+    fn one(self) -> Result<(), Fault> {
+        if self.count == 1 { Ok(()) } else { Err(self.several) }
+    }
+
+    /// The segments of 3D Slicer in their order. Where no layer or value is stated, as by Slicer before 4.11, each segment is a layer of its own, of
+    /// ones.
+    fn segments(&self) -> Result<Vec<SlicerSegment>, Fault> {
+        let number = |key: &str| key.strip_prefix("Segment")?.split_once('_')?.0.parse::<usize>().ok();
+        let mut rows: Vec<usize> = self.keys.keys().filter_map(|key| number(key)).collect();
+        rows.sort_unstable();
+        rows.dedup();
+        if rows.len() > MOST_SEGMENTS {
+            return Err(Fault::file(format!("{} segments", rows.len()), format!("expected at most {MOST_SEGMENTS}")));
+        }
+        let segment = |row: usize| {
+            let text = |what: &str| self.keys.get(&format!("Segment{row}_{what}")).map(String::as_str);
+            let wrong = |what: &str, text: &str, accepted: String| {
+                Fault::item(format!("Segment{row}_{what}"), format!("\"{text}\""), accepted)
+            };
+            let layer = match text("Layer") {
+                None => Some(if self.count == 1 { 0 } else { row }),
+                Some(text) => text.parse().ok(),
+            };
+            let layer = layer.filter(|layer| *layer < self.count);
+            let found = || text("Layer").map_or_else(|| row.to_string(), str::to_owned);
+            let layer = layer
+                .ok_or_else(|| wrong("Layer", &found(), format!("expected one of {}, from 0", plural(self.count, "layer"))))?;
+            let value = match text("LabelValue") {
+                None => 1.0,
+                Some(text) => text.parse().map_err(|_| wrong("LabelValue", text, "expected a number".to_owned()))?,
+            };
+            let name = text("Name").or_else(|| text("ID")).unwrap_or_default();
+            Ok(SlicerSegment { layer, value, name: name.replace("\\n", " ").replace("\\\\", "\\").trim().to_owned() })
+        };
+        rows.into_iter().map(segment).collect()
+    }
+}
+
+/// A segment of 3D Slicer: the voxels of a layer that have its value.
+struct SlicerSegment {
+    layer: usize,
+    value: f64,
+    name: String,
+}
+
+/// How the values of all layers of a voxel become its class.
+struct ClassesOfLayers<'a> {
+    segments: &'a [SlicerSegment],
+    layers: usize,
+    /// How a value of a layer is stored.
+    voxels: &'a Voxels,
+    /// Voxels with a value of no segment, and with several segments.
+    unnamed: &'a Cell<usize>,
+    shared: &'a Cell<usize>,
+}
+
+impl<'a> ClassesOfLayers<'a> {
+    /// The class of each voxel as a byte, from the stored values of all its layers, which follow one another.
+    fn of(self, mut stored: impl Read + 'a) -> impl Read + 'a {
+        let bytes = self.voxels.size * self.layers;
+        let mut block = vec![0; PIECE * bytes];
+        // Most voxels are as the one before.
+        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
+        Pieces::new(move |piece| {
+            let found = fill(&mut stored, &mut block)?;
+            for voxel in block[..found].chunks_exact(bytes) {
+                if last.0 != voxel {
+                    let (class, is_unnamed, is_shared) = self.class(voxel);
+                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
+                }
+                self.unnamed.set(self.unnamed.get() + usize::from(last.2));
+                self.shared.set(self.shared.get() + usize::from(last.3));
+                piece.push(last.1);
+            }
+            Ok(())
+        })
+    }
+
+    /// The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
+    fn class(&self, voxel: &[u8]) -> (u8, bool, bool) {
+        let values: Vec<f64> =
+            voxel.chunks_exact(self.voxels.size).map(|stored| self.voxels.kind.value(stored, self.voxels.big)).collect();
+        let mut of = (1_u8..).zip(self.segments).filter(|(_, segment)| values[segment.layer] == segment.value);
+        let (first, last) = (of.next(), of.last());
+        let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
+        (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
+    }
+}
