@@ -42,13 +42,13 @@ fn lines(read: Result<(Centerlines, Vec<String>), Fault>) {
     }
 }
 
-/// Small masks go on to become centerlines: thinning, which the target `masks` searches, is ten times as slow as reading.
 /// How voxels are read.
 fn of_voxels(level: Option<f64>) -> io::ReadOptions {
     let scale = Scale { spacing: Some([0.5, 0.5, 1.0]), ..Scale::default() };
     io::ReadOptions { scale, level, max_input: 1 << 24, ..io::ReadOptions::default() }
 }
 
+/// Small masks go on to become centerlines: thinning, which the target `masks` searches, is ten times as slow as reading.
 fn mask<E>(read: Result<Mask, E>) {
     if let Ok(mask) = read.map(|mask| mask.in_scanner_order())
         && mask.classes.len() < 64
