@@ -86,7 +86,7 @@ fn all_of(file: File, path: &Path, most: u64, more: &str) -> Result<Vec<u8>> {
 ///
 /// # Errors
 ///
-/// As [`open_regular`] and [`content_within`].
+/// As [`open_regular`]; it is damaged, or has more bytes.
 pub(crate) fn content_beside(path: &Path, most: u64) -> Result<Vec<u8>> {
     unpacked_file(bytes_beside(path, most)?, path, most)
 }

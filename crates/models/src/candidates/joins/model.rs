@@ -72,7 +72,7 @@ pub struct ImagePass {
     /// The least and the most [`noise_share`](willis_io::masks::Scene::noise_share) of the images that they were fitted to.
     #[serde(deserialize_with = "finite")]
     pub noise: [f64; 2],
-    /// The names of the features, [`IMAGE_FEATURES`].
+    /// The names of the features, [`image_feature_names`].
     pub features: Vec<String>,
     /// The trees, over these features.
     #[serde(rename = "pass")]

@@ -100,7 +100,7 @@ impl ImageTable {
         Some(points)
     }
 
-    /// A row a pair, a column one of [`IMAGE_FEATURES`], given the scores of the second pass; zeros where nothing is seen.
+    /// A row a pair, a column one of [`image_feature_names`], given the scores of the second pass; zeros where nothing is seen.
     pub fn features(&self, e: &Extraction, pairs: &Pairs, scores: &[f64]) -> Array2<f32> {
         let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let is_rival = |pair: usize| scores[pair] >= LEAST_SCORE || pair >= self.first_met;
