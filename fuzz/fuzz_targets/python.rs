@@ -107,7 +107,7 @@ fn decide(bytes: &[u8]) {
             ..ConnectionDecision::default()
         })
         .collect();
-    if let Ok(run) = RUN.with_decisions(&made, &mut Silent) {
+    if let Ok(run) = RUN.with_decisions(&made, &[], &mut Silent) {
         assert!(run.graph().vessels().all(|(_, vessel)| (0.0..=1.0).contains(&vessel.prior)));
         run.tables().expect("tables");
     }
