@@ -23,14 +23,14 @@ pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
     let mut failed = None;
     let own = allocation_counter::measure(|| {
         let (mut work, mut sums) = (sampler.workspace(), Sums::zero(vessels));
-        failed = sampler.block(0, BLOCK, &mut work, &mut sums).err();
+        failed = work.block(0, BLOCK, &mut sums).err();
         worker = Some((work, sums));
     });
     let Some((mut work, mut sums)) = worker.filter(|_| failed.is_none()) else { return Err("a block failed".into()) };
     let (mut least, begin, mut block) = (f64::INFINITY, Instant::now(), 1);
     while block < 3 || begin.elapsed().as_secs_f64() < seconds {
         let start = Instant::now();
-        sampler.block(block, BLOCK, &mut work, &mut sums)?;
+        work.block(block, BLOCK, &mut sums)?;
         least = least.min(1e3 * start.elapsed().as_secs_f64() / BLOCK as f64);
         block += 1;
     }

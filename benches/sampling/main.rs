@@ -106,7 +106,7 @@ fn count(case: &Case, samples: u64) -> Result<()> {
     let sampler = Sampler::new(&case.network, &case.boundary, &params(Solver::Lanes, samples))?;
     let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
     for block in 0..samples / willis::internals::support::random::BLOCK {
-        sampler.block(block, willis::internals::support::random::BLOCK, &mut work, &mut sums)?;
+        work.block(block, willis::internals::support::random::BLOCK, &mut sums)?;
         std::hint::black_box(&sums);
     }
     Ok(())

@@ -66,8 +66,8 @@ impl<const B: usize> Kernel for Grow<'_, B> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         self.widest.fill(Lanes::ZERO);
-        for (ray, keys) in self.program.ray_of.iter().zip(self.keys) {
-            self.program.put(simd, *ray, keys, self.widest);
+        for (row, keys) in self.keys.iter().enumerate() {
+            self.program.put(simd, row, keys, self.widest);
         }
         self.program.grow(simd, self.coins, self.widest, self.taken);
     }

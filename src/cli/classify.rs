@@ -8,6 +8,7 @@ use crate::internals::formats::{is_there, write_csv};
 use crate::internals::output::atomic::{StagedFiles, StagedFolder};
 use crate::internals::output::names::{ACCURACY, RECORD};
 use crate::internals::output::read_json;
+use crate::internals::report::cohort::{Figures, phenotype_figures};
 use crate::internals::report::{Segments, accuracy_columns};
 use crate::{ArterySource, InferOptions, Phenotype, classify};
 use clap::Args;
@@ -129,6 +130,8 @@ fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
 }
 
 impl Work for ClassifyArgs {
+    const FIGURES: fn(&Value) -> Figures = phenotype_figures;
+
     fn of(words: &[String]) -> Result<Self> {
         let args: Self = parsed(words)?;
         args.runs.reading.shared()?;

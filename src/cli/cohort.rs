@@ -13,7 +13,7 @@ use crate::internals::output::atomic::{StagedFiles, StagedFolder, clear_leftover
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{CohortRow, CohortRun, infer_figures, label_figures, phenotype_figures, write_cohort};
+use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -30,7 +30,10 @@ const STACK: usize = 8 << 20;
 
 /// What a command does with each subject.
 pub trait Work: Sync + Sized {
-    /// The same by the words of a command line.
+    /// The figures of a subject in the table, from its run.json alone, so that one that was done before has the same.
+    const FIGURES: fn(&Value) -> Figures;
+
+    /// The same by the words of a command line; refuses options that do not go together.
     fn of(words: &[String]) -> Result<Self>;
 
     /// The files besides the input that go into it.
@@ -194,10 +197,7 @@ impl Cohort<'_> {
             let accepted = format!("{pattern} stands for an input in `landmarks`, `bc` and `loops`; expected one folder for all");
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
-        let own = subjects.iter().map(|subject| {
-            let own = subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error))?;
-            Ok(own)
-        });
+        let own = subjects.iter().map(|subject| subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error)));
         let own = own.collect::<Result<Vec<Option<W>>>>()?;
         let work_of = |at: usize| own[at].as_ref().unwrap_or(work);
         let covariates = |subject: &Subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone());
@@ -220,12 +220,6 @@ impl Cohort<'_> {
         ledger.write(self.output)?;
         let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
         let made = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
-        // From run.json alone, so that a subject that was done before has the same.
-        let figures = match self.command {
-            "classify" => phenotype_figures,
-            "label" => label_figures,
-            _ => infer_figures,
-        };
         let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
@@ -237,7 +231,7 @@ impl Cohort<'_> {
                 sha256: entry.sha256().unwrap_or_default().to_owned(),
                 covariates: covariates(&subjects[at]),
                 page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
-                figures: failure.map_or_else(|| record().map(figures), Err),
+                figures: failure.map_or_else(|| record().map(W::FIGURES), Err),
             }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();

@@ -10,6 +10,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::AGREEMENT;
 use crate::internals::output::{write_error, write_file};
 use crate::internals::pipeline::RunOptions;
+use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::internals::report::{RunRecord, agreement};
 use crate::{ArterySource, BoundaryOptions, InferOptions, Keep, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare};
@@ -291,6 +292,8 @@ impl Inferences {
 }
 
 impl Work for Inferences {
+    const FIGURES: fn(&Value) -> Figures = infer_figures;
+
     fn of(words: &[String]) -> Result<Self> {
         let work = Self::new(parsed::<InferArgs>(words)?.inference)?;
         work.args.reading.shared()?;

@@ -9,9 +9,10 @@ use crate::internals::formats::convert::Target;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::LABELLED;
 use crate::internals::output::write_record;
+use crate::internals::report::cohort::{Figures, label_figures};
 use crate::{InferOptions, LabelOptions, Labelled, label};
 use clap::Args;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use super::args::candidates::CandidateArgs;
 use super::args::reading::ReadingArgs;
@@ -112,6 +113,8 @@ impl LabelArgs {
 }
 
 impl Work for LabelArgs {
+    const FIGURES: fn(&Value) -> Figures = label_figures;
+
     fn of(words: &[String]) -> Result<Self> {
         let args: Self = parsed(words)?;
         args.reading.shared()?;

@@ -60,9 +60,9 @@ pub fn simulate_with<'a>(
     let pulses = driven
         .map(|(waves, pulse)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation))
         .transpose()?;
-    let Solved { outlets, provenance, .. } = solved;
+    let Solved { network, outlets, provenance, .. } = solved;
     Ok(SimulationRun {
-        network: solved.network,
+        network,
         boundary,
         outlets,
         provenance,

@@ -52,6 +52,7 @@ impl StoredRun {
         let text = |value: &Value| value.as_str().map(str::to_owned);
         let sha256 = text(&record["graph"]["sha256"]).ok_or_else(|| wrong("a run without a graph of candidates"))?;
         let unlike = || wrong("parameters that are not those of willis infer");
+        record.get("input").ok_or_else(unlike)?;
         let mut options: RunOptions = serde_json::from_value(record["options"].take()).map_err(|_| unlike())?;
         let named = serde_json::from_value(record["named"].take()).map_err(|_| unlike())?;
         let samples = record["parameters"]["samples"].as_u64().ok_or_else(unlike)?;

@@ -40,7 +40,7 @@ pub static TABLE: LazyLock<Vec<ArteryRow>> = LazyLock::new(|| {
             nodes: [number(columns[1]), number(columns[2])],
             length: number(columns[3]),
             radius: number(columns[4]),
-            terminal: columns[5].parse().ok(),
+            terminal: (!columns[5].is_empty()).then(|| number(columns[5])),
             bow: Bow { side: [number(columns[6]), number(columns[7]), number(columns[8])], swings: number(columns[9]) },
         }
     };
@@ -50,12 +50,13 @@ pub static TABLE: LazyLock<Vec<ArteryRow>> = LazyLock::new(|| {
 /// The positions of the table's nodes 1 to 30, m.
 pub(crate) static POSITIONS: LazyLock<Vec<Point>> = LazyLock::new(|| {
     let row = |line: &str| {
-        let mut columns = line.split(',').map(|word| metres(number(word)));
-        std::array::from_fn(|_| columns.next().expect("three columns"))
+        let columns: Vec<f64> = line.split(',').take(3).map(number).collect();
+        [0, 1, 2].map(|axis| metres(columns[axis]))
     };
     include_str!("alastruey_nodes.csv").lines().skip(1).map(row).collect()
 });
 
+/// A number of a table. The tables are part of the program, and every row of them is read with the first phantom: nothing that a user gives gets here.
 fn number<T: FromStr>(word: &str) -> T {
     word.parse().unwrap_or_else(|_| panic!("{word} is no number"))
 }

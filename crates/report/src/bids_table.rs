@@ -35,7 +35,7 @@ pub fn write_tsv(out: &mut impl Write, columns: &[Column]) -> io::Result<()> {
         let cell = |column: &Column| {
             let text = match &column.values {
                 Values::Text(texts) => escape_formula(&texts[row]).replace(char::is_control, " "),
-                numbers => numbers.text(row),
+                numbers => numbers.text(row).into_owned(),
             };
             if text.is_empty() { MISSING.into() } else { text.into() }
         };

@@ -33,7 +33,7 @@ pub struct Provenance {
     pub notes: Vec<String>,
 }
 
-/// Everything that run.json holds, of any command: its fields in their order, and its boundary conditions, which are as many as a million
+/// Everything that run.json holds of a run that solves flow (infer, simulate, modulate): its fields in their order, and its boundary conditions, which are as many as a million
 /// vessels have ends.
 #[derive(Debug)]
 pub struct RunRecord {
@@ -65,7 +65,7 @@ impl RunRecord {
     pub fn field(&mut self, name: &'static str) -> &mut Value {
         let place = |fields: &[(&str, Value)], name| fields.iter().position(|(field, _)| *field == name);
         let at = place(&self.fields, name).unwrap_or_else(|| {
-            let at = place(&self.fields, "notes").unwrap_or_default();
+            let at = place(&self.fields, "notes").unwrap_or(self.fields.len());
             self.fields.insert(at, (name, Value::Null));
             at
         });
@@ -83,8 +83,9 @@ impl RunRecord {
     }
 
     /// The name of the file that the run is of.
-    pub(crate) fn name(&mut self) -> String {
-        let path = self.field("input")["path"].as_str().unwrap_or_default();
+    pub(crate) fn name(&self) -> String {
+        let input = self.fields.iter().find(|(name, _)| *name == "input");
+        let path = input.and_then(|(_, input)| input["path"].as_str()).unwrap_or_default();
         Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path).to_owned()
     }
 }

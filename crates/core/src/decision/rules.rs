@@ -56,12 +56,20 @@ pub enum DecidingFigure {
 impl DecidingFigure {
     /// Its column in edges.csv.
     pub fn column(self) -> &'static str {
-        ["likelihood", "frequency", "probability"][self as usize]
+        match self {
+            Self::Likelihood => "likelihood",
+            Self::Frequency => "frequency",
+            Self::Probability => "probability",
+        }
     }
 
     /// Its name with its symbol.
     pub fn name(self) -> &'static str {
-        ["likelihood L", "frequency", "probability P"][self as usize]
+        match self {
+            Self::Likelihood => "likelihood L",
+            Self::Frequency => "frequency",
+            Self::Probability => "probability P",
+        }
     }
 }
 

@@ -65,7 +65,7 @@ impl Network {
         inner.map_or(lerp(a, b, 0.5), |point| point.position)
     }
 
-    /// The path of a vessel, or the straight line between its two nodes where it has none.
+    /// The path of a vessel, or the straight line between its two nodes where it has none; a node without a position is taken to the origin.
     pub fn path_of(&self, row: usize) -> Vec<PathPoint> {
         let vessel = self.vessel(row);
         if vessel.path.len() > 1 {
@@ -195,20 +195,31 @@ impl Network {
 
     /// The nodes that `stays` admits with the vessels between them, and the rows that both had.
     pub fn part(&self, stays: impl Fn(usize) -> bool) -> (Self, Vec<usize>, Vec<usize>) {
-        let mut part = Self { frame: self.frame, ..Self::default() };
-        let nodes: Vec<usize> = (0..self.node_count()).filter(|node| stays(*node)).collect();
-        let mut row_of = vec![None; self.node_count()];
-        for node in &nodes {
-            row_of[*node] = Some(part.add_node_of(self, *node));
+        self.parts(1, |node| stays(node).then_some(0)).pop().unwrap_or_default()
+    }
+
+    /// As [`Network::part`] for `count` parts in one pass; `of` gives the part of a node.
+    pub fn parts(&self, count: usize, of: impl Fn(usize) -> Option<usize>) -> Vec<(Self, Vec<usize>, Vec<usize>)> {
+        let mut parts = vec![(Self { frame: self.frame, ..Self::default() }, Vec::new(), Vec::new()); count];
+        let mut place = vec![None; self.node_count()];
+        for (node, place) in place.iter_mut().enumerate() {
+            *place = of(node).map(|part| {
+                let (network, nodes, _) = &mut parts[part];
+                nodes.push(node);
+                (part, network.add_node_of(self, node))
+            });
         }
-        let mut vessels = Vec::new();
         for row in 0..self.vessel_count() {
-            if let [Some(a), Some(b)] = self.ends(row).map(|node| row_of[node]) {
-                part.add_vessel_of(self, row, [a, b]);
+            let [a, b] = self.ends(row).map(|node| place[node]);
+            if let (Some((part, a)), Some((other, b))) = (a, b)
+                && part == other
+            {
+                let (network, _, vessels) = &mut parts[part];
+                network.add_vessel_of(self, row, [a, b]);
                 vessels.push(row);
             }
         }
-        (part, nodes, vessels)
+        parts
     }
 
     /// The same network in another frame; as it is where one of the two is not known.

@@ -16,7 +16,7 @@ use crate::support::simd::{Lanes, Simd, zip};
 pub struct ForestProgram {
     program: Elimination,
     /// Per vessel the ray where its keys go; `NOWHERE` for one that is in no forest.
-    pub ray_of: Vec<u32>,
+    ray_of: Vec<u32>,
 }
 
 /// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
@@ -46,10 +46,10 @@ impl ForestProgram {
         self.program.rays()
     }
 
-    /// Puts the keys of a vessel, one a lane, zero where it is not diffused, among the keys by ray, all zero before the first.
+    /// Puts the keys of a row, one a lane, zero where it is not diffused, among the keys by ray, all zero before the first.
     #[inline(always)]
-    pub fn put<S: Simd, const B: usize>(&self, simd: S, ray: u32, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
-        if let Some(m) = widest.get_mut(ray as usize) {
+    pub fn put<S: Simd, const B: usize>(&self, simd: S, row: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
+        if let Some(m) = widest.get_mut(self.ray_of[row] as usize) {
             *m = wider(simd, m, keys);
         }
     }

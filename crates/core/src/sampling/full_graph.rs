@@ -2,7 +2,7 @@
 
 use super::choose_solver;
 use super::options::SamplingOptions;
-use super::sampled_graph::{RowFlow, SampledGraph, SumOrder};
+use super::sampled_graph::{RowFlow, SampledGraph};
 use super::ties::Ties;
 use crate::error::Result;
 use crate::flow::circuit::beyond_doubles;
@@ -78,7 +78,7 @@ impl SampledGraph {
             solver,
             ties,
             weight: options.weight,
-            order: SumOrder::EveryEighth,
+            is_reduced: false,
             instructions: InstructionSet::detect(),
         }))
     }

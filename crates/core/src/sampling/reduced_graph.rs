@@ -6,7 +6,7 @@
 
 use super::choose_solver;
 use super::options::SamplingOptions;
-use super::sampled_graph::{RowFlow, SampledGraph, SumOrder, TreeFlow};
+use super::sampled_graph::{RowFlow, SampledGraph, TreeFlow};
 use super::ties::{Ties, same};
 use crate::error::Result;
 use crate::flow::Circuit;
@@ -115,7 +115,7 @@ impl SampledGraph {
             trees: hanging,
             solver,
             drops: None,
-            order: if forest.is_some() { SumOrder::Eights } else { SumOrder::OneByOne },
+            is_reduced: true,
             forest,
             weight: params.weight,
             vessels: network.vessel_count(),

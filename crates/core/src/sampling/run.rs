@@ -130,7 +130,7 @@ impl Sampling {
                 let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
                 for block in unit {
                     let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
-                    self.sampler.block(block, self.samples - block * crate::support::random::BLOCK, work, &mut sums)?;
+                    work.block(block, self.samples - block * crate::support::random::BLOCK, &mut sums)?;
                     fresh += sums.samples;
                     sum.insert(block, 1, sums, &mut spare, |_, _, _| {});
                     if reported.elapsed() > REPORT_AFTER {

@@ -24,6 +24,7 @@ use crate::flow::pressures::MOST_BACKWARD;
 use crate::flow::residual::{Check, Residual};
 use crate::flow::resilience::{MOST_RESILIENCE, diffused_resilience};
 use crate::flow::{BatchSolver, Circuit};
+use crate::support::random::BLOCK;
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
 
 /// A graph with all that its samples share.
@@ -50,14 +51,15 @@ pub struct SampledGraph {
     pub weight: Weight,
     /// How many vessels there are.
     pub vessels: usize,
-    pub order: SumOrder,
+    /// Whether rows are chains, and not the vessels one by one.
+    pub is_reduced: bool,
     pub instructions: InstructionSet,
 }
 
 /// In which order the contributions of a block's samples are added up, which is part of what a seed gives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum SumOrder {
-    /// Every eighth sample, and then these sums pairwise; in an enumeration one after another.
+enum SumOrder {
+    /// Every eighth sample, and then these sums pairwise.
     EveryEighth,
     /// Eight by eight, each eight pairwise.
     Eights,
@@ -122,7 +124,7 @@ pub struct GraphWorkspace<const B: usize> {
     is_last: Vec<InForest<B>>,
     /// The probability of every row to be in the forest whole, in an enumeration.
     share: Vec<Lanes<B>>,
-    /// Per vessel the sums of likelihood, square and count, in [`SumOrder::EveryEighth`].
+    /// Per vessel the sums of likelihood, square and count of every eighth sample.
     eighths: Vec<[Lanes<SUM_LANES>; 3]>,
     kruskal: Kruskal,
     expected: ExpectedForest,
@@ -140,6 +142,12 @@ impl SampledGraph {
 
     /// Memory for one worker.
     pub fn workspace<const B: usize>(&self) -> GraphWorkspace<B> {
+        const {
+            assert!(
+                (BLOCK as usize).is_multiple_of(B) && B.is_multiple_of(SUM_LANES),
+                "a block is made of whole groups, a group of whole eights"
+            );
+        };
         let rows = self.rows.len();
         GraphWorkspace {
             flow: self.solver.workspace(),
@@ -148,7 +156,7 @@ impl SampledGraph {
             in_forest: vec![[0; B]; rows + 1],
             is_last: vec![[0; B]; self.equals.len()],
             share: Vec::new(),
-            eighths: vec![[Lanes::ZERO; 3]; if self.order == SumOrder::EveryEighth { self.vessels } else { 0 }],
+            eighths: vec![[Lanes::ZERO; 3]; if self.is_reduced { 0 } else { self.vessels }],
             kruskal: Kruskal::default(),
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
@@ -179,7 +187,7 @@ impl SampledGraph {
         sums.clear();
         let residual = self.instructions.run(BlockKernel { graph: self, block, present, stranded, work, sums: &mut *sums });
         sums.residual = residual.relative;
-        if self.solver.core().is_some() && residual.backward > MOST_BACKWARD {
+        if self.is_reduced && residual.backward > MOST_BACKWARD {
             return Err(Error::Breakdown);
         }
         for (vessel, of, share) in &self.shares {
@@ -217,12 +225,17 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
         let (samples, probability) = (*samples, *probability);
         let GraphWorkspace { flow, resilience, key: keys, in_forest, is_last, share, eighths, .. } = work;
         let GraphWorkspace { kruskal, expected, diffused, ties, drops, check, .. } = work;
+        let order = match (graph.is_reduced, &graph.forest) {
+            (false, _) if probability.is_none() => SumOrder::EveryEighth,
+            (true, Some(_)) => SumOrder::Eights,
+            _ => SumOrder::OneByOne,
+        };
         let (mut global, mut residual) = (PerSample::ZERO, Residual::default());
         eighths.fill([Lanes::ZERO; 3]);
         for first in (0..samples).step_by(B) {
             let here = (samples - first).min(B);
             graph.solver.solve(simd, masks, first, stranded, flow);
-            let group = SampleGroup { graph, pressure: flow.pressure(), masks, first };
+            let group = SampleGroup { graph, pressure: flow.pressure(), masks, first, order };
             if first == 0 {
                 let pressure = |node| group.pressure[graph.solver.slot(node)][0];
                 residual = check.residual(&graph.circuit, graph.circuit.if_open(masks), stranded, pressure);
@@ -248,8 +261,8 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
                 _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
                 Some(program) => {
                     keys.fill(Lanes::ZERO);
-                    for (at, ray) in program.ray_of.iter().enumerate() {
-                        program.put(simd, *ray, &group.keys(simd, coins, &coin, at, resilience, is_last), keys);
+                    for at in 0..graph.rows.len() {
+                        program.put(simd, at, &group.keys(simd, coins, &coin, at, resilience, is_last), keys);
                     }
                     program.grow(simd, coins, keys, in_forest);
                 }
@@ -326,6 +339,8 @@ struct SampleGroup<'a, const B: usize> {
     pressure: &'a [Lanes<B>],
     masks: &'a [u64],
     first: usize,
+    /// How its sums are taken.
+    order: SumOrder,
 }
 
 impl<const B: usize> SampleGroup<'_, B> {
@@ -459,9 +474,8 @@ impl<const B: usize> SampleGroup<'_, B> {
         eighths: &mut [[Lanes<SUM_LANES>; 3]],
         sums: &mut Sums,
     ) {
-        let SampledGraph { rows, trees, weight, order, equals, .. } = self.graph;
-        let order = if chosen.share.is_some() && *order == SumOrder::EveryEighth { SumOrder::OneByOne } else { *order };
-        let mut into = VesselSums { weight: *weight, order, global, eighths, sums };
+        let SampledGraph { rows, trees, weight, equals, .. } = self.graph;
+        let mut into = VesselSums { weight: *weight, order: self.order, global, eighths, sums };
         let zero = simd.splat_f64s(0.0);
         for (at, (row, rho)) in rows.iter().zip(resilience).enumerate() {
             let whole = chosen.whole(rows.len() - at, at);

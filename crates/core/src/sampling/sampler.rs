@@ -27,6 +27,7 @@ type SumsOfBlock<'a> = Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>;
 
 /// One worker and its memory.
 pub struct SamplerWorkspace<'a> {
+    sampler: &'a Sampler,
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
     sums_of: SumsOfBlock<'a>,
@@ -97,6 +98,7 @@ impl Sampler {
     /// A worker.
     pub fn workspace(&self) -> SamplerWorkspace<'_> {
         SamplerWorkspace {
+            sampler: self,
             masks: Vec::new(),
             probability: [0.0; BLOCK as usize],
             sums_of: match &self.plan {
@@ -106,22 +108,25 @@ impl Sampler {
             },
         }
     }
+}
 
+impl SamplerWorkspace<'_> {
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
     ///
     /// # Errors
     ///
     /// The solver breaks down.
-    pub fn block(&self, block: u64, samples: u64, work: &mut SamplerWorkspace<'_>, sums: &mut Sums) -> Result<()> {
+    pub fn block(&mut self, block: u64, samples: u64, sums: &mut Sums) -> Result<()> {
+        let Sampler { patterns, coins, .. } = self.sampler;
         let samples = samples.min(BLOCK);
-        let probability = self.patterns.fill(block, &mut work.masks, &mut work.probability).then_some(&work.probability);
+        let probability = patterns.fill(block, &mut self.masks, &mut self.probability).then_some(&self.probability);
         let valid = u64::MAX >> (BLOCK - samples);
-        for mask in &mut work.masks {
+        for mask in &mut self.masks {
             *mask &= valid;
         }
-        let coin = &self.coins.of_block(block);
-        let block = Block { masks: &mut work.masks, probability, coins: &self.coins, coin, samples: samples as usize };
-        (work.sums_of)(block, sums)
+        let coin = &coins.of_block(block);
+        let block = Block { masks: &mut self.masks, probability, coins, coin, samples: samples as usize };
+        (self.sums_of)(block, sums)
     }
 }
 

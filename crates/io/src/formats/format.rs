@@ -429,7 +429,8 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if is_gzip(bytes) {
         return Err(Fault::file("the file is packed by gzip twice", "expected a file that is packed once"));
     }
-    if bytes.starts_with(b"MATLAB 5.0 MAT-file") {
+    let holds_hdf5 = bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5));
+    if !holds_hdf5 && bytes.starts_with(b"MATLAB 5.0 MAT-file") {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
     if let Some((_, format)) = KNOWN.into_iter().find(|(is_format, _)| is_format(bytes)) {

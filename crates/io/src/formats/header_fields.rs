@@ -29,17 +29,21 @@ impl<'a> HeaderLines<'a> {
 
     /// The next line without blanks around it, and its number; the place stays before it.
     pub(super) fn peek(&self) -> Option<(usize, &'a [u8])> {
-        let end = self.rest.iter().position(|b| *b == b'\n').unwrap_or(self.rest.len());
-        (!self.rest.is_empty()).then(|| (self.line, self.rest[..end].trim_ascii()))
+        Self { rest: self.rest, line: self.line }.line()
     }
 
     /// The next line, and its number.
     pub(super) fn line(&mut self) -> Option<(usize, &'a [u8])> {
-        let line = self.peek()?;
-        let end = self.rest.iter().position(|b| *b == b'\n').map_or(self.rest.len(), |at| at + 1);
-        self.rest = &self.rest[end..];
+        if self.rest.is_empty() {
+            return None;
+        }
+        let (text, rest) = match self.rest.iter().position(|b| *b == b'\n') {
+            Some(at) => (&self.rest[..at], &self.rest[at + 1..]),
+            None => (self.rest, &self.rest[self.rest.len()..]),
+        };
+        self.rest = rest;
         self.line += 1;
-        Some(line)
+        Some((self.line - 1, text.trim_ascii()))
     }
 
     /// The next line `key = value` that is not empty, with its number, as MetaIO writes them.

@@ -8,6 +8,24 @@ use petgraph::unionfind::UnionFind;
 use willis_core::network::{Centerlines, Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::geometry::{Point, distance};
 
+/// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
+pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
+    let mut order = Vec::with_capacity(up.len());
+    let mut reached_from = vec![None; up.len()];
+    for start in 0..up.len() {
+        let (first, mut at) = (order.len(), Some(start));
+        while let Some(row) = at.filter(|row| reached_from[*row].is_none_or(|from| from == start)) {
+            if reached_from[row].replace(start).is_some() {
+                return Err(row);
+            }
+            order.push(row);
+            at = up[row];
+        }
+        order[first..].reverse();
+    }
+    Ok(order)
+}
+
 /// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.
 pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
     let mut widest = vec![f64::NAN; network.node_count()];

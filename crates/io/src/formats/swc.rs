@@ -4,7 +4,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::io::{self, BufRead, Write};
 
-use crate::formats::polylines::{between, node_points};
+use crate::formats::polylines::{between, node_points, parents_first};
 use crate::formats::tables::reader::{is_missing, plural};
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
@@ -117,24 +117,6 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     name_links(&mut lines, &types, &names);
     let notes = wide.map(|(at, n)| format!("line {at} and perhaps others have {n} columns; those after the seventh are ignored"));
     Ok((lines, notes.into_iter().collect()))
-}
-
-/// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
-pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
-    let mut order = Vec::with_capacity(up.len());
-    let mut reached_from = vec![None; up.len()];
-    for start in 0..up.len() {
-        let (first, mut at) = (order.len(), Some(start));
-        while let Some(row) = at.filter(|row| reached_from[*row].is_none_or(|from| from == start)) {
-            if reached_from[row].replace(start).is_some() {
-                return Err(row);
-            }
-            order.push(row);
-            at = up[row];
-        }
-        order[first..].reverse();
-    }
-    Ok(order)
 }
 
 fn number(word: &str, line: usize, column: usize) -> Result<f64, Fault> {

@@ -65,9 +65,10 @@ pub fn nearest_seeds(mask: &Mask, vessels: &Foreground, seeds: &[u32]) -> Vec<u3
 pub fn volumes(mask: &Mask, vessels: &Foreground, seeds: &[u32], nearest: &[u32]) -> impl Iterator<Item = (usize, u32, f64)> {
     let (cell, steps, around) = (mask.voxel_volume(), steps_of(&mask.affine), neighbours(vessels.strides()));
     let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
+    let at: Vec<[f64; 3]> = seeds.iter().map(|row| indices(vessels.place(*row as usize))).collect();
     let nearest_beside = move |place: usize| {
         let touched = around.iter().filter_map(|(step, _)| vessels.row((place as isize + step) as usize)).map(|row| nearest[row]);
-        let apart = |seed: u32| squared_distance(steps, indices(place), indices(vessels.place(seeds[seed as usize] as usize)));
+        let apart = |seed: u32| squared_distance(steps, indices(place), at[seed as usize]);
         touched.filter(|seed| *seed != NONE).map(|seed| (apart(seed).to_bits(), seed)).min().map(|(_, seed)| seed)
     };
     let of_wall = move |(voxel, part): &(u32, f32)| {

@@ -40,16 +40,21 @@ impl RunLengths {
         if shape.iter().product::<usize>() > cells && !is_one {
             return None;
         }
-        let (count, bytes) = if block == 1 {
-            let count = faces_of(vessels.places(), vessels.strides(), |place| vessels.contains(place), faces);
-            (count, runs(vessels.places()))
+        let is_too_many = |count: usize| count > faces && !is_one;
+        let bytes = if block == 1 {
+            if is_too_many(faces_of(vessels.places(), vessels.strides(), |place| vessels.contains(place), faces)) {
+                return None;
+            }
+            runs(vessels.places())
         } else {
             let blocks = blocks_of(vessels, block, shape);
             let strides = [1, shape[0], shape[0] * shape[1]];
-            let count = faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces);
-            (count, runs(blocks.into_iter()))
+            if is_too_many(faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces)) {
+                return None;
+            }
+            runs(blocks.into_iter())
         };
-        (count <= faces || is_one).then(|| Self { bytes, ..Self::frame(vessels, block, shape) })
+        Some(Self { bytes, ..Self::frame(vessels, block, shape) })
     }
 
     /// The place in space of blocks of this size, without content.

@@ -171,7 +171,7 @@ impl Tracer<'_> {
     /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.
     fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
         let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
-        let mut line = self.line(graph, branch).points;
+        let mut line = self.points(graph, branch);
         if branch.ends[0] != junction {
             line.reverse();
         }
@@ -238,13 +238,21 @@ impl Tracer<'_> {
         if voxels > FARTHEST { lerp(from, to, FARTHEST / voxels) } else { to }
     }
 
+    fn points(&self, graph: &Skeleton, branch: &Branch) -> Vec<Point> {
+        let [first, last] = branch.ends.map(|end| self.middle(&graph.nodes[end]));
+        std::iter::once(first).chain(branch.voxels.iter().map(|v| self.at(*v))).chain([last]).collect()
+    }
+
     fn line(&self, graph: &Skeleton, branch: &Branch) -> TracedLine {
-        let [first, last] = branch.ends.map(|end| &graph.nodes[end]);
-        let inner = branch.voxels.iter();
-        let points = std::iter::once(self.middle(first)).chain(inner.clone().map(|v| self.at(*v))).chain([self.middle(last)]);
-        let depths = std::iter::once(self.widest(first)).chain(inner.map(|v| self.depth(*v))).chain([self.widest(last)]);
+        let [first, last] = branch.ends.map(|end| self.widest(&graph.nodes[end]));
+        let depths = std::iter::once(first).chain(branch.voxels.iter().map(|v| self.depth(*v))).chain([last]);
         let count = branch.voxels.len() + 2;
-        TracedLine { points: points.collect(), lengths: vec![0.0; count], volumes: vec![0.0; count], depths: depths.collect() }
+        TracedLine {
+            points: self.points(graph, branch),
+            lengths: vec![0.0; count],
+            volumes: vec![0.0; count],
+            depths: depths.collect(),
+        }
     }
 
     /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen. Draws ends

@@ -6,29 +6,22 @@ use crate::formats::{NamedArray, read_arrays, write_arrays};
 use willis_core::error::Fault;
 use willis_core::sampling::{PartialRun, Sums};
 
-/// The figures of a node, and its vectors, in the order in which they are written.
-const FIGURES: [&str; 4] = ["samples", "rho_G", "perfused", "residual"];
-const VECTORS: [&str; 3] = ["likelihood", "square", "count"];
+type FigureOfSums = fn(&Sums) -> f64;
+type VectorOfSums = fn(&Sums) -> &[f64];
+
+/// The figures of a node, in the order in which they are written.
+const FIGURES: [(&str, FigureOfSums); 4] = [
+    ("samples", |sums| sums.samples as f64),
+    ("rho_G", |sums| sums.network_resilience),
+    ("perfused", |sums| sums.perfused),
+    ("residual", |sums| sums.residual),
+];
+/// Its vectors.
+const VECTORS: [(&str, VectorOfSums); 3] =
+    [("likelihood", |sums| &sums.likelihood), ("square", |sums| &sums.square), ("count", |sums| &sums.count)];
 const WRITTEN_BY: &str = "expected the file as willis wrote it";
 /// No run has more samples.
 const MOST_SAMPLES: f64 = (1_u64 << 50) as f64;
-
-fn figure(sums: &Sums, name: &str) -> f64 {
-    match name {
-        "samples" => sums.samples as f64,
-        "rho_G" => sums.network_resilience,
-        "perfused" => sums.perfused,
-        _ => sums.residual,
-    }
-}
-
-fn vector<'a>(sums: &'a Sums, name: &str) -> &'a [f64] {
-    match name {
-        "likelihood" => &sums.likelihood,
-        "square" => &sums.square,
-        _ => &sums.count,
-    }
-}
 
 /// Writes a part of a run, all float64, with m nodes of the dyadic tree of blocks, V vessels, T of them uncertain:
 ///
@@ -51,10 +44,10 @@ pub fn write_part(out: impl Write + Seek, part: &PartialRun) -> io::Result<()> {
         array("run", &[2], vec![part.samples() as f64, part.step() as f64]),
         array("blocks", &[m, 2], part.nodes().flat_map(|(first, blocks, _)| [first as f64, blocks as f64]).collect()),
     ];
-    let figures = FIGURES.map(|name| array(name, &[m], part.nodes().map(|(_, _, sums)| figure(sums, name)).collect()));
-    let large = VECTORS.iter().map(|name| {
-        array(name, &[m, vessels], part.nodes().flat_map(|(_, _, sums)| vector(sums, name).iter().copied()).collect())
-    });
+    let figures = FIGURES.map(|(name, of)| array(name, &[m], part.nodes().map(|(_, _, sums)| of(sums)).collect()));
+    let large = VECTORS
+        .iter()
+        .map(|(name, of)| array(name, &[m, vessels], part.nodes().flat_map(|(_, _, sums)| of(sums).iter().copied()).collect()));
     let steps = array("step", &[k], part.steps().map(|(at, _)| at as f64).collect());
     let trace = std::iter::once_with(|| {
         array("trace", &[k, uncertain_count], part.steps().flat_map(|(_, likelihood)| likelihood.iter().copied()).collect())
@@ -90,9 +83,9 @@ pub fn read_part(bytes: &[u8], uncertain: Vec<bool>) -> Result<PartialRun, Fault
         return Err(wrong("run"));
     }
     let blocks = take("blocks", 2)?;
-    let [samples, rho, perfused, residual] = FIGURES.map(|name| take(name, 1));
+    let [samples, rho, perfused, residual] = FIGURES.map(|(name, _)| take(name, 1));
     let figures = [samples?, rho?, perfused?, residual?];
-    let vectors = [take(VECTORS[0], vessels)?, take(VECTORS[1], vessels)?, take(VECTORS[2], vessels)?];
+    let vectors = [take(VECTORS[0].0, vessels)?, take(VECTORS[1].0, vessels)?, take(VECTORS[2].0, vessels)?];
     let m = figures[0].len();
     if blocks.len() != 2 * m || figures.iter().any(|f| f.len() != m) || vectors.iter().any(|v| v.len() != m * vessels) {
         return Err(wrong("blocks"));

@@ -55,8 +55,9 @@ pub fn clusters<'a>(network: &'a Network, inlets: &[usize]) -> Vec<FragmentClust
             group_of[*part] = group;
         }
     }
+    let mut networks = network.parts(groups.len(), |node| Some(group_of[parts.of_node[node]]));
     let cluster = |group: usize| {
-        let (part, nodes, vessels) = network.part(|node| group_of[parts.of_node[node]] == group);
+        let (part, nodes, vessels) = std::mem::take(&mut networks[group]);
         let inlets = inlets.iter().filter_map(|inlet| nodes.binary_search(inlet).ok()).collect();
         FragmentCluster { network: Cow::Owned(part), inlets, rows: Some([nodes, vessels]) }
     };

@@ -216,9 +216,14 @@ impl PairTable {
         Self { size, values }
     }
 
-    /// [`Self::of`], given the value of each row of all pairs of a cluster.
+    /// The table of the pairs of a cluster, given the value of each row of them; `nothing` for ends that are no pair.
     pub fn over(pairs: &[Pair], size: usize, nothing: f64, value: impl Fn(usize) -> f64) -> Self {
-        Self::of(size, nothing, |i, j| pairs.iter().position(|pair| pair.ends == [i, j]).map_or(nothing, &value))
+        let mut values = vec![nothing; size * size];
+        for (row, [i, j]) in pairs.iter().map(|pair| pair.ends).enumerate() {
+            let value = value(row);
+            (values[i * size + j], values[j * size + i]) = (value, value);
+        }
+        Self { size, values }
     }
 
     /// The value of two ends.

@@ -76,7 +76,7 @@ impl Pairings {
         Some(PairingDecision { part: Some(Edit::Part(groups)), ..PairingDecision::default() })
     }
 
-    /// A place on a vessel a little outside of where it meets the others; `None` without coordinates.
+    /// A place on a vessel a little outside of where it meets the others. Contacts are looked for only where every node has a position.
     fn outside(&self, graph: &Network, vessel: usize) -> Point {
         let mut path = graph.path_of(vessel);
         if distance(path[path.len() - 1].position, self.position) < distance(path[0].position, self.position) {

@@ -111,7 +111,6 @@ pub fn label_of_segment(segment: usize) -> ArteryLabel {
     }
 }
 
-/// The artery of a label without its side.
 /// The label of the highest probability, the first of equals.
 pub fn most_probable(p: &[f64; LABELS]) -> ArteryLabel {
     (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best })
@@ -127,6 +126,7 @@ pub fn joined_by(segment: usize) -> [Vec<ArteryLabel>; 2] {
     }
 }
 
+/// The artery of a label without its side.
 fn family_of(label: ArteryLabel) -> &'static Family {
     &FAMILIES[if label < 2 * SIDED { label / 2 } else { label - SIDED }]
 }

@@ -23,7 +23,7 @@ use willis_io::formats::{Column, Values};
 use willis_io::masks::cubes::{SIDE, STEP};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
-/// The page of a run, of any command. Its keys are in alphabetical order.
+/// The page of a run, of any command. Its fields stand in alphabetical order: they are the keys of the page.
 #[derive(Debug, Default, Serialize)]
 pub struct Page {
     /// The figures that can colour the vessels of the scene; the page starts with the first.

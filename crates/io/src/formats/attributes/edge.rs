@@ -13,13 +13,26 @@ use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRul
 use willis_core::support::geometry::distance;
 
 /// The attributes of an edge, besides its length and radius.
-pub(crate) const ATTRIBUTES: [&str; 11] =
-    ["label", "origin", "prior", "certain", "probability", "hangs_a", "hangs_b", "continues_a", "continues_b", "kept", "points"];
+pub(crate) const ATTRIBUTES: [&str; 14] = [
+    "label",
+    "origin",
+    "prior",
+    "certain",
+    "probability",
+    "hangs_a",
+    "hangs_b",
+    "continues_a",
+    "continues_b",
+    "kept",
+    "points",
+    SPEED,
+    YOUNG,
+    THICKNESS,
+];
 /// The wall: the speed of a pulse wave, or Young's modulus and the thickness.
 pub(crate) const SPEED: &str = "pwv_m_per_s";
 pub(crate) const YOUNG: &str = "young_MPa";
 pub(crate) const THICKNESS: &str = "wall_mm";
-pub(crate) const WALL: [&str; 3] = [SPEED, YOUNG, THICKNESS];
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
 /// should know. A radius that is missing, where it may, is NaN.

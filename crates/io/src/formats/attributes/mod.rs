@@ -19,7 +19,7 @@ const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &edge::WALL, &SIZES];
+    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
     lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
 }
 
@@ -112,6 +112,7 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
     if has_roles && !matches!(role, Some(Role::Inlet | Role::Outlet)) {
         return Ok(None);
     }
+    // Not before: an inner node may have any.
     item.positive(RESISTANCE)?;
     Ok(match (resistance, flow, pressure) {
         (Some(_), Some(_), _) => {

@@ -67,12 +67,15 @@ pub(crate) fn open_metaimage<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Ve
 
 impl MetaHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut lines) = (HeaderFields::default(), HeaderLines::new(&bytes[..bytes.len().min(MOST_HEADER)]));
-        let head = lines.left();
-        while let Some((line, key, value)) = lines.entry()? {
+        // A line that begins within the header is read whole.
+        let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
+        let (mut fields, mut lines) = (HeaderFields::default(), HeaderLines::new(head));
+        while head.len() - lines.left() < MOST_HEADER
+            && let Some((line, key, value)) = lines.entry()?
+        {
             fields.insert(&key, line, &value);
             if key == DATA {
-                return Ok(Self { fields, end: head - lines.left() });
+                return Ok(Self { fields, end: head.len() - lines.left() });
             }
         }
         Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))

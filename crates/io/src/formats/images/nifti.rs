@@ -98,7 +98,7 @@ struct NiftiHeader<'a> {
     big: bool,
 }
 
-/// Reads the header, of at most `most` bytes.
+/// Reads the header, and hands over how the voxels are stored with their bytes, of which at most `most` are allowed.
 pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
     let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();

@@ -20,7 +20,7 @@ pub(crate) struct StoredImage<'a> {
     /// The file that they are in.
     pub file: PathBuf,
     pub voxels: Voxels,
-    /// Several values for each voxel, which may be segments.
+    /// What an NRRD states of layers and segments; nothing of other formats.
     pub layers: Option<Layers>,
     /// Their bytes.
     pub stream: Box<dyn Read + 'a>,

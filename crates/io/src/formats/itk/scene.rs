@@ -1,11 +1,12 @@
 //! Reads a MetaIO scene: objects as their fields, tubes with their points.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use crate::formats::binary::NumberType;
 use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
 use willis_core::error::Fault;
-use willis_core::support::geometry::{Point, distance};
+use willis_core::support::geometry::{Point, bounds, distance, sub};
 
 /// Goes to the next line that begins an object.
 fn skip_to_object(lines: &mut HeaderLines) {
@@ -106,18 +107,42 @@ fn is_kind(name: &str) -> bool {
     containers || shapes || matches!(name, "Blob" | "Ellipse" | "Gaussian" | "Arrow")
 }
 
-/// The point of the parent and the end of the child that are closest.
-pub fn nearest_pair(points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
-    let mut best = (f64::INFINITY, [parent.start, ends[0]]);
-    for end in ends {
-        for row in parent.clone() {
-            let gap = distance(points[row], points[end]);
-            if gap < best.0 {
-                best = (gap, [row, end]);
-            }
+/// Tubes whose points have been sorted along their longest axis.
+#[derive(Default)]
+pub struct Nearest {
+    sorted: HashMap<usize, (usize, Vec<usize>)>,
+}
+
+impl Nearest {
+    /// The point of the parent and the end of the child that are closest.
+    pub fn pair(&mut self, points: &[Point], parent: Range<usize>, ends: [usize; 2]) -> [usize; 2] {
+        let (axis, sorted) = self.sorted.entry(parent.start).or_insert_with(|| sort(points, parent));
+        let x = |row: usize| points[row][*axis];
+        let mut best = (f64::INFINITY, [sorted[0], ends[0]]);
+        for end in ends {
+            let (left, right) = sorted.split_at(sorted.partition_point(|row| x(*row) < x(end)));
+            let mut consider = |row: &usize| {
+                let gap = distance(points[*row], points[end]);
+                if gap < best.0 || (gap == best.0 && end == best.1[1] && *row < best.1[0]) {
+                    best = (gap, [*row, end]);
+                }
+                (x(*row) - x(end)).abs() <= best.0
+            };
+            let _ = left.iter().rev().all(&mut consider);
+            let _ = right.iter().all(consider);
         }
+        best.1
     }
-    best.1
+}
+
+/// The axis along which points extend the most, and their rows in its order.
+fn sort(points: &[Point], range: Range<usize>) -> (usize, Vec<usize>) {
+    let [low, high] = bounds(points[range.clone()].iter().copied());
+    let extent = sub(high, low);
+    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
+    let mut rows: Vec<usize> = range.collect();
+    rows.sort_by(|a, b| points[*a][axis].total_cmp(&points[*b][axis]));
+    (axis, rows)
 }
 
 /// Names of the radius, as MetaIO knows them.

@@ -3,10 +3,10 @@
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::io::{self, Write};
 
-use crate::formats::itk::scene::{Object, nearest_pair, read_scene};
+use crate::formats::itk::scene::{Nearest, Object, read_scene};
 use crate::formats::options::ReadOptions;
-use crate::formats::polylines::polylines;
-use crate::formats::swc::{parents_first, single_line};
+use crate::formats::polylines::{parents_first, polylines};
+use crate::formats::swc::single_line;
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
 use willis_core::network::runs::{other_end, vessels_at};
@@ -78,7 +78,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         return Err(Fault::file("no points in any tube", "expected objects of type Tube with points"));
     }
     number(&mut lines, &ids);
-    let mut lost = 0;
+    let (mut lost, mut nearest) = (0, Nearest::default());
     for (row, object) in objects.iter().enumerate().filter(|(row, _)| !span[*row].is_empty()) {
         let Some(id) = object.index("ParentID")? else { continue };
         let Some(parent) = row_of.get(&id).copied() else {
@@ -95,7 +95,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
                 let accepted = format!("expected 0 to {}: tube {id} has {} points", span[parent].len() - 1, span[parent].len());
                 return Err(Fault::line(line, format!("ParentPoint {at}"), accepted));
             }
-            None => nearest_pair(&lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
+            None => nearest.pair(&lines.points, span[parent].clone(), [span[row].start, span[row].end - 1]),
         };
         lines.add_link(ends.map(|p| p as u32), object.fields.get("Name").map_or("", |(_, name)| name));
     }

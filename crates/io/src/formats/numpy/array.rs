@@ -119,7 +119,8 @@ impl NumpyArray {
 
     /// The values of a table.
     fn table(&self, rows: usize, columns: usize) -> Result<Array2<f64>, Fault> {
-        Ok(Array2::from_shape_vec((rows, columns).set_f(self.fortran), self.reals()?).unwrap_or_default())
+        let table = Array2::from_shape_vec((rows, columns).set_f(self.fortran), self.reals()?);
+        table.map_err(|error| self.fault(error.to_string(), "expected a whole file"))
     }
 
     /// Whether the values are whole numbers.

@@ -13,6 +13,7 @@ use willis_core::network::{Centerlines, Network, is_radius};
 
 pub(crate) const HEADER: &str =
     "expected a header with columns fragment,x,y,z,radius (or x_mm and so on, in mm); label and id are optional";
+
 /// Reads points in the order of their fragments; returns also notes for the user. Columns called `_mm` are in mm, others in the
 /// unit of `scale`.
 ///

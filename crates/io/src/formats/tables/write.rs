@@ -110,11 +110,11 @@ impl Values {
     }
 
     /// The value of a row as text; empty for a missing number.
-    pub fn text(&self, row: usize) -> String {
+    pub fn text(&self, row: usize) -> Cow<'_, str> {
         match self {
-            Self::Real(values) => real(values[row]),
-            Self::Integer(values) => values[row].to_string(),
-            Self::Text(values) => values[row].to_owned(),
+            Self::Real(values) => real(values[row]).into(),
+            Self::Integer(values) => values[row].to_string().into(),
+            Self::Text(values) => Cow::Borrowed(&values[row]),
         }
     }
 }
@@ -169,7 +169,7 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
         for column in columns {
             match &column.values {
                 Values::Text(texts) => csv.write_field(escape_formula(&texts[row]).as_bytes())?,
-                values => csv.write_field(values.text(row))?,
+                values => csv.write_field(values.text(row).as_bytes())?,
             }
         }
         csv.write_record(None::<&[u8]>)?;

@@ -526,8 +526,7 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     if !numbers.is_empty() {
         writeln!(out, "EDGE {{ int {LABELS} }} @6")?;
     }
-    let figures: Vec<[String; 4]> = points.iter().map(|point| figures(point, "0")).collect();
-    let place = |row: usize| figures[row][..3].join(" ");
+    let place = |row: usize| figures(&points[row], "0")[..3].join(" ");
     writeln!(out, "\n# Data section follows\n@1")?;
     for row in 0..vertices {
         writeln!(out, "{}", place(row))?;
@@ -546,7 +545,7 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     }
     writeln!(out, "\n@5")?;
     for row in lines.iter().flatten() {
-        writeln!(out, "{}", figures[*row as usize][3])?;
+        writeln!(out, "{}", figures(&points[*row as usize], "0")[3])?;
     }
     if !numbers.is_empty() {
         writeln!(out, "\n@6")?;

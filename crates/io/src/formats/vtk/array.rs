@@ -39,7 +39,11 @@ impl Arrays<'_> {
             ascii(array, (kind, size), count)?
         } else {
             let bytes = self.bytes(array, count.saturating_mul(size), format!("expected {count} values of {size} bytes"))?;
-            bytes.chunks_exact(size).map(|bytes| kind.value(bytes, !self.little)).collect()
+            let values = bytes.chunks_exact(size);
+            if kind == NumberType::Unsigned && values.clone().any(|bytes| i64::try_from(word(bytes, !self.little)).is_err()) {
+                return Err(fault(array, "a whole number above 2^63 - 1", "expected a smaller one"));
+            }
+            values.map(|bytes| kind.value(bytes, !self.little)).collect()
         };
         if found.len() == count {
             Ok(found)
@@ -115,13 +119,19 @@ impl Arrays<'_> {
 
 /// The type of an array's numbers and the bytes of each.
 fn number_type(array: &Element) -> Result<(NumberType, usize), Fault> {
-    let name = array.attribute("type");
-    let is =
-        |kind: &str| name.strip_prefix(kind).and_then(|bits| [8, 16, 32, 64].into_iter().find(|n: &usize| n.to_string() == bits));
-    let kinds = [("Int", NumberType::Signed), ("UInt", NumberType::Unsigned), ("Float", NumberType::Real)];
-    let found = kinds.into_iter().find_map(|(word, kind)| Some((kind, is(word)? / 8)));
-    let found = found.filter(|(kind, size)| *kind != NumberType::Real || *size >= 4);
-    found.ok_or_else(|| fault(array, format!("type \"{name}\""), TYPES))
+    Ok(match array.attribute("type") {
+        "Int8" => (NumberType::Signed, 1),
+        "Int16" => (NumberType::Signed, 2),
+        "Int32" => (NumberType::Signed, 4),
+        "Int64" => (NumberType::Signed, 8),
+        "UInt8" => (NumberType::Unsigned, 1),
+        "UInt16" => (NumberType::Unsigned, 2),
+        "UInt32" => (NumberType::Unsigned, 4),
+        "UInt64" => (NumberType::Unsigned, 8),
+        "Float32" => (NumberType::Real, 4),
+        "Float64" => (NumberType::Real, 8),
+        name => return Err(fault(array, format!("type \"{name}\""), TYPES)),
+    })
 }
 
 fn is_ascii(array: &Element) -> bool {
