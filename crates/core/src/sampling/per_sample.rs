@@ -44,13 +44,10 @@ pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
 
 /// The number of words in which the bit of each sample is set.
 pub fn open_vessels(masks: &[u64]) -> PerSample {
-    let mut open = [0_u32; BLOCK as usize];
-    for mask in masks {
-        for (sample, open) in open.iter_mut().enumerate() {
-            *open += (mask >> sample & 1) as u32;
-        }
+    let mut open = PerSample::ZERO;
+    // One shift for all words at a time, which any processor does for several of them at once.
+    for (sample, open) in open.iter_mut().enumerate() {
+        *open = masks.iter().map(|mask| mask >> sample & 1).sum::<u64>() as f64;
     }
-    let mut out = PerSample::ZERO;
-    out.iter_mut().zip(open).for_each(|(out, open)| *out = f64::from(open));
-    out
+    open
 }
