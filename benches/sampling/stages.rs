@@ -4,6 +4,7 @@
 
 use willis::internals::flow::BatchSolver;
 use willis::internals::flow::batch::solver::BatchWorkspace;
+use willis::internals::sampling::batch_forest::wider;
 use willis::internals::sampling::{Coins, ForestProgram, InForest};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
@@ -65,9 +66,11 @@ impl<const B: usize> Kernel for Grow<'_, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.widest.fill(Lanes::ZERO);
-        for (row, keys) in self.keys.iter().enumerate() {
-            self.program.put(simd, row, keys, self.widest);
+        for (widest, vessels) in self.widest.iter_mut().zip(self.program.vessels_of()) {
+            *widest = Lanes::ZERO;
+            for vessel in vessels {
+                *widest = wider(simd, widest, &self.keys[*vessel as usize]);
+            }
         }
         self.program.grow(simd, self.coins, self.widest, self.taken);
     }

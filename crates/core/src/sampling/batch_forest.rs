@@ -8,15 +8,15 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use super::coins::Coins;
-use crate::support::elimination::{Elimination, NOWHERE};
+use crate::support::elimination::Elimination;
 use crate::support::simd::{Lanes, Simd, zip};
 
 /// The compiled elimination of a graph's forests.
 #[derive(Debug, Clone)]
 pub struct ForestProgram {
     program: Elimination,
-    /// Per vessel the ray where its keys go; `NOWHERE` for one that is in no forest.
-    ray_of: Vec<u32>,
+    /// Per ray the vessels whose keys go there.
+    vessels_of: Vec<Vec<u32>>,
 }
 
 /// Whether a vessel is in the forest of each sample of a group: zero or 255. A list of these begins with one that means nothing; then come
@@ -31,9 +31,9 @@ impl ForestProgram {
     pub fn compile(nodes: usize, ends: &[Option<[usize; 2]>], limit: usize) -> Option<Self> {
         let links: Vec<[usize; 2]> = ends.iter().flatten().copied().collect();
         let program = Elimination::compile(nodes, &links, limit)?;
-        let ray = |[a, b]: [usize; 2]| program.ray_between(program.place(a), program.place(b));
-        let ray_of = ends.iter().map(|e| e.filter(|[a, b]| a != b).map_or(NOWHERE, ray)).collect();
-        Some(Self { program, ray_of })
+        let links = (0..).zip(ends).filter_map(|(vessel, ends)| Some((vessel, ends.filter(|[a, b]| a != b)?)));
+        let vessels_of = program.rows_by_ray(links.map(|(vessel, ends)| (vessel, ends.map(|node| program.place(node)))));
+        Some(Self { program, vessels_of })
     }
 
     /// The joins of one sample: the length of the program.
@@ -41,17 +41,14 @@ impl ForestProgram {
         self.program.joins()
     }
 
-    /// How many rays there are: the length of the memory that the other functions take.
+    /// How many rays there are: the length of the memory that a forest takes.
     pub fn rays(&self) -> usize {
         self.program.rays()
     }
 
-    /// Puts the keys of a row, one a lane, zero where it is not diffused, among the keys by ray, all zero before the first.
-    #[inline(always)]
-    pub fn put<S: Simd, const B: usize>(&self, simd: S, row: usize, keys: &Lanes<B>, widest: &mut [Lanes<B>]) {
-        if let Some(m) = widest.get_mut(self.ray_of[row] as usize) {
-            *m = wider(simd, m, keys);
-        }
+    /// Per ray the vessels whose keys are put there: the larger ones, zero without any.
+    pub fn vessels_of(&self) -> &[Vec<u32>] {
+        &self.vessels_of
     }
 
     /// Grows the forests of the keys that were put in and marks their vessels.
@@ -111,7 +108,7 @@ static LANE: [u64; 32] =
 
 /// The larger of two, lane by lane.
 #[inline(always)]
-fn wider<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
+pub fn wider<S: Simd, const B: usize>(simd: S, a: &Lanes<B>, b: &Lanes<B>) -> Lanes<B> {
     zip(simd, a, b, |a, b| if S::IS_SCALAR { simd.select_f64s(simd.greater_than_f64s(a, b), a, b) } else { simd.max_f64s(a, b) })
 }
 

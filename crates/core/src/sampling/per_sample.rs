@@ -43,6 +43,7 @@ pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
 }
 
 /// The number of words in which the bit of each sample is set.
+#[inline(always)]
 pub fn open_vessels(masks: &[u64]) -> PerSample {
     let mut open = PerSample::ZERO;
     // One shift for all words at a time, which any processor does for several of them at once.

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::batch_forest::{ForestProgram, IN_FOREST, InForest};
+use super::batch_forest::{ForestProgram, IN_FOREST, InForest, wider};
 use super::block::Block;
 use super::choose_solver::Method;
 use super::coins::Coins;
@@ -172,20 +172,8 @@ impl SampledGraph {
     ///
     /// Pressures that do not meet Kirchhoff's law.
     pub fn block<const B: usize>(&self, block: Block<'_>, work: &mut GraphWorkspace<B>, sums: &mut Sums) -> Result<()> {
-        let Block { masks, probability, coins, coin, samples } = block;
-        let present = &open_vessels(&masks[..self.vessels]);
-        // Rows are in the order of their vessels, so that none is overwritten before it is read.
-        for (at, row) in self.rows.iter().enumerate() {
-            masks[at] = if row.may_close { masks[row.vessel as usize] } else { u64::MAX };
-        }
-        for (at, terminal) in self.terminals.iter().enumerate() {
-            masks[self.rows.len() + at] = masks[*terminal];
-        }
-        let masks = &mut masks[..self.circuit.row_count()];
-        let stranded = &stranded(&self.circuit, masks, samples);
-        let block = &Block { masks, probability, coins, coin, samples };
         sums.clear();
-        let residual = self.instructions.run(BlockKernel { graph: self, block, present, stranded, work, sums: &mut *sums });
+        let residual = self.instructions.run(BlockKernel { graph: self, block, work, sums: &mut *sums });
         sums.residual = residual.relative;
         if self.is_reduced && residual.backward > MOST_BACKWARD {
             return Err(Error::Breakdown);
@@ -199,17 +187,24 @@ impl SampledGraph {
         }
         Ok(())
     }
+
+    /// The masks of the circuit's rows, in place of those of vessels and terminals.
+    fn masks_of_rows<'a>(&self, masks: &'a mut [u64]) -> &'a [u64] {
+        // Rows are in the order of their vessels, so that none is overwritten before it is read.
+        for (at, row) in self.rows.iter().enumerate() {
+            masks[at] = if row.may_close { masks[row.vessel as usize] } else { u64::MAX };
+        }
+        for (at, terminal) in self.terminals.iter().enumerate() {
+            masks[self.rows.len() + at] = masks[*terminal];
+        }
+        &masks[..self.circuit.row_count()]
+    }
 }
 
 /// A block of samples; the output says how well the first is solved.
 struct BlockKernel<'a, const B: usize> {
     graph: &'a SampledGraph,
-    /// With a mask for each row of the circuit.
-    block: &'a Block<'a>,
-    /// |Ẽ| of each sample.
-    present: &'a PerSample,
-    /// Nodes whose injected flow has nowhere to go, with the samples in which that is so.
-    stranded: &'a [(usize, u64)],
+    block: Block<'a>,
     work: &'a mut GraphWorkspace<B>,
     /// Receives the sums of the vessels that stand for others, and what is no vessel's own.
     sums: &'a mut Sums,
@@ -220,9 +215,11 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) -> Residual {
-        let Self { graph, block, present, stranded, work, sums } = self;
+        let Self { graph, block, work, sums } = self;
         let Block { masks, probability, coins, coin, samples } = block;
-        let (samples, probability) = (*samples, *probability);
+        let present = open_vessels(&masks[..graph.vessels]);
+        let masks = graph.masks_of_rows(masks);
+        let stranded = &stranded(&graph.circuit, masks, samples);
         let GraphWorkspace { flow, resilience, key: keys, in_forest, is_last, share, eighths, .. } = work;
         let GraphWorkspace { kruskal, expected, diffused, ties, drops, check, .. } = work;
         let order = match (graph.is_reduced, &graph.forest) {
@@ -255,14 +252,17 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
                 total = plus_product(simd, &total, &splat(simd, graph.trees[tree].total_share), rho);
             });
             total = plus(simd, &of_rows, &total);
-            let coin = part(&***coin, first);
+            let coin = part(&**coin, first);
             in_forest.fill([0; B]);
             match &graph.forest {
                 _ if probability.is_some() => group.expect(expected, diffused, here, resilience, share),
                 Some(program) => {
-                    keys.fill(Lanes::ZERO);
-                    for at in 0..graph.rows.len() {
-                        program.put(simd, at, &group.keys(simd, coins, &coin, at, resilience, is_last), keys);
+                    for (widest, rows) in keys.iter_mut().zip(program.vessels_of()) {
+                        let mut most = Lanes::ZERO;
+                        for row in rows {
+                            most = wider(simd, &most, &group.keys(simd, coins, &coin, *row as usize, resilience, is_last));
+                        }
+                        *widest = most;
                     }
                     program.grow(simd, coins, keys, in_forest);
                 }
@@ -479,10 +479,13 @@ impl<const B: usize> SampleGroup<'_, B> {
         let zero = simd.splat_f64s(0.0);
         for (at, (row, rho)) in rows.iter().zip(resilience).enumerate() {
             let whole = chosen.whole(rows.len() - at, at);
-            let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
             if row.equals().is_empty() {
                 into.add(simd, row.vessel, rho, &product(simd, &whole, counted));
             }
+            if row.equals().is_empty() && row.others.is_none() {
+                continue;
+            }
+            let flows = zip(simd, rho, counted, |rho, one| simd.select_f64s(simd.greater_than_f64s(rho, zero), one, zero));
             for equal in row.equals() {
                 into.add(simd, equals[equal], rho, &product(simd, &chosen.share_of(&whole, equal, row.equals().len()), &flows));
             }
@@ -510,21 +513,25 @@ impl<const B: usize> VesselSums<'_, B> {
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, vessel: u32, rho: &Lanes<B>, one: &Lanes<B>) {
         let value = match self.weight {
-            Weight::Resilience => *rho,
-            Weight::Count => splat(simd, 1.0),
-            Weight::Global => *self.global,
+            Weight::Resilience => rho,
+            Weight::Count => &splat(simd, 1.0),
+            Weight::Global => self.global,
         };
-        let weighted = product(simd, &value, one);
-        let square = product(simd, &weighted, &value);
         let vessel = vessel as usize;
         if self.order == SumOrder::EveryEighth {
-            for (sum, lanes) in self.eighths[vessel].iter_mut().zip([&weighted, &square, one]) {
-                for first in (0..B).step_by(SUM_LANES) {
-                    *sum = plus(simd, sum, &part(&**lanes, first));
-                }
+            let [mut likelihood, mut square, mut count] = self.eighths[vessel];
+            for first in (0..B).step_by(SUM_LANES) {
+                let (value, one) = (part(&**value, first), part(&**one, first));
+                let weighted = product(simd, &value, &one);
+                likelihood = plus(simd, &likelihood, &weighted);
+                square = plus_product(simd, &square, &weighted, &value);
+                count = plus(simd, &count, &one);
             }
+            self.eighths[vessel] = [likelihood, square, count];
             return;
         }
+        let weighted = product(simd, value, one);
+        let square = product(simd, &weighted, value);
         let sums = [&mut self.sums.likelihood[vessel], &mut self.sums.square[vessel], &mut self.sums.count[vessel]];
         for (sum, lanes) in sums.into_iter().zip([&weighted, &square, one]) {
             if self.order == SumOrder::Eights {

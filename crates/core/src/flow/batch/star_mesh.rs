@@ -19,7 +19,8 @@ pub struct StarMesh {
     pub(super) program: Elimination,
     /// Per node where its pressure stands: the free ones in elimination order, then the fixed ones, each pressure once.
     slot: Vec<u32>,
-    rays: Vec<RayStamp>,
+    /// Per ray the vessels on it.
+    vessels_of: Vec<Vec<u32>>,
     grounds: Vec<GroundStamp>,
     /// Terminal conductance and inflow by place.
     shunt: Vec<f64>,
@@ -37,13 +38,6 @@ struct Hold {
     pressure: f64,
     /// The rays on which its vessels lie, with the places they lead to.
     rays: Vec<[u32; 2]>,
-}
-
-/// A vessel between two free nodes.
-#[derive(Debug, Clone, Copy)]
-struct RayStamp {
-    vessel: u32,
-    ray: u32,
 }
 
 /// A vessel from a free node to one of fixed pressure.
@@ -85,12 +79,12 @@ impl StarMesh {
                 }),
             };
         }
-        let (mut rays, mut grounds) = (Vec::new(), Vec::new());
+        let (mut links, mut grounds) = (Vec::new(), Vec::new());
         let fixes = |row: usize| row.checked_sub(circuit.vessel_count()).is_some_and(|at| circuit.terminals[at].fixes);
         for (vessel, &[a, b]) in circuit.ends.iter().enumerate().filter(|(row, e)| e[0] != e[1] && !fixes(*row)) {
             let vessel = vessel as u32;
             match (circuit.fixed[a], circuit.fixed[b]) {
-                (None, None) => rays.push(RayStamp { vessel, ray: program.ray_between(slot[a], slot[b]) }),
+                (None, None) => links.push((vessel, [slot[a], slot[b]])),
                 (None, Some(_)) => grounds.push(GroundStamp { vessel, place: slot[a], fixed: slot[b] }),
                 (Some(_), None) => grounds.push(GroundStamp { vessel, place: slot[b], fixed: slot[a] }),
                 (Some(_), Some(_)) => {}
@@ -102,7 +96,8 @@ impl StarMesh {
             source[slot[node] as usize] = circuit.source[node];
         }
         let holds = holds(circuit, &slot, &program);
-        Some(Self { program, slot, rays, grounds, shunt, source, fixed, holds })
+        let vessels_of = program.rows_by_ray(links);
+        Some(Self { program, slot, vessels_of, grounds, shunt, source, fixed, holds })
     }
 
     /// Where the pressure of a node stands in a workspace.
@@ -133,7 +128,6 @@ impl StarMesh {
         stranded: &[(usize, u64)],
         work: &mut StarMeshWorkspace<B>,
     ) {
-        work.conductance.fill(Lanes::ZERO);
         for (place, (shunt, source)) in self.shunt.iter().zip(&self.source).enumerate() {
             work.ground[place] = splat(simd, *shunt);
             work.pressure[place] = splat(simd, *source);
@@ -142,9 +136,12 @@ impl StarMesh {
             let source = &mut work.pressure[self.slot[*node] as usize];
             *source = masked(simd, source, !samples, first);
         }
-        for stamp in &self.rays {
-            let sum = &mut work.conductance[stamp.ray as usize];
-            *sum = plus(simd, sum, &conductance[stamp.vessel as usize]);
+        for (sum, vessels) in work.conductance.iter_mut().zip(&self.vessels_of) {
+            let mut all = Lanes::ZERO;
+            for vessel in vessels {
+                all = plus(simd, &all, &conductance[*vessel as usize]);
+            }
+            *sum = all;
         }
         for stamp in &self.grounds {
             let own = &conductance[stamp.vessel as usize];

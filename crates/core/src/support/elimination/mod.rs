@@ -177,6 +177,15 @@ impl Elimination {
     pub fn ray_between(&self, a: u32, b: u32) -> u32 {
         self.program.ray(a.min(b), a.max(b)).unwrap_or(NOWHERE)
     }
+
+    /// Per ray the rows of the links that lie on it, in their order. A link is a row with two different places that are neighbours.
+    pub fn rows_by_ray(&self, links: impl IntoIterator<Item = (u32, [u32; 2])>) -> Vec<Vec<u32>> {
+        let mut rows = vec![Vec::new(); self.rays()];
+        for (row, [a, b]) in links {
+            rows[self.ray_between(a, b) as usize].push(row);
+        }
+        rows
+    }
 }
 
 impl Deref for Elimination {
