@@ -25,7 +25,7 @@ pub(crate) enum LabelMeaning {
 }
 
 /// A set of arteries, one bit each.
-type Set = u32;
+type Set = u64;
 
 fn set<const N: usize>(arteries: [Artery; N]) -> Set {
     arteries.into_iter().fold(0, |set, artery| set | artery.bit())
