@@ -3,6 +3,16 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+/// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
+pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
+    let mut at = vec![Vec::new(); nodes];
+    for (edge, [a, b], length) in edges {
+        at[a].push((edge, b, length));
+        at[b].push((edge, a, length));
+    }
+    at
+}
+
 /// The shortest paths from some nodes. One value serves many searches over the same nodes.
 pub struct ShortestPaths {
     /// Per node its path length, m; infinite where it was not reached.
