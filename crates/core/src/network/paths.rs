@@ -3,6 +3,8 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::walks::Walk;
+
 /// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
 pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
     let mut at = vec![Vec::new(); nodes];
@@ -90,8 +92,8 @@ impl ShortestPaths {
         self.previous[node]
     }
 
-    /// The nodes from a source to a node that was visited, and the edges between them.
-    pub fn path_to(&self, node: usize) -> (Vec<usize>, Vec<usize>) {
+    /// The walk from a source to a node that was visited.
+    pub fn path_to(&self, node: usize) -> Walk {
         let (mut nodes, mut edges) = (vec![node], Vec::new());
         let mut at = node;
         while let Some((previous, edge)) = self.previous[at] {
@@ -101,6 +103,6 @@ impl ShortestPaths {
         }
         nodes.reverse();
         edges.reverse();
-        (nodes, edges)
+        Walk { nodes, edges }
     }
 }
