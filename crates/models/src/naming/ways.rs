@@ -5,6 +5,7 @@ use super::nodes::Nodes;
 use super::states::{LABELS, label_of};
 use crate::circle_of_willis::{Artery, RING};
 use willis_core::network::paths::ShortestPaths;
+use willis_core::network::walks::Walk;
 use willis_core::support::geometry::distance;
 
 /// What a millimetre of centerline costs, and what one more costs where it is named as nothing that lies there.
@@ -80,7 +81,7 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
         join(&mut edges, nodes.links.len() + number, bridge.nodes, cost);
     }
     let (cost, end) = cheapest(paths, start, &edges, &arrival);
-    let (mut along, used) = paths.path_to(end);
+    let Walk { nodes: mut along, edges: used } = paths.path_to(end);
     along.retain(|n| *n != start);
     let bridges = used.iter().filter_map(|edge| edge.checked_sub(nodes.links.len())).filter_map(|row| nodes.bridges.get(row));
     let gap: f64 = bridges.map(|bridge| bridge.gap).sum();
