@@ -128,7 +128,7 @@ formats! {
     Npz { name: "NPZ", word: "npz", ending: "npz", says: "skeleton graph for NumPy", others: 1, is: &[PairsIfStraight],
         lacks: &[Figures, Ids, Statements, Conditions, Radii] }
     /// The SpatialGraph of Amira and Avizo.
-    Amira { name: "Amira SpatialGraph", short: "Amira", expected: "Amira", word: "amira", ending: "am", says: "Amira",
+    Amira { name: "Amira SpatialGraph", short: "Amira", expected: "Amira", word: "amira", ending: "am", says: "Amira", is: &[NamedRadii],
         lacks: &[Figures, Ids, Statements, Conditions, Frame] }
     /// VTrails' geodesic trees, a MATLAB 7.3 file.
     VTrails { name: "VTrails MAT", short: "MAT", ending: "mat", others: 1 }
