@@ -15,7 +15,7 @@ use willis_io::output::write_file;
 
 pub use descriptions::describe;
 pub use figures::{Figures, WALL_TIME, infer_figures, label_figures, needs_person, phenotype_figures};
-pub use table::{CohortRow, CohortRun, cohort_columns, uncertainty};
+pub use table::{CohortRow, CohortRun, cohort_columns, row_records, uncertainty};
 
 /// Writes the table and the page into the folder of a cohort, in place of earlier ones.
 ///

@@ -1,5 +1,7 @@
 //! The table of a cohort: its rows, its columns, and how uncertain each row is.
 
+use std::collections::HashSet;
+
 use serde_json::{Map, Value, json};
 
 use super::descriptions::describe;
@@ -52,23 +54,39 @@ impl CohortRow {
         self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
-    /// The row as an object.
-    pub fn record(&self) -> Value {
+    fn record(&self, covariates: &[String]) -> Value {
         let mut fields = Map::new();
         fields.insert("subject".into(), json!(self.subject));
         fields.insert("input".into(), json!(self.input));
         fields.insert("sha256".into(), json!(self.sha256));
         fields.insert("status".into(), json!(self.status()));
         fields.insert("error".into(), json!(self.error()));
-        fields.extend(self.covariates.iter().map(|(name, text)| (covariate(name), json!(text))));
+        fields.extend(covariates.iter().zip(&self.covariates).map(|(name, (_, text))| (name.clone(), json!(text))));
         fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
         fields.into()
     }
 }
 
-/// The column of a covariate. Names that the table has for its own columns stay with those.
-fn covariate(name: &str) -> String {
-    if describe(name).is_some() || name == "subject" { format!("given_{name}") } else { name.to_owned() }
+/// The rows as objects, by the names of the columns of their table.
+pub fn row_records(rows: &[CohortRow]) -> Vec<Value> {
+    let names = covariate_names(rows);
+    rows.iter().map(|row| row.record(&names)).collect()
+}
+
+/// The columns of covariates. Names that the table has for its own columns stay with those, and so do names of other covariates.
+fn covariate_names(rows: &[CohortRow]) -> Vec<String> {
+    let figures: HashSet<&str> = rows.iter().flat_map(|row| row.figures.iter().flatten()).map(|(name, _)| &**name).collect();
+    let is_own = |name: &str| name == "subject" || describe(name).is_some() || figures.contains(name);
+    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
+    let stated: Vec<&String> = stated.into_iter().flatten().map(|(name, _)| name).collect();
+    let column = |name: &&String| {
+        let mut column = (*name).clone();
+        while is_own(&column) || column != **name && stated.contains(&&column) {
+            column.insert_str(0, "given_");
+        }
+        column
+    };
+    stated.iter().map(column).collect()
 }
 
 /// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
@@ -81,10 +99,9 @@ pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
         text("status", CohortRow::status),
         text("error", CohortRow::error),
     ];
-    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
-    for (at, (name, _)) in stated.into_iter().flatten().enumerate() {
+    for (at, name) in covariate_names(rows).into_iter().enumerate() {
         let text = |row: &CohortRow| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
-        columns.push(Column::text(covariate(name), rows.iter().map(text)));
+        columns.push(Column::text(name, rows.iter().map(text)));
     }
     for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
         if columns.iter().any(|column| column.name == *name) {
