@@ -393,12 +393,9 @@ fn columns_of_participants_replace_nothing_that_is_measured() {
     let record: serde_json::Value =
         serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
     assert!(record["subjects"][0]["length_mm"].is_number());
-    for (name, given) in [
-        ("given_given_length_mm", "long"),
-        ("given_L-A1_diameter_mm", "wide"),
-        ("given_length_mm", "longer"),
-        ("age", "61"),
-    ] {
+    for (name, given) in
+        [("given_given_length_mm", "long"), ("given_L-A1_diameter_mm", "wide"), ("given_length_mm", "longer"), ("age", "61")]
+    {
         assert_eq!(cell(&out, 0, name), given, "{name}");
         assert_eq!(record["subjects"][0][name], given, "{name}");
     }
