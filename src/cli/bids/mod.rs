@@ -116,9 +116,8 @@ impl BidsArgs {
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
         say_notes_of(records.iter().flatten(), terminal);
         if json {
-            let rows: Vec<CohortRow> =
-                runs.iter().zip(&records).map(|(run, record)| run.row(record.as_ref(), derivative)).collect();
-            row_records(&rows).iter().try_for_each(print_json)?;
+            let rows = runs.iter().zip(&records).map(|(run, record)| run.row(record.as_ref(), derivative));
+            row_records(&rows.collect::<Vec<CohortRow>>()).iter().try_for_each(print_json)?;
         }
         terminal.say("written", format!("{}: {}", self.output.display(), plural(records.iter().flatten().count(), "run")));
         // A run may stand, and its files under names of BIDS not.
