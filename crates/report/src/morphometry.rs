@@ -149,7 +149,7 @@ fn named<T>(before: &str, columns: &[MeasuredColumn<T>], of: &T) -> NamedFigures
 
 /// Measured columns of a table.
 fn measured<'a, T>(columns: &'a [MeasuredColumn<T>], rows: &'a [T]) -> impl Iterator<Item = Column> + 'a {
-    columns.iter().map(move |(name, figure)| Column::real(*name, rows.iter().map(figure)))
+    columns.iter().map(move |(name, figure)| Column::real(*name, rows.iter().map(|row| finite(figure(row)))))
 }
 
 /// The weighted mean, and the weighted quantiles of .025 and .975.

@@ -3,10 +3,9 @@
 use super::{MeasuredBifurcation, MeasuredEnd, MeasuredVessel, NetworkFigures, VesselTotals};
 use crate::network::units::millimetres;
 
-/// A column: its name, and the figure of a row; no number leaves its cell empty.
+/// A column: its name, and the figure of a row; what is not finite leaves its cell empty.
 pub type MeasuredColumn<T> = (&'static str, fn(&T) -> f64);
 
-const PER_MM: f64 = 1e-3;
 const MM2: f64 = 1e6;
 const MM3: f64 = 1e9;
 
@@ -21,13 +20,13 @@ pub const OF_VESSEL: [MeasuredColumn<MeasuredVessel>; 17] = [
     ("surface_mm2", |of| MM2 * of.shape.surface),
     ("distance_metric", |of| of.shape.distance_metric),
     ("inflection_count_metric", |of| of.shape.inflection_count_metric),
-    ("sum_of_angles_rad_per_mm", |of| PER_MM * of.shape.sum_of_angles_metric),
-    ("curvature_per_mm", |of| PER_MM * of.shape.curvature),
-    ("torsion_per_mm", |of| PER_MM * of.shape.torsion),
-    ("generation", |of| order(of.generation)),
-    ("strahler", |of| order(of.strahler)),
-    ("strahler_by_diameter", |of| order(of.diameter_strahler)),
-    ("from_inlet_mm", |of| way(of.from_inlet)),
+    ("sum_of_angles_rad_per_mm", |of| 1e-3 * of.shape.sum_of_angles_metric),
+    ("curvature_per_mm", |of| 1e-3 * of.shape.curvature),
+    ("torsion_per_mm", |of| 1e-3 * of.shape.torsion),
+    ("generation", |of| of.generation.map_or(f64::NAN, |n| n as f64)),
+    ("strahler", |of| of.strahler.map_or(f64::NAN, |n| n as f64)),
+    ("strahler_by_diameter", |of| of.diameter_strahler.map_or(f64::NAN, |n| n as f64)),
+    ("from_inlet_mm", |of| millimetres(of.from_inlet)),
     ("probability", |of| of.probability),
 ];
 
@@ -47,7 +46,7 @@ pub const OF_BIFURCATION: [MeasuredColumn<MeasuredBifurcation>; 10] = [
 
 /// Of an end.
 pub const OF_END: [MeasuredColumn<MeasuredEnd>; 2] =
-    [("radius_mm", |of| millimetres(of.radius)), ("from_inlet_mm", |of| way(of.from_inlet))];
+    [("radius_mm", |of| millimetres(of.radius)), ("from_inlet_mm", |of| millimetres(of.from_inlet))];
 
 /// Of a whole network.
 pub const OF_NETWORK: [MeasuredColumn<NetworkFigures>; 17] = [
@@ -84,12 +83,3 @@ pub const OF_TOTALS: [MeasuredColumn<VesselTotals>; 4] = [
     ("diameter_mm", |of| 2.0 * millimetres(of.radius)),
     ("from_inlet_mean_mm", |of| millimetres(of.mean_from_inlet)),
 ];
-
-fn order(of: Option<usize>) -> f64 {
-    of.map_or(f64::NAN, |n| n as f64)
-}
-
-/// The length of a way; no number where none leads there.
-fn way(length: f64) -> f64 {
-    if length.is_finite() { millimetres(length) } else { f64::NAN }
-}
