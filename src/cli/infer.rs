@@ -58,12 +58,8 @@ pub struct InferenceArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub sampling: SamplingArgs,
-    /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is at least as probable as PRICE, 1.5, times the
-    /// probability that what hangs there is nothing, and what closes a loop from P = PRICE/5 on; a smaller price leaves fewer fragments
-    /// alone), best-first[=P] (the most probable candidates above P, 0.4, each free end once), reconnect[=P] (best-first, then contacts
-    /// from P, 0, and candidates from 0.1 on, which P may raise, that join two parts), probability=P, median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F
-    /// [default: probable on tracings, best-first on skeletons, reconnect where contacts were found, median without evidence]
-    #[arg(long, value_name = "RULE", help_heading = "Answer")]
+    #[arg(long, value_name = "RULE", help_heading = "Answer", help = format!("Which uncertain vessels stay: {} [default: probable on tracings, \
+        best-first on skeletons, reconnect where contacts were found, median without evidence]", Keep::HELP))]
     pub keep: Option<Keep>,
     /// What a person decided on connections, as report.html writes it (decisions.csv): accepted ones are certain, rejected ones are gone;
     /// {} in it is the path of INPUT without its ending
