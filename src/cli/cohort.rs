@@ -13,7 +13,7 @@ use crate::internals::output::atomic::{StagedFiles, StagedFolder, clear_leftover
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, write_cohort};
+use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, row_records, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
@@ -247,7 +247,7 @@ impl Cohort<'_> {
         let line = command_line(if self.command == "bids" { "" } else { "again" });
         let about = CohortRun { command: self.command, line, parameters: &self.parameters };
         write_cohort(folder, rows, &about)?;
-        if self.json { rows.iter().try_for_each(|row| print_json(&row.record())) } else { Ok(()) }
+        if self.json { row_records(rows).iter().try_for_each(print_json) } else { Ok(()) }
     }
 
     /// The ledger of the cohort to resume; the new one, without a subject, where the folder is made anew.

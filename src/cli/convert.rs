@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::convert::{Target, is_for_a_solver};
-use crate::internals::formats::{Format, unread_columns};
+use crate::internals::formats::convert::Target;
+use crate::internals::formats::{Format, FormatTrait, unread_columns};
 use crate::internals::output::StagedFiles;
 use crate::internals::pipeline::stage_target;
 use crate::{BoundaryOptions, FlowOptions, Network, Unfed, WrittenFiles, read, solver_model};
@@ -21,10 +21,9 @@ use super::print::{TextTerminal, plural, say_read};
 use super::shell::print_json;
 
 /// Convert centerlines or a graph into another format, saying what is lost
-///
-/// The ending of OUT says the format: .swc, .vtp, .vtk (legacy), .graphml, .csv (a table of vessels, with one of nodes beside
-/// it), .json (3D Slicer markups), .tre (ITK tubes), .am (Amira), .npz (skeleton graph for NumPy). --to says it where the ending does not.
 #[derive(Debug, Args)]
+#[command(long_about = format!("Convert centerlines or a graph into another format, saying what is lost\n\n\
+    The ending of OUT says the format: {}. --to says it where the ending does not.", Format::explained_endings()))]
 #[command(after_help = "Examples:
   willis convert extraction.vtp extraction.swc
   willis convert circle.graphml model.json --to svzerod --pulse")]
@@ -110,7 +109,7 @@ impl ConvertArgs {
         let mut target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
         let path = &self.input.input;
         let model = self.model.options(path)?;
-        if model.is_some() && !is_for_a_solver(target.format) {
+        if model.is_some() && !target.format.is(FormatTrait::Model) {
             let found = format!("for {}", target.format.name());
             return Err(Error::parameter("to", found, "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`"));
         }
@@ -118,8 +117,8 @@ impl ConvertArgs {
         let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
             let found = format!("a file of {}", input.provenance.format);
-            return Err(Fault::file(found, "expected a mask: NIfTI, MetaImage, NRRD, TIFF, NPY; convert rewrites centerlines")
-                .in_file(path));
+            let accepted = format!("expected a mask: {}; convert rewrites centerlines", Format::short(FormatTrait::Mask));
+            return Err(Fault::file(found, accepted).in_file(path));
         }
         say_read(terminal, &input, self.input.reading.units.is_none());
         if let Some(options) = &model {

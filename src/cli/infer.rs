@@ -20,7 +20,7 @@ use serde_json::Value;
 use super::args::arteries::{self, ArteryArgs};
 use super::args::candidates::CandidateArgs;
 use super::args::figures::whole;
-use super::args::reading::ReadingArgs;
+use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
 use super::args::sampling::SamplingArgs;
 use super::args::{boundary_for, file_of};
 use super::at_work::{parsed, with_flags};
@@ -42,10 +42,7 @@ use super::subjects::{Inputs, Subject, expand};
 
 --help lists every option.")]
 pub struct InferArgs {
-    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of points) or a candidate graph
-    /// (GraphML, CSV of edges); several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column input, a row a subject) are a
-    /// cohort: a folder each, and a table of all
-    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
+    #[arg(value_name = "INPUT", help = inputs_of_a_cohort(), required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     inputs: Vec<PathBuf>,
     /// The folder to write; it must not exist, unless it is that of a cohort to go on with
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath, help_heading = "Input")]
@@ -61,12 +58,8 @@ pub struct InferenceArgs {
     pub reading: ReadingArgs,
     #[command(flatten)]
     pub sampling: SamplingArgs,
-    /// Which uncertain vessels stay: probable[=PRICE] (of the most probable forest what is at least as probable as PRICE, 1.5, times the
-    /// probability that what hangs there is nothing, and what closes a loop from P = PRICE/5 on; a smaller price leaves fewer fragments
-    /// alone), best-first[=P] (the most probable candidates above P, 0.4, each free end once), reconnect[=P] (best-first, then contacts
-    /// from P, 0, and candidates from 0.1 on, which P may raise, that join two parts), probability=P, median (of L, as in the paper), quantile=Q, value=X (W/m3), otsu, frequency=F
-    /// [default: probable on tracings, best-first on skeletons, reconnect where contacts were found, median without evidence]
-    #[arg(long, value_name = "RULE", help_heading = "Answer")]
+    #[arg(long, value_name = "RULE", help_heading = "Answer", help = format!("Which uncertain vessels stay: {} [default: probable on tracings, \
+        best-first on skeletons, reconnect where contacts were found, median without evidence]", Keep::HELP))]
     pub keep: Option<Keep>,
     /// What a person decided on connections, as report.html writes it (decisions.csv): accepted ones are certain, rejected ones are gone;
     /// {} in it is the path of INPUT without its ending

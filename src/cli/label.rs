@@ -15,7 +15,7 @@ use clap::Args;
 use serde_json::{Value, json};
 
 use super::args::candidates::CandidateArgs;
-use super::args::reading::ReadingArgs;
+use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
 use super::at_work::parsed;
 use super::checkpoint::Follower;
 use super::cohort::{Cohort, Work};
@@ -36,10 +36,7 @@ use super::subjects::{Inputs, Subject, expand};
   willis label 'scans/*.swc' -o labelled
   willis classify scan.nii.gz -o phenotype --landmarks labelled.landmarks.csv")]
 pub struct LabelArgs {
-    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of
-    /// points) or a candidate graph (GraphML, CSV of edges); several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column
-    /// input, a row a subject) are a cohort: a folder each, and a table of all
-    #[arg(value_name = "INPUT", required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
+    #[arg(value_name = "INPUT", help = inputs_of_a_cohort(), required = true, value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     inputs: Vec<PathBuf>,
     #[command(flatten)]
     reading: ReadingArgs,

@@ -9,7 +9,7 @@ use crate::internals::network::units::millimetres;
 use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::{write_file, write_record};
-use crate::internals::report::cohort::{CohortRow, cohort_columns};
+use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
 use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
 use crate::internals::support::suggestions::did_you_mean;
@@ -125,7 +125,7 @@ impl MeasureArgs {
         }
         self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
         if self.json {
-            rows.iter().try_for_each(|row| print_json(&row.record()))?;
+            row_records(&rows).iter().try_for_each(print_json)?;
         }
         terminal.say("written", format!("{}: {}", self.output.display(), plural(rows.len(), "subject")));
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
@@ -243,7 +243,7 @@ impl MeasureArgs {
                 "seed": self.seed,
                 "reader": self.reader,
             },
-            "subjects": rows.iter().map(CohortRow::record).collect::<Vec<Value>>(),
+            "subjects": row_records(rows),
         })
     }
 }

@@ -7,7 +7,7 @@ use crate::error::{Error, Result};
 use crate::internals::candidates::NEAREST;
 use crate::internals::flow::boundary_conditions::stated;
 use crate::internals::flow::{Boundary, FoundOutlets};
-use crate::internals::formats::convert::{ENDINGS, Target};
+use crate::internals::formats::convert::Target;
 use crate::internals::formats::{
     Format, LandmarkFormat, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image,
 };
@@ -84,7 +84,7 @@ impl PhantomArgs {
             return self.write_mask(kind, &recipe, terminal, force);
         }
         if Format::of_ending(&self.output).is_none() {
-            let accepted = format!("expected an ending .nii.gz or .nii for a mask, or one of {ENDINGS}");
+            let accepted = format!("expected an ending .nii.gz or .nii for a mask, or one of {}", Format::written_endings());
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
         let target = Target::new(&self.output, None)?;

@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Covariates, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
+use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
 use crate::internals::output::is_cohort_file;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::internals::support::endings::stem;
@@ -16,9 +16,6 @@ use super::command_line::{line_of_words, row_words};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
-
-/// Endings of files that hold centerlines or graphs, those that hold nothing else first.
-const ENDINGS: [&str; 10] = ["vtp", "swc", "graphml", "tre", "am", "vtk", "mat", "npz", "csv", "json"];
 
 /// One input of a cohort.
 #[derive(Debug, Clone)]
@@ -168,10 +165,10 @@ fn check_folder(path: &Path) -> Result<()> {
         return refused("a cohort", format!("give its subjects, as '{place}/*'"));
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
-    let has = |ending: &&&str| files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(**ending)));
-    let ending = ENDINGS.iter().find(has);
+    let has = |ending: &str| files.iter().any(|file| file.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending)));
+    let ending = Format::clearest_ending(has);
     let found = if ending.is_some() { "a folder" } else { "a folder without run.json" };
-    refused(found, format!("expected a file, or a pattern such as '{place}/*.{}'", ending.unwrap_or(&ENDINGS[0])))
+    refused(found, format!("expected a file, or a pattern such as '{place}/*.{}'", ending.unwrap_or("vtp")))
 }
 
 /// Refuses a word that is no file but an option that lacks its dashes, or a number after a blank in the place of a comma.

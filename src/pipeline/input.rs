@@ -12,7 +12,7 @@ use willis_core::network::{Network, Origin, RadiusRule};
 use willis_core::support::geometry::Point;
 use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{
-    Content, Document, Format, ReadOptions, open_regular, read as read_file, read_bytes as read_file_bytes,
+    Content, Document, Format, FormatTrait, ReadOptions, open_regular, read as read_file, read_bytes as read_file_bytes,
 };
 use willis_io::masks::{Cavities, Foreground, RadiusFrom};
 use willis_io::output::names::TOPOLOGY;
@@ -156,20 +156,8 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         notes,
     };
     let is_fragments = !is_graph || options.observed;
-    let (format, options) = (Some(format), options.clone());
-    Ok(Input {
-        network: made.network,
-        contents,
-        format,
-        is_fragments,
-        provenance,
-        options,
-        run,
-        started,
-        lines: made.lines,
-        lumen,
-        is_topcow,
-    })
+    let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
+    Ok(Input { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow })
 }
 
 /// Leaves out the edges that a run pruned, as the table of its edges says by `kept`; what is said of it.
@@ -202,44 +190,40 @@ fn mark_border(network: &mut Network, [low, high]: [Point; 2]) -> usize {
 
 /// Refuses options that do not go with what the file holds.
 fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Result<()> {
-    let masks = "goes with a mask";
+    let refused = |name: &str, value: &str, why: &str| Err(Error::parameter(name, value, why));
     if options.field_of_view.is_some() && format.is_mask() {
-        return Err(Error::parameter("box", "", "goes with centerlines; a mask states its own"));
+        return refused("box", "", "goes with centerlines; a mask states its own");
     }
-    if let Some(level) = options.level.filter(|_| !format.is_mask()) {
-        return Err(Error::parameter("level", level, masks));
-    }
-    if options.radius_from != RadiusFrom::default() && !format.is_mask() {
-        return Err(Error::parameter("radius_from", options.radius_from.name(), masks));
-    }
-    if options.cavities == Cavities::Keep && !format.is_mask() {
-        return Err(Error::parameter("cavities", "keep", masks));
+    let of_masks = [
+        ("level", options.level.map(|level| level.to_string())),
+        ("radius_from", (options.radius_from != RadiusFrom::default()).then(|| options.radius_from.name().to_owned())),
+        ("cavities", (options.cavities == Cavities::Keep).then(|| "keep".to_owned())),
+    ];
+    if let Some((name, Some(value))) = of_masks.iter().find(|(_, value)| value.is_some() && !format.is_mask()) {
+        return refused(name, value, "goes with a mask");
     }
     if !format.is_mask() {
         options.scale.check_coordinates()?;
     } else if options.scale.unit != LengthUnit::default() {
-        let unit = options.scale.unit.symbol();
-        return Err(Error::parameter("units", unit, "goes with coordinates; those of a mask are in mm"));
-    } else if options.scale.spacing.is_some() && !matches!(format, Format::Npy | Format::Tiff) {
-        return Err(Error::parameter("spacing", "", "goes with a NumPy or TIFF mask; this file states its own"));
+        return refused("units", options.scale.unit.symbol(), "goes with coordinates; those of a mask are in mm");
+    } else if options.scale.spacing.is_some() && !format.is(FormatTrait::GivenSpacing) {
+        let masks = Format::listed(FormatTrait::GivenSpacing, "or");
+        return refused("spacing", "", &format!("goes with a {masks} mask; this file states its own"));
     }
-    if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(contents, Contents::Centerlines(_))) {
-        let why = "goes with centerlines; the vessels of this input state their radii";
-        return Err(Error::parameter("radius_array", name, why));
-    }
-    if let Some(name) = options.radius_array.as_ref().filter(|_| !matches!(format, Format::Vtp | Format::Vtk | Format::Markups)) {
-        let why = format!("goes with VTP, VTK and markups; {} has one radius for each point", format.name());
-        return Err(Error::parameter("radius_array", name, why));
+    if let Some(name) = &options.radius_array {
+        if !matches!(contents, Contents::Centerlines(_)) {
+            return refused("radius_array", name, "goes with centerlines; the vessels of this input state their radii");
+        }
+        if !format.is(FormatTrait::NamedRadii) {
+            let known = Format::listed(FormatTrait::NamedRadii, "and");
+            return refused("radius_array", name, &format!("goes with {known}; {} has one radius for each point", format.name()));
+        }
     }
     if options.radius_rule != RadiusRule::default() && contents == Contents::Graph && !options.observed {
-        return Err(Error::parameter(
-            "radius",
-            "effective",
-            "goes with centerlines; the vessels of a graph have one radius each",
-        ));
+        return refused("radius", "effective", "goes with centerlines; the vessels of a graph have one radius each");
     }
     if options.observed && contents != Contents::Graph {
-        return Err(Error::parameter("observed", "", "goes with a candidate graph; these vessels are observed anyway"));
+        return refused("observed", "", "goes with a candidate graph; these vessels are observed anyway");
     }
     Ok(())
 }

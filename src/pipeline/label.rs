@@ -122,14 +122,11 @@ impl Labelled {
     /// The landmarks: a CSV table, or the point list of 3D Slicer.
     fn stage_landmarks(&self, path: &Path, format: LandmarkFormat, staged: &mut StagedFiles) -> Result<()> {
         let sign = self.sign();
-        let points: Vec<MarkedPoint> = self
-            .landmarks
-            .iter()
-            .map(|mark| {
-                let at = [sign * mark.at[0], sign * mark.at[1], mark.at[2]].map(metres);
-                MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
-            })
-            .collect();
+        let points = self.landmarks.iter().map(|mark| {
+            let at = [sign * mark.at[0], sign * mark.at[1], mark.at[2]].map(metres);
+            MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
+        });
+        let points: Vec<MarkedPoint> = points.collect();
         staged.write(path, |out| write_landmarks(out, format, self.names.frame, &points))
     }
 

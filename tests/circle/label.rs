@@ -6,7 +6,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::{folder, stderr, willis as command};
-use willis::internals::circle_of_willis::BodySide;
+use willis::internals::circle_of_willis::{Artery, BodySide};
 use willis::internals::naming::algebra::{UNIT, full, inverse, product, rotation, rotation_vector, times, trace_of_product};
 use willis::internals::naming::atlas::{Atlas, all_states};
 use willis::internals::naming::belief::NamingForest;
@@ -14,7 +14,7 @@ use willis::internals::naming::emission::{Parts, Pose, emission, radius_fit};
 use willis::internals::naming::nodes::Bridge;
 use willis::internals::naming::single::Single;
 use willis::internals::naming::states::{
-    ACOMM, BA, NOWHERE, STATES, Sided, StateTables, first_state, label_of, mirrored, state_at,
+    BA, NOWHERE, STATES, StateTables, first_state, label_named, label_of, mirrored, state_at,
 };
 use willis::internals::naming::ways::ways;
 use willis::internals::naming::{ArteryLabel, LABELS, NamingModel, NamingModels, Nodes, OTHER, name_of};
@@ -286,10 +286,10 @@ fn states_run_along_the_arteries_and_have_mirror_images() {
         let other = tables.mirrored[state];
         assert_eq!((tables.mirrored[other], tables.bin[other]), (state, tables.bin[state]));
     }
-    assert_eq!(label_of("R-PComm"), Some(Sided::PComm.on(BodySide::Right)));
-    assert_eq!(name_of(mirrored(Sided::M2.on(BodySide::Left))), "R-M2");
+    assert_eq!(label_named("R-PComm"), Some(label_of(Artery::PComm(BodySide::Right))));
+    assert_eq!(name_of(mirrored(label_of(Artery::M2(BodySide::Left)))), "R-M2");
     assert_eq!(state_at(BA, 9.0), first_state(BA) + 2);
-    assert_eq!(state_at(ACOMM, 90.0), first_state(ACOMM));
+    assert_eq!(state_at(label_of(Artery::AComm), 90.0), first_state(label_of(Artery::AComm)));
     assert_eq!(tables.step(first_state(BA), -1), None);
 }
 
@@ -301,7 +301,8 @@ fn a_gap_is_crossed_as_far_as_it_is_believed() {
         p[label] = 1.0;
         p
     };
-    let (ica, a1, a2) = (Sided::Ica.on(BodySide::Left), Sided::A1.on(BodySide::Left), Sided::A2.on(BodySide::Left));
+    let (ica, a1, a2) =
+        (label_of(Artery::Ica(BodySide::Left)), label_of(Artery::A1(BodySide::Left)), label_of(Artery::A2(BodySide::Left)));
     let labels = [ica, a1, a1, a2, OTHER].map(certain);
     let nodes = Nodes {
         at: [0.0, 1.0, 5.0, 6.0, 90.0].map(|x| [x, 0.0, 0.0]).to_vec(),

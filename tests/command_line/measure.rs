@@ -377,6 +377,30 @@ fn groups_that_cannot_be_compared_are_refused() {
     }
 }
 
+/// What is measured has its name, also one made of labels; what participants have of that name is `given_NAME`.
+#[test]
+fn columns_of_participants_replace_nothing_that_is_measured() {
+    let here = folder();
+    let graph = data("circle-of-willis/complete.graphml");
+    done(here.path(), &["measure", &graph, "-o", "plain"]);
+    let rows = "participant_id,length_mm,L-A1_diameter_mm,given_length_mm,age\ncomplete,long,wide,longer,61\n";
+    fs::write(here.path().join("participants.csv"), rows).expect("written");
+    done(here.path(), &["measure", &graph, "-o", "out", "--participants", "participants.csv"]);
+    let [plain, out] = ["plain", "out"].map(|name| here.path().join(name).join("subjects.csv"));
+    for name in ["length_mm", "L-A1_diameter_mm"] {
+        assert_eq!(cell(&out, 0, name), cell(&plain, 0, name), "{name}");
+    }
+    let record: serde_json::Value =
+        serde_json::from_slice(&fs::read(here.path().join("out/run.json")).expect("a record")).expect("JSON");
+    assert!(record["subjects"][0]["length_mm"].is_number());
+    for (name, given) in
+        [("given_given_length_mm", "long"), ("given_L-A1_diameter_mm", "wide"), ("given_length_mm", "longer"), ("age", "61")]
+    {
+        assert_eq!(cell(&out, 0, name), given, "{name}");
+        assert_eq!(record["subjects"][0][name], given, "{name}");
+    }
+}
+
 #[test]
 fn the_threads_change_nothing() {
     let here = folder();

@@ -154,6 +154,24 @@ fn units_and_radii_are_those_of_the_options_where_the_file_says_otherwise() {
     assert!(with("float thickness", "float Size", &optional).is_ok());
 }
 
+/// Through the front door, which asks whether the options go with the format.
+#[test]
+fn the_array_of_radii_can_be_named() {
+    let here = tempfile::tempdir().unwrap();
+    let put = |name: &str, bytes: &[u8]| {
+        let path = here.path().join(name);
+        std::fs::write(&path, bytes).unwrap();
+        path
+    };
+    let options = ReadOptions { radius_array: Some("size".into()), ..ReadOptions::default() };
+    let text = String::from_utf8(file(Storage::Text)).unwrap().replacen("float thickness", "float Size", 1);
+    let named = willis::read(&put("a.am", text.as_bytes()), &options).unwrap().network;
+    assert_eq!(sizes(&named), sizes(&network("a.am", &file(Storage::Text))));
+    let said = willis::read(&put("a.swc", b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n"), &options).unwrap_err().to_string();
+    let known = "goes with VTP, VTK legacy, Slicer markups and Amira SpatialGraph; SWC has one radius for each point";
+    assert!(said.ends_with(known), "{said}");
+}
+
 #[test]
 fn what_is_written_is_read_again() {
     let start = network("a.am", &file(Storage::Little));

@@ -57,3 +57,52 @@ fn the_other_rules() {
     assert_eq!(decide(Keep::Otsu, &result).kept, [false, false, true, true]);
     assert_eq!(decide(Keep::Median, &likelihood(&[(0.0, 0.0)])).kept, [false]);
 }
+
+/// What a message lists is in the help and can be read, and reads as it is written; a page has the law of each rule that it follows.
+#[test]
+fn every_rule_is_told_and_read_and_followed() {
+    let said = "everything".parse::<Keep>().unwrap_err().to_string();
+    let forms: Vec<&str> =
+        said.split_once("expected ").unwrap().1.split([',', ' ']).filter(|form| !["", "or"].contains(form)).collect();
+    assert_eq!(forms.len(), 9, "{said}");
+    let laws = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/report/src/page/assets/rules.js");
+    let laws = std::fs::read_to_string(laws).expect("the laws of the page");
+    let mut told = Keep::HELP.to_owned();
+    for form in forms {
+        assert!(told.contains(form), "{form}: {}", Keep::HELP);
+        told = told.replacen(form, "", 1);
+        let word = form.split(['[', '=']).next().unwrap();
+        let rule: Keep = match word.parse() {
+            Ok(rule) => rule,
+            Err(why) => {
+                let example = why.to_string().split_once("as in ").expect("an example").1.to_owned();
+                example.parse().expect("a rule")
+            }
+        };
+        assert!(rule.to_string().starts_with(word), "{rule}");
+        assert_eq!(rule.to_string().parse::<Keep>().unwrap(), rule);
+        assert_eq!(form.contains('='), rule.to_string().contains('='), "{rule}");
+        if let Some(followed) = rule.followed() {
+            let followed = serde_json::to_value(followed).expect("JSON");
+            let law = followed.as_object().and_then(|law| law.keys().next()).expect("a law");
+            assert!(laws.contains(&format!("\n  {law}: {{ keeps: ")), "{law}");
+        }
+    }
+    for (text, wanted) in [
+        (
+            "median=3",
+            "expected probable[=PRICE], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P",
+        ),
+        ("quantile==", "needs a figure, as in quantile=0.8"),
+        ("value", "needs a figure, as in value=1e5"),
+        ("reconnect=40%", "expected a number from 0 to 1, such as reconnect=0.4"),
+        ("probable=", "expected probable[=PRICE], "),
+        ("probable=50%", "expected probable[=PRICE], "),
+        ("probable=2000", "keep probable 2000: expected a number from 0 to 1000"),
+        ("value=inf", "expected a finite number of W/m3"),
+        ("resonect", "did you mean \"reconnect\"? expected probable"),
+    ] {
+        let said = text.parse::<Keep>().unwrap_err().to_string();
+        assert!(said.contains(wanted), "{text}: {said}");
+    }
+}

@@ -8,7 +8,7 @@ use willis_core::error::Result;
 use willis_core::network::units::metres;
 use willis_core::network::{Network, Role};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
-use willis_core::support::geometry::{Point, distance, lerp, unit};
+use willis_core::support::geometry::{Point, distance, unit};
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,21 +119,17 @@ impl SampledVessel {
     /// is straight.
     pub fn at(network: &Network, row: usize, steps: impl FnOnce(f64) -> usize) -> Self {
         let vessel = network.vessel(row);
-        let mut path: Vec<(Point, f64)> = vessel.path.iter().map(|p| (p.position, p.radius)).collect();
-        if path.len() < 2 {
-            let node = |end: usize| network.node(end).position.expect("check_positions has refused a node without one");
-            path = network.ends(row).map(|end| (node(end), vessel.radius)).to_vec();
-        }
-        let arc = arc_lengths(path.iter().map(|(position, _)| *position));
+        let path = network.path_of(row);
+        let arc = arc_lengths(path.iter().map(|point| point.position));
         let length = arc[arc.len() - 1];
         let steps = steps(length);
         let mut walk = ArcWalk::new(&arc);
         let points: Vec<_> = (0..=steps)
             .map(|i| {
                 let (at, share) = walk.to(length * i as f64 / steps as f64);
-                let share = if i == steps { 1.0 } else { share };
-                let ((p, r), (q, s)) = (path[at], path[at + 1]);
-                (if i == steps { q } else { lerp(p, q, share) }, r + share * (s - r))
+                let to = path[at + 1];
+                let point = path[at].towards(to, if i == steps { 1.0 } else { share });
+                (if i == steps { to.position } else { point.position }, point.radius)
             })
             .collect();
         Self { step: length / steps as f64, radius: vessel.radius, pieces: vec![[0, steps]], points }

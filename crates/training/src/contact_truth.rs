@@ -7,6 +7,7 @@ use serde::Deserialize;
 use willis_core::error::Fault;
 use willis_core::network::units::metres;
 use willis_core::network::{Network, Origin, PathPoint};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_models::candidates::search::point_index::PointIndex;
 use willis_models::contacts::branches::{BranchEnd, Branches, runs};
@@ -320,12 +321,9 @@ impl ContactTruth {
 
 /// Points from the first or last one on, each with its way from there, m.
 fn ways(points: &[PathPoint], from_last: bool) -> impl Iterator<Item = (Point, f64)> {
-    let count = points.len();
-    let position = move |k: usize| points[if from_last { count - 1 - k } else { k }].position;
-    (0..count).scan(0.0, move |arc, k| {
-        *arc += if k > 0 { distance(position(k - 1), position(k)) } else { 0.0 };
-        Some((position(k), *arc))
-    })
+    let line = in_direction(points.iter().map(|point| point.position).collect(), !from_last);
+    let arc = arc_lengths(line.iter().copied());
+    line.into_iter().zip(arc)
 }
 
 /// Places at even steps along points, each with its length from the first.

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use crate::internals::formats::{Format, FormatTrait};
 use crate::{Appearance, Attach, CandidateOptions, CandidateRadius, Cut, InferOptions, Prior};
 use clap::Args;
 
@@ -23,11 +24,11 @@ pub struct CandidateArgs {
     /// The mask that the centerlines were made of; where a mask is the input, it is that one
     #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
     mask: Option<PathBuf>,
-    /// The image that shows the vessels (NIfTI, MetaImage, NRRD, TIFF): gaps of a mask or of an automatic skeleton are looked at in it
-    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", value_hint = clap::ValueHint::FilePath, help = format!(
+        "The image that shows the vessels ({}): gaps of a mask or of an automatic skeleton are looked at in it", Format::short(FormatTrait::OwnSpacing)))]
     image: Option<PathBuf>,
-    /// The probabilities of vessels from a segmenter (NIfTI, MetaImage, NRRD, TIFF), looked at in place of an image; it may be the input itself
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "vessels"], value_hint = clap::ValueHint::FilePath)]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["image", "vessels"], value_hint = clap::ValueHint::FilePath, help = format!(
+        "The probabilities of vessels from a segmenter ({}), looked at in place of an image; it may be the input itself", Format::short(FormatTrait::OwnSpacing)))]
     probability: Option<PathBuf>,
     /// How vessels look in the image [default: auto]
     #[arg(long, requires = "image", value_parser = words::<Appearance>(&[("auto", "As most of them do"), ("bright", "TOF, CTA, contrast-enhanced MRA"),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{StatedSpacing, byte_count, stated_spacing};
+use crate::internals::formats::{Format, FormatTrait, StatedSpacing, byte_count, stated_spacing};
 use crate::internals::network::Frame;
 use crate::internals::network::units::metres;
 use crate::internals::pipeline::RunOptions;
@@ -20,12 +20,17 @@ use crate::cli::print::{TextTerminal, say_read};
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
-    /// A mask (NIfTI, MetaImage, NRRD, TIFF, NPY), centerlines (SWC, VTP, VTK, TRE, Slicer markups, iCafe, Voreen, VesselVio, Amira, NPZ, MAT, CSV of
-    /// points) or a candidate graph (GraphML, CSV of edges)
-    #[arg(value_name = "INPUT", value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
+    #[arg(value_name = "INPUT", help = Format::inputs(), value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
     pub input: PathBuf,
     #[command(flatten)]
     pub reading: ReadingArgs,
+}
+
+/// The help of inputs of which several are a cohort.
+pub fn inputs_of_a_cohort() -> String {
+    let many =
+        "several, a pattern in quotes ('scans/*.swc'), or a manifest (CSV with a column input, a row a subject) are a cohort";
+    format!("{}; {many}: a folder each, and a table of all", Format::inputs())
 }
 
 /// The inputs of a command that takes runs and cohorts, and how they are read.
@@ -46,13 +51,13 @@ pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
     #[arg(long, value_parser = words::<LengthUnit>(&[("mm", ""), ("um", ""), ("cm", ""), ("m", ""), ("voxel", "")]))]
     pub units: Option<LengthUnit>,
-    /// Voxel spacing in mm, of a NumPy or TIFF mask or of coordinates in voxels: one number, or three; auto takes it from where it is stated,
-    /// iCafe's Image_info.txt beside INPUT or the mask itself
-    #[arg(long, value_name = "S|SX,SY,SZ|auto", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
+    #[arg(long, help = format!("Voxel spacing in mm, of a {} mask or of coordinates in voxels: one number, or three; auto takes it from where it is \
+        stated, iCafe's Image_info.txt beside INPUT or the mask itself", Format::listed(FormatTrait::GivenSpacing, "or")),
+        value_name = "S|SX,SY,SZ|auto", value_delimiter = ',', value_parser = spacing, allow_hyphen_values = true,
         hide_short_help = true)]
     pub spacing: Option<Vec<Spacing>>,
-    /// The VTP point array that holds the radius, when it has an unusual name
-    #[arg(long, value_name = "NAME", hide_short_help = true)]
+    #[arg(long, value_name = "NAME", hide_short_help = true, help = format!("The array that holds the radius, when it has an unusual \
+        name, in {}", Format::listed(FormatTrait::NamedRadii, "or")))]
     pub radius_array: Option<String>,
     /// Which radius stands for a vessel
     #[arg(long, default_value = "mean", hide_short_help = true, value_parser = words::<RadiusRule>(&[("mean", "The mean over arc length"),
@@ -151,7 +156,8 @@ impl ReadingArgs {
             }
             (StatedSpacing::Beside(_), Some(_)) => Err(Error::parameter("spacing", "auto", "goes with `units=voxel`")),
             (StatedSpacing::Nowhere, _) => {
-                let accepted = "expected Image_info.txt of iCafe beside it or a mask in NIfTI, MetaImage, NRRD or TIFF, else give the spacing in mm";
+                let mask = format!("a mask in {}", Format::listed(FormatTrait::OwnSpacing, "or"));
+                let accepted = format!("expected Image_info.txt of iCafe beside it or {mask}, else give the spacing in mm");
                 Err(Fault::file("nothing states the spacing", accepted).in_file(input))
             }
         }
@@ -186,11 +192,8 @@ impl ReadingArgs {
         let Some(given) = &self.field_of_view else { return Ok(None) };
         let Ok([a, b, c, d, e, f]) = <[f64; 6]>::try_from(given.as_slice()) else {
             let given: Vec<String> = given.iter().map(f64::to_string).collect();
-            return Err(Error::parameter(
-                "box",
-                given.join(","),
-                "expected six numbers: the least x,y,z and the largest x,y,z, in mm",
-            ));
+            let accepted = "expected six numbers: the least x,y,z and the largest x,y,z, in mm";
+            return Err(Error::parameter("box", given.join(","), accepted));
         };
         Ok(Some([[a, b, c].map(metres), [d, e, f].map(metres)]))
     }

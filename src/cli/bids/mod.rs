@@ -13,7 +13,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{read_json, write_json};
 use crate::internals::report::bids_table::bids_columns;
-use crate::internals::report::cohort::{CohortRow, infer_figures};
+use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 
@@ -116,7 +116,8 @@ impl BidsArgs {
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
         say_notes_of(records.iter().flatten(), terminal);
         if json {
-            runs.iter().zip(&records).try_for_each(|(run, record)| print_json(&run.row(record.as_ref(), derivative).record()))?;
+            let rows = runs.iter().zip(&records).map(|(run, record)| run.row(record.as_ref(), derivative));
+            row_records(&rows.collect::<Vec<CohortRow>>()).iter().try_for_each(print_json)?;
         }
         terminal.say("written", format!("{}: {}", self.output.display(), plural(records.iter().flatten().count(), "run")));
         // A run may stand, and its files under names of BIDS not.

@@ -72,11 +72,11 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
         (Vec::new(), vec![f64::NAN; network.vessel_count()], vec![None; network.vessel_count()]);
     let (mut kept, close) = match rule {
         Keep::Probability(least) => {
-            let probability = evidence("probability", network)?;
+            let probability = evidence(rule, network)?;
             (probability.iter().map(|p| p.is_some_and(|p| p >= least)).collect(), near(&probability, rule))
         }
         Keep::Probable(price) => {
-            let probability = evidence("probable", network)?;
+            let probability = evidence(rule, network)?;
             let forest = probable(network, price)?;
             let mut close = near(&probability, rule);
             left_open = forest.left_open;
@@ -92,14 +92,8 @@ pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Deci
             (needed, instead) = (forest.needed, forest.instead);
             (forest.kept, close)
         }
-        Keep::BestFirst(least) => {
-            let probability = evidence_if_asked("best-first", network)?;
-            (best_first_of(network, least), near(&probability, rule))
-        }
-        Keep::Reconnect(least) => {
-            let probability = evidence_if_asked("reconnect", network)?;
-            (reconnected(network, least), near(&probability, rule))
-        }
+        Keep::BestFirst(least) => (best_first_of(network, least), near(&evidence_if_asked(rule, network)?, rule)),
+        Keep::Reconnect(least) => (reconnected(network, least), near(&evidence_if_asked(rule, network)?, rule)),
         _ => by_samples(rule, cut, result),
     };
     for (kept, uncertain) in kept.iter_mut().zip(&result.uncertain) {
@@ -120,18 +114,18 @@ pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result
 }
 
 /// The probability of each vessel, which a rule asks for; nothing is asked where every vessel is given.
-fn evidence_if_asked(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+fn evidence_if_asked(rule: Keep, network: &Network) -> Result<Vec<Option<f64>>> {
     let is_given = |(_, vessel): ([usize; 2], &Vessel)| vessel.origin == Origin::Observed || vessel.certain;
     if network.vessels().all(is_given) { Ok(probabilities(network)) } else { evidence(rule, network) }
 }
 
 /// The probability of each vessel, which a rule asks for.
-fn evidence(rule: &str, network: &Network) -> Result<Vec<Option<f64>>> {
+fn evidence(rule: Keep, network: &Network) -> Result<Vec<Option<f64>>> {
     if has_evidence(network) {
         return Ok(probabilities(network));
     }
     let accepted = "asks for probabilities, which come with the evidence model on centerlines, or as probability in a graph";
-    Err(Error::parameter("keep", rule, accepted))
+    Err(Error::parameter("keep", rule.word(), accepted))
 }
 
 /// Per vessel whether its probability is near the turning point of a rule.

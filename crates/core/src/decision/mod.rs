@@ -11,5 +11,5 @@ pub use decide::{Decision, Topology, UNDECIDED_BAND, UNDECIDED_Z, all_decided, d
 pub use most_probable_forest::{
     ExpectedErrors, PRICE, WITHOUT_PIECE, expected_errors, has_evidence, knows_fragments, probabilities, probable,
 };
-pub use rules::{DecidingFigure, Keep, threshold};
+pub use rules::{DecidingFigure, FollowedRule, Keep, threshold};
 pub use whole_topologies::{KnownEnds, Topologies, TopologySource};

@@ -1,19 +1,20 @@
 //! The rules that decide which vessels are kept: the median of the paper, and others.
 
 use std::fmt;
+use std::mem::discriminant;
 use std::str::FromStr;
 
-use super::best_first::{BEST_FIRST, RECONNECT};
-use super::most_probable_forest::PRICE;
+use super::best_first::{BEST_FIRST, DOUBTFUL, RECONNECT};
+use super::most_probable_forest::{PRICE, WITHOUT_PIECE};
 use crate::error::{Error, Result};
-use crate::sampling::likelihood::Likelihood;
+use crate::sampling::likelihood;
 use crate::support::statistics::{median, otsu, quantile};
 use crate::support::suggestions::did_you_mean;
 use crate::support::ties::TIE;
+use DecidingFigure::{Frequency, Likelihood, Probability};
 
-/// The rule that decides which uncertain vessels stay; as text `median`, `quantile=0.8`, `value=1e5`, `otsu`, `frequency=0.1`,
-/// `probability=0.5`, `probable` or `probable=0.5`, `best-first` or `best-first=0.4`,
-/// `reconnect` or `reconnect=0`.
+/// The rule that decides which uncertain vessels stay; as text a word such as `median`, with a figure where it has one, as `quantile=0.8`.
+/// [`Keep::HELP`] has them all.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Keep {
@@ -54,45 +55,77 @@ pub enum DecidingFigure {
 }
 
 impl DecidingFigure {
-    /// Its column in edges.csv.
-    pub fn column(self) -> &'static str {
+    /// Its column in edges.csv, and its name with its symbol.
+    pub fn names(self) -> [&'static str; 2] {
         match self {
-            Self::Likelihood => "likelihood",
-            Self::Frequency => "frequency",
-            Self::Probability => "probability",
-        }
-    }
-
-    /// Its name with its symbol.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Likelihood => "likelihood L",
-            Self::Frequency => "frequency",
-            Self::Probability => "probability P",
+            Self::Likelihood => ["likelihood", "likelihood L"],
+            Self::Frequency => ["frequency"; 2],
+            Self::Probability => ["probability", "probability P"],
         }
     }
 }
 
-/// The largest price.
-const MOST_PRICE: f64 = 1000.0;
+/// What a rule does that has no threshold, with its figures, for a page to follow it: each has its law in `rules.js`.
+#[derive(Debug, Clone, Copy, PartialEq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FollowedRule {
+    /// The most probable first, then what joins parts.
+    BestFirst {
+        /// The least probability of a candidate.
+        first: f64,
+        /// That of a contact that joins two parts; none where nothing is joined.
+        joins: Option<f64>,
+        /// That of a candidate that does.
+        doubtful: Option<f64>,
+    },
+    /// The most probable forest.
+    Forest {
+        /// The price of a false connection.
+        price: f64,
+        /// The share of it that is asked where no piece hangs on the decision.
+        without: f64,
+    },
+}
 
-const ACCEPTED: &str =
-    "expected probable[=PRICE], best-first[=P], reconnect[=P], median, quantile=Q, value=X, otsu, frequency=F or probability=P";
-/// Rules that need a figure, with one such.
-const WITH_FIGURE: [(&str, &str); 4] = [("quantile", "0.8"), ("value", "1e5"), ("frequency", "0.1"), ("probability", "0.5")];
+/// A rule without its law.
+struct WrittenRule {
+    /// Its word, and what stands for its figure.
+    form: &'static str,
+    make: fn(f64) -> Keep,
+    /// The usual figure, not a number for a rule without one; or an example of a figure that has to be given.
+    usual: std::result::Result<f64, &'static str>,
+    /// The least figure and the largest.
+    range: [f64; 2],
+    weighs: DecidingFigure,
+}
+
+const SHARE: [f64; 2] = [0.0, 1.0];
+const FINITE: [f64; 2] = [f64::MIN, f64::MAX];
+
+/// All rules, in the order of messages.
+static RULES: [WrittenRule; 9] = [
+    WrittenRule { form: "probable[=PRICE]", make: Keep::Probable, usual: Ok(PRICE), range: [0.0, 1000.0], weighs: Probability },
+    WrittenRule { form: "best-first[=P]", make: Keep::BestFirst, usual: Ok(BEST_FIRST), range: SHARE, weighs: Probability },
+    WrittenRule { form: "reconnect[=P]", make: Keep::Reconnect, usual: Ok(RECONNECT), range: SHARE, weighs: Probability },
+    WrittenRule { form: "median", make: |_| Keep::Median, usual: Ok(f64::NAN), range: SHARE, weighs: Likelihood },
+    WrittenRule { form: "quantile=Q", make: Keep::Quantile, usual: Err("0.8"), range: SHARE, weighs: Likelihood },
+    WrittenRule { form: "value=X", make: Keep::Value, usual: Err("1e5"), range: FINITE, weighs: Likelihood },
+    WrittenRule { form: "otsu", make: |_| Keep::Otsu, usual: Ok(f64::NAN), range: SHARE, weighs: Likelihood },
+    WrittenRule { form: "frequency=F", make: Keep::Frequency, usual: Err("0.1"), range: SHARE, weighs: Frequency },
+    WrittenRule { form: "probability=P", make: Keep::Probability, usual: Err("0.5"), range: SHARE, weighs: Probability },
+];
+
+impl WrittenRule {
+    fn word(&self) -> &'static str {
+        self.form.split(['[', '=']).next().unwrap_or(self.form)
+    }
+}
 
 impl fmt::Display for Keep {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Median => f.write_str("median"),
-            Self::Quantile(q) => write!(f, "quantile={q}"),
-            Self::Value(x) => write!(f, "value={x}"),
-            Self::Otsu => f.write_str("otsu"),
-            Self::Frequency(x) => write!(f, "frequency={x}"),
-            Self::Probability(p) => write!(f, "probability={p}"),
-            Self::Probable(factor) => write!(f, "probable={factor}"),
-            Self::BestFirst(p) => write!(f, "best-first={p}"),
-            Self::Reconnect(p) => write!(f, "reconnect={p}"),
+        match self.number() {
+            Some(figure) => write!(f, "{}={figure}", self.word()),
+            None => f.write_str(self.word()),
         }
     }
 }
@@ -116,90 +149,105 @@ impl FromStr for Keep {
 
     fn from_str(text: &str) -> Result<Self> {
         let refused = |accepted: String| Error::parameter("keep", format!("\"{text}\""), accepted);
+        let (word, figure) = text.split_once('=').map_or((text, None), |(word, figure)| (word, Some(figure)));
+        let known = RULES.iter().find(|rule| rule.word() == word);
         let unknown = || {
-            let word = text.split('=').next().unwrap_or_default();
-            let rules =
-                ["probable", "best-first", "reconnect", "median", "otsu"].into_iter().chain(WITH_FIGURE.map(|(rule, _)| rule));
-            let meant = if rules.clone().any(|rule| rule == word) { String::new() } else { did_you_mean(word, rules) };
-            refused(format!("{meant}{ACCEPTED}"))
+            let forms = RULES.each_ref().map(|rule| rule.form).join(", ");
+            let (first, last) = forms.rsplit_once(", ").unwrap_or_default();
+            let meant = if known.is_some() { String::new() } else { did_you_mean(word, RULES.iter().map(WrittenRule::word)) };
+            refused(format!("{meant}expected {first} or {last}"))
         };
-        if let Some((rule, figure)) = WITH_FIGURE.iter().find(|(rule, _)| text.trim_end_matches('=') == *rule) {
-            return Err(refused(format!("needs a figure, as in {rule}={figure}")));
-        }
-        let number = |figure: &str| figure.parse::<f64>().map_err(|_| unknown());
-        let share = |figure: &str| {
-            let (digits, is_percent) = figure.strip_suffix('%').map_or((figure, false), |digits| (digits, true));
-            let x = number(digits)?;
-            if !is_percent && (0.0..=1.0).contains(&x) {
-                return Ok(x);
+        let rule = known.ok_or_else(unknown)?;
+        let figure = match (figure, rule.usual) {
+            (None, Ok(usual)) => usual,
+            (figure, Err(example)) if figure.unwrap_or_default().trim_end_matches('=').is_empty() => {
+                return Err(refused(format!("needs a figure, as in {word}={example}")));
             }
-            let rule = text.trim_end_matches(figure);
-            let meant = if (1.0..=100.0).contains(&x) { format!(", such as {rule}{}", x / 100.0) } else { String::new() };
-            Err(refused(format!("expected a number from 0 to 1{meant}")))
-        };
-        let rule = match text.split_once('=') {
-            None if text == "median" => Self::Median,
-            None if text == "otsu" => Self::Otsu,
-            None if text == "probable" => Self::Probable(PRICE),
-            None if text == "best-first" => Self::BestFirst(BEST_FIRST),
-            None if text == "reconnect" => Self::Reconnect(RECONNECT),
-            Some(("reconnect", p)) => Self::Reconnect(share(p)?),
-            Some(("best-first", p)) => Self::BestFirst(share(p)?),
-            Some(("probable", factor)) => Self::Probable(number(factor)?),
-            Some(("quantile", q)) => Self::Quantile(share(q)?),
-            Some(("value", x)) => Self::Value(number(x)?),
-            Some(("frequency", f)) => Self::Frequency(share(f)?),
-            Some(("probability", p)) => Self::Probability(share(p)?),
+            (Some(figure), _) if rule.form.contains('=') => {
+                let percent = figure.strip_suffix('%').filter(|_| rule.range == SHARE);
+                let x: f64 = percent.unwrap_or(figure).parse().map_err(|_| unknown())?;
+                if rule.range == SHARE && (percent.is_some() || !(0.0..=1.0).contains(&x)) {
+                    let meant =
+                        if (1.0..=100.0).contains(&x) { format!(", such as {word}={}", x / 100.0) } else { String::new() };
+                    return Err(refused(format!("expected a number from 0 to 1{meant}")));
+                }
+                x
+            }
             _ => return Err(unknown()),
         };
-        rule.validate()?;
-        Ok(rule)
+        let rule = (rule.make)(figure);
+        rule.validate().map(|()| rule)
     }
 }
 
 impl Keep {
+    /// What the rules keep, for a help.
+    pub const HELP: &str = "probable[=PRICE] (of the most probable forest what is at least as probable as PRICE, 1.5, times the \
+        probability that what hangs there is nothing, and what closes a loop from P = PRICE/5 on; a smaller price leaves fewer fragments \
+        alone), best-first[=P] (the most probable candidates above P, 0.4, each free end once), reconnect[=P] (best-first, then contacts \
+        from P, 0, and candidates from 0.1 on, which P may raise, that join two parts), probability=P, median (of L, as in the paper), \
+        quantile=Q, value=X (W/m3), otsu, frequency=F";
+
     /// Checks the figure of the rule.
     ///
     /// # Errors
     ///
     /// Names the rule, its value and the range.
     pub fn validate(self) -> Result<()> {
+        let (rule, Some(x)) = (self.written(), self.number()) else { return Ok(()) };
+        let [least, most] = rule.range;
+        let (name, accepted) = match rule.range {
+            _ if (least..=most).contains(&x) => return Ok(()),
+            SHARE => ("keep".to_owned(), "expected a number from 0 to 1".to_owned()),
+            FINITE => (format!("keep {}", rule.word()), "expected a finite number of W/m3".to_owned()),
+            _ => (format!("keep {}", rule.word()), format!("expected a number from {least} to {most}")),
+        };
+        Err(Error::parameter(name, x, accepted))
+    }
+
+    fn written(self) -> &'static WrittenRule {
+        let is_it = |rule: &&WrittenRule| discriminant(&(rule.make)(f64::NAN)) == discriminant(&self);
+        RULES.iter().find(is_it).expect("every rule is written in the table")
+    }
+
+    /// Its word.
+    pub(super) fn word(self) -> &'static str {
+        self.written().word()
+    }
+
+    /// Its figure, where it has one.
+    fn number(self) -> Option<f64> {
         match self {
-            Self::Quantile(q) | Self::Frequency(q) | Self::Probability(q) | Self::BestFirst(q) | Self::Reconnect(q)
-                if !(0.0..=1.0).contains(&q) =>
-            {
-                Err(Error::parameter("keep", q, "expected a number from 0 to 1"))
-            }
-            Self::Value(x) if !x.is_finite() => Err(Error::parameter("keep value", x, "expected a finite number of W/m3")),
-            Self::Probable(x) if !(0.0..=MOST_PRICE).contains(&x) => {
-                Err(Error::parameter("keep probable", x, format!("expected a number from 0 to {MOST_PRICE}")))
-            }
-            _ => Ok(()),
+            Self::Median | Self::Otsu => None,
+            Self::Quantile(x) | Self::Value(x) | Self::Frequency(x) | Self::Probability(x) => Some(x),
+            Self::Probable(x) | Self::BestFirst(x) | Self::Reconnect(x) => Some(x),
         }
     }
 
     /// The figure of a vessel that is weighed.
     pub fn figure(self) -> DecidingFigure {
-        match self {
-            Self::Median | Self::Quantile(_) | Self::Value(_) | Self::Otsu => DecidingFigure::Likelihood,
-            Self::Frequency(_) => DecidingFigure::Frequency,
-            Self::Probability(_) | Self::Probable(_) | Self::BestFirst(_) | Self::Reconnect(_) => DecidingFigure::Probability,
-        }
+        self.written().weighs
     }
 
     /// Whether the evidence decides, not the samples.
     pub fn asks_evidence(self) -> bool {
-        self.figure() == DecidingFigure::Probability
+        self.figure() == Probability
+    }
+
+    /// What it does where a vessel is not kept for its own figure alone, which passes a threshold or does not.
+    pub fn followed(self) -> Option<FollowedRule> {
+        use FollowedRule::{BestFirst, Forest};
+        match self {
+            Self::BestFirst(p) => Some(BestFirst { first: p, joins: None, doubtful: None }),
+            Self::Reconnect(p) => Some(BestFirst { first: BEST_FIRST, joins: Some(p), doubtful: Some(p.max(DOUBTFUL)) }),
+            Self::Probable(price) => Some(Forest { price, without: WITHOUT_PIECE }),
+            Self::Median | Self::Quantile(_) | Self::Value(_) | Self::Otsu | Self::Frequency(_) | Self::Probability(_) => None,
+        }
     }
 
     /// Whether candidates are taken one by one, the most probable first.
     pub fn is_one_by_one(self) -> bool {
-        matches!(self, Self::BestFirst(_) | Self::Reconnect(_))
-    }
-
-    /// Whether a vessel is kept for its own figure alone, which passes a threshold or does not.
-    pub fn has_threshold(self) -> bool {
-        !(self.is_one_by_one() || matches!(self, Self::Probable(_)))
+        matches!(self.followed(), Some(FollowedRule::BestFirst { .. }))
     }
 
     /// Whether the threshold is given, and not itself made of the likelihoods.
@@ -222,25 +270,24 @@ impl Keep {
 
     /// The probability near which a vessel is undecided, where the evidence decides.
     pub fn turning_point(self) -> Option<f64> {
-        match self {
-            Self::Probability(least) | Self::BestFirst(least) => Some(least),
-            Self::Probable(_) => Some(0.5),
-            Self::Reconnect(_) => Some(BEST_FIRST),
-            _ => None,
+        match self.followed() {
+            Some(FollowedRule::BestFirst { first, .. }) => Some(first),
+            Some(FollowedRule::Forest { .. }) => Some(0.5),
+            None => self.number().filter(|_| self.asks_evidence()),
         }
     }
 }
 
 /// The threshold of a rule: on L (W/m³), or on the figure that the rule names. `None` for [`Keep::Probable`], which has none, when no
 /// uncertain vessel has L > 0, and for Otsu when all are equal.
-pub fn threshold(rule: Keep, result: &Likelihood) -> Option<f64> {
+pub fn threshold(rule: Keep, result: &likelihood::Likelihood) -> Option<f64> {
     let positive: Vec<f64> =
         result.likelihood.iter().zip(&result.uncertain).filter(|(l, u)| **u && **l > 0.0).map(|(l, _)| *l).collect();
     match rule {
         Keep::Median => median(&positive),
         Keep::Quantile(q) => quantile(&positive, q),
-        Keep::Value(x) | Keep::Frequency(x) | Keep::Probability(x) | Keep::BestFirst(x) | Keep::Reconnect(x) => Some(x),
-        Keep::Probable(_) => None,
         Keep::Otsu => otsu(&positive.iter().map(|l| l.ln()).collect::<Vec<_>>(), TIE).map(f64::exp),
+        Keep::Probable(_) => None,
+        _ => rule.number(),
     }
 }

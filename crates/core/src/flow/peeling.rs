@@ -4,6 +4,7 @@
 //! flow: they become one resistance, so vessels of equal radii have equal resilience to the last bit.
 
 use super::circuit::Circuit;
+use crate::network::walks::other;
 
 /// A circuit with its dead ends and certain chains taken out.
 #[derive(Debug, Clone)]
@@ -61,14 +62,14 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
             [] => gone[node] = true,
             [only] => {
                 gone[node] = true;
-                let far = links[only].take().map_or(node, |link| other(&link, node));
+                let far = links[only].take().map_or(node, |link| other(link.ends, node));
                 around[far].retain(|l| *l != only);
                 open.extend(Some(far).filter(|n| inner(*n)));
             }
             [a, b] if [a, b].iter().all(|l| links[*l].as_ref().is_some_and(|link| link.certain)) => {
                 let (Some(first), Some(second)) = (links[a].take(), links[b].take()) else { continue };
                 gone[node] = true;
-                let ends = [other(&first, node), other(&second, node)];
+                let ends = [other(first.ends, node), other(second.ends, node)];
                 around[ends[1]].retain(|l| *l != b);
                 if ends[0] == ends[1] {
                     // A ring at one node: no pressure difference drives it.
@@ -84,10 +85,6 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
         }
     }
     assemble(circuit, &links, &gone)
-}
-
-fn other(link: &ChainLink, node: usize) -> usize {
-    if link.ends[0] == node { link.ends[1] } else { link.ends[0] }
 }
 
 fn assemble(circuit: &Circuit, links: &[Option<ChainLink>], gone: &[bool]) -> Peeled {

@@ -4,6 +4,7 @@
 //! depend on how a file divides its lines.
 
 mod bifurcations;
+pub mod columns;
 mod figures;
 mod orders;
 mod shape;

@@ -1,7 +1,7 @@
 //! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
 
 use super::vessel_lines::VesselLine;
-use crate::network::paths::ShortestPaths;
+use crate::network::paths::{ShortestPaths, lengths_at};
 use crate::network::{Network, Vessel};
 
 /// So often orders by diameter are found again at most.
@@ -22,12 +22,7 @@ pub struct InletWays {
 impl InletWays {
     /// Finds the ways, and turns every line so that it begins where it is nearer to an inlet.
     pub fn of(nodes: usize, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
-        let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes];
-        for (row, line) in lines.iter().enumerate() {
-            let [a, b] = line.ends;
-            at[a].push((row, b, line.length));
-            at[b].push((row, a, line.length));
-        }
+        let at = lengths_at(nodes, lines.iter().enumerate().map(|(row, line)| (row, line.ends, line.length)));
         let (mut paths, mut reached) = (ShortestPaths::new(nodes), Vec::new());
         let edges = |node: usize| at[node].iter().copied();
         paths.search(inlets, f64::INFINITY, edges, |_, node| {

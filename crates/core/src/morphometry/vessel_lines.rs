@@ -1,7 +1,8 @@
 //! Vessels between junctions as lines: pieces of a network that meet two by two are one vessel.
 
-use crate::network::runs::{other_end, runs, vessels_at};
+use crate::network::walks::{Walk, runs, vessels_at};
 use crate::network::{Network, Vessel};
+use crate::support::arc_lengths::in_direction;
 use crate::support::geometry::{Point, distance, lerp};
 
 /// A vessel between two junctions or ends, as a line of points.
@@ -82,21 +83,19 @@ pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<Ves
         [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
         _ => false,
     };
-    let line = |run: Vec<(usize, usize)>| {
-        let mut line = VesselLine::from(run[0].1, &network.vessel(run[0].0).label);
-        for (row, node) in run {
-            line.add(network, row, node);
-        }
-        line.shrink();
-        line
-    };
-    runs(network, &at, passes).into_iter().map(line).collect()
+    runs(network, &at, passes).into_iter().map(|run| VesselLine::of(network, run)).collect()
 }
 
 impl VesselLine {
-    fn from(node: usize, label: &str) -> Self {
-        let (pieces, points, radii, at) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-        Self { ends: [node; 2], pieces, label: label.to_owned(), length: 0.0, points, radii, at }
+    fn of(network: &Network, run: Walk) -> Self {
+        let (label, ends) = (network.vessel(run.edges[0]).label.clone(), run.ends());
+        let mut line =
+            Self { ends, pieces: run.edges, label, length: 0.0, points: Vec::new(), radii: Vec::new(), at: Vec::new() };
+        for (piece, node) in run.nodes[..line.pieces.len()].iter().enumerate() {
+            line.add(network, line.pieces[piece], *node);
+        }
+        line.shrink();
+        line
     }
 
     /// Gives back the room for points that it has not: of a million short lines that is as much as the points take.
@@ -107,14 +106,10 @@ impl VesselLine {
         self.at.shrink_to_fit();
     }
 
-    /// Adds a piece that begins or ends at `node`.
+    /// Adds the points of a piece from `node` on.
     fn add(&mut self, network: &Network, row: usize, node: usize) {
         let (ends, vessel) = (network.ends(row), network.vessel(row));
-        let forward = ends[0] == node;
-        let mut piece = points_of(network, ends, vessel);
-        if !forward {
-            piece.reverse();
-        }
+        let piece = in_direction(points_of(network, ends, vessel), ends[0] == node);
         let steps: Vec<f64> = piece.windows(2).map(|pair| distance(pair[0].0, pair[1].0)).collect();
         let drawn: f64 = steps.iter().sum();
         let scale = if drawn > 0.0 { vessel.length / drawn } else { 0.0 };
@@ -128,8 +123,6 @@ impl VesselLine {
             }
         }
         self.length += vessel.length;
-        self.ends[1] = other_end(network, row, node);
-        self.pieces.push(row);
     }
 }
 

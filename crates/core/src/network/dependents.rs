@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use petgraph::unionfind::UnionFind;
 
 use super::Network;
-use super::paths::ShortestPaths;
-use super::runs::{other_end, vessels_at};
+use super::paths::{ShortestPaths, lengths_at};
+use super::walks::{other_end, vessels_at};
 
 /// Per vessel the length of vessels that hangs on it, m: of the vessels `kept` the shorter side if it were cut, 0 where that cuts
 /// nothing off; of others the shorter of the two parts that it would join, 0 where they are one.
@@ -102,14 +102,11 @@ pub fn if_parted(network: &Network, kept: &[bool], ends: &[(usize, usize, usize)
     let block_of =
         |row: usize, node: usize| ends.iter().find(|(of, at, _)| (*of, *at) == (row, node)).map(|(.., block)| nodes + block);
     // A node for each block, in place of those where the vessels meet.
-    let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); nodes + blocks];
-    for (row, (pair, vessel)) in network.vessels().enumerate().filter(|(row, _)| kept[*row]) {
-        let of = pair.map(|node| if is_here(node) { block_of(row, node) } else { Some(node) });
-        if let [Some(a), Some(b)] = of {
-            at[a].push((row, b, vessel.length));
-            at[b].push((row, a, vessel.length));
-        }
-    }
+    let edges = network.vessels().enumerate().filter(|(row, _)| kept[*row]).filter_map(|(row, (pair, vessel))| {
+        let [a, b] = pair.map(|node| if is_here(node) { block_of(row, node) } else { Some(node) });
+        Some((row, [a?, b?], vessel.length))
+    });
+    let at = lengths_at(nodes + blocks, edges);
     let mut paths = ShortestPaths::new(nodes + blocks);
     let mut whole = 0.0;
     let mut sides = Vec::with_capacity(blocks);

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::edit::{Edit, MmPoint, text_of};
 use super::path_places::length_of;
-use super::paths::ShortestPaths;
+use super::paths::{ShortestPaths, lengths_at};
 use super::units::millimetres;
 use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
 use crate::error::in_few_digits;
@@ -110,10 +110,7 @@ impl GraphEditor {
     /// The course of a vessel: its path, or its two nodes.
     fn course(&self, row: usize) -> Vec<PathPoint> {
         let (ends, vessel) = &self.vessels[row];
-        if vessel.path.len() > 1 {
-            return vessel.path.clone();
-        }
-        ends.map(|node| PathPoint { position: self.at(node), radius: vessel.radius, id: None }).to_vec()
+        vessel.path_between(ends.map(|node| self.at(node)))
     }
 
     /// The vessels nearest to a place, several where they lie on each other, and where on each.
@@ -196,11 +193,7 @@ impl GraphEditor {
     fn divide(&mut self, (row, (stretch, share)): NearestVessel) -> usize {
         let course = self.course(row);
         let (from, to) = (course[stretch], course[stretch + 1]);
-        let middle = PathPoint {
-            position: lerp(from.position, to.position, share),
-            radius: from.radius + share * (to.radius - from.radius),
-            id: None,
-        };
+        let middle = from.towards(to, share);
         let parts = [[&course[..=stretch], &[middle]].concat(), [&[middle], &course[stretch + 1..]].concat()];
         let [first, second] = [0, 1].map(|part| length_of(&parts[part]));
         let (ends, vessel) = &self.vessels[row];
@@ -331,12 +324,8 @@ impl GraphEditor {
 
     /// The edges at a node, of the vessels that `counts` admits.
     fn edges(&self, counts: impl Fn(usize) -> bool) -> Vec<Vec<(usize, usize, f64)>> {
-        let mut edges = vec![Vec::new(); self.nodes.len()];
-        for (row, ([a, b], vessel)) in self.vessels.iter().enumerate().filter(|(row, _)| counts(*row)) {
-            edges[*a].push((row, *b, vessel.length));
-            edges[*b].push((row, *a, vessel.length));
-        }
-        edges
+        let counted = self.vessels.iter().enumerate().filter(|(row, _)| counts(*row));
+        lengths_at(self.nodes.len(), counted.map(|(row, (ends, vessel))| (row, *ends, vessel.length)))
     }
 
     /// The ball around all places: its centre and its radius.
@@ -410,11 +399,11 @@ impl GraphEditor {
                 };
                 paths.search(&sources, SHARED * most, next, |_, node| node != *goal);
                 let way = paths.lengths()[*goal].is_finite().then(|| paths.path_to(*goal));
-                way.filter(|(_, rows)| rows.iter().map(|row| self.vessels[*row].1.length).sum::<f64>() <= most)
+                way.filter(|way| way.edges.iter().map(|row| self.vessels[*row].1.length).sum::<f64>() <= most)
             });
-            if let Some((nodes, vessels)) = way {
-                tree.nodes.extend(nodes);
-                tree.vessels.extend(vessels);
+            if let Some(way) = way {
+                tree.nodes.extend(way.nodes);
+                tree.vessels.extend(way.edges);
             } else {
                 tree.straight.push([near, *goal]);
                 tree.nodes.insert(*goal);
@@ -463,7 +452,7 @@ impl GraphEditor {
                 let Some(goal) = other else { break };
                 let from_centre = |row: usize| distance(centre, self.middle_of(row));
                 let rank = |row: &usize| (self.vessels[*row].1.origin != Origin::Contact, from_centre(*row));
-                let way = paths.path_to(goal).1;
+                let way = paths.path_to(goal).edges;
                 let least = way.into_iter().min_by(|a, b| rank(a).partial_cmp(&rank(b)).unwrap_or(a.cmp(b)));
                 let Some(row) = least else { break };
                 open.remove(&row);

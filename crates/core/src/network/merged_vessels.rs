@@ -4,9 +4,9 @@ use std::borrow::Cow;
 
 use petgraph::unionfind::UnionFind;
 
-use super::runs::{other_end, runs, vessels_at};
 use super::units::as_stored;
-use super::{Network, Origin, PathPoint, Role, Vessel};
+use super::walks::{Walk, other, runs, vessels_at};
+use super::{Network, Origin, Role, Vessel};
 
 /// A network in which vessels are merged, and what its rows were.
 #[derive(Debug, Clone)]
@@ -41,25 +41,21 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
         return Merged { nodes: (0..network.node_count()).collect(), parts, network };
     }
     let runs = runs(&network, &at, |node| is_gone[node]);
-    let joined = |run: &Vec<(usize, usize)>| {
-        let [(_, start), (last, before)] = [run[0], run[run.len() - 1]];
-        (run.len() > 1).then(|| ([start, other_end(&network, last, before)], in_a_row(&network, run)))
-    };
-    let joined: Vec<_> = runs.iter().map(joined).collect();
     let mut made = Network { frame: network.frame, ..Network::new() };
     let mut row_of = vec![usize::MAX; is_gone.len()];
     for row in (0..is_gone.len()).filter(|row| !is_gone[*row]) {
         row_of[row] = made.add_node_of(&network, row);
     }
-    for (run, joined) in runs.iter().zip(joined) {
-        match joined {
-            Some((ends, vessel)) => made.add_vessel(ends.map(|node| row_of[node]), vessel),
-            None => made.add_vessel_of(&network, run[0].0, network.ends(run[0].0).map(|node| row_of[node])),
+    for run in &runs {
+        let ends = run.ends().map(|node| row_of[node]);
+        match run.edges[..] {
+            [row] => made.add_vessel_of(&network, row, ends),
+            _ => made.add_vessel(ends, in_a_row(&network, run)),
         };
     }
     let nodes = (0..is_gone.len()).filter(|node| !is_gone[*node]).collect();
     let network = Cow::Owned(made);
-    Merged { network, nodes, parts: runs.into_iter().map(|run| run.into_iter().map(|(row, _)| row).collect()).collect() }
+    Merged { network, nodes, parts: runs.into_iter().map(|run| run.edges).collect() }
 }
 
 /// Whether nothing is known of a node but its place.
@@ -76,22 +72,14 @@ fn are_alike(a: &Vessel, b: &Vessel) -> bool {
     plain(a) && plain(b) && same && a.resistance.is_some() == b.resistance.is_some()
 }
 
-/// The vessel that the parts of a run are, each given with the node where it begins.
-fn in_a_row(network: &Network, run: &[(usize, usize)]) -> Vessel {
-    let mut path: Vec<PathPoint> = Vec::new();
-    for (row, begins) in run {
-        let own = &network.vessel(*row).path;
-        let forward = network.ends(*row)[0] == *begins;
-        let points: Vec<PathPoint> = if forward { own.clone() } else { own.iter().rev().copied().collect() };
-        // The node that two parts share is a point of both.
-        path.extend_from_slice(&points[usize::from(!path.is_empty())..]);
-    }
-    let vessels = || run.iter().map(|(row, _)| network.vessel(*row));
+/// The vessel that the parts of a run are.
+fn in_a_row(network: &Network, run: &Walk) -> Vessel {
+    let vessels = || run.edges.iter().map(|row| network.vessel(*row));
     let length: f64 = vessels().map(|vessel| vessel.length).sum();
     let narrowness: f64 = vessels().map(|vessel| vessel.length / vessel.radius.powi(4)).sum();
     let radius = as_stored((length / narrowness).powf(0.25));
     let resistance = vessels().map(|vessel| vessel.resistance).sum::<Option<f64>>();
-    Vessel { length: as_stored(length), radius, resistance, path, ..network.vessel(run[0].0).clone() }
+    Vessel { length: as_stored(length), radius, resistance, path: run.points(network), ..network.vessel(run.edges[0]).clone() }
 }
 
 /// Runs of vessels, of which each knows its two ends.
@@ -108,7 +96,7 @@ impl Runs {
     /// Joins the runs of two vessels at the node that they share, unless the whole would begin and end at one node.
     fn join(&mut self, node: usize, a: usize, b: usize) -> bool {
         let [a, b] = [a, b].map(|row| self.runs.find_mut(row));
-        let far = [a, b].map(|run| if self.ends[run][0] == node { self.ends[run][1] } else { self.ends[run][0] });
+        let far = [a, b].map(|run| other(self.ends[run], node));
         if a == b || far[0] == far[1] {
             return false;
         }

@@ -12,11 +12,11 @@ mod node;
 pub mod path_places;
 pub mod paths;
 pub mod quantity;
-pub mod runs;
 mod tapering_root;
 pub mod units;
 mod vessel;
 mod vessels_from_centerlines;
+pub mod walks;
 pub mod waveform;
 
 pub use centerlines::{Centerlines, Labels, is_radius};
@@ -40,6 +40,7 @@ use petgraph::unionfind::UnionFind;
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::support::arc_lengths::in_direction;
 use crate::support::geometry::{Point, lerp};
 use crate::support::ties::steady;
 
@@ -67,12 +68,12 @@ impl Network {
 
     /// The path of a vessel, or the straight line between its two nodes where it has none; a node without a position is taken to the origin.
     pub fn path_of(&self, row: usize) -> Vec<PathPoint> {
-        let vessel = self.vessel(row);
-        if vessel.path.len() > 1 {
-            return vessel.path.clone();
-        }
-        let at = |node: usize| self.node(node).position.unwrap_or_default();
-        self.ends(row).map(|node| PathPoint { position: at(node), radius: vessel.radius, id: None }).to_vec()
+        self.vessel(row).path_between(self.ends(row).map(|node| self.node(node).position.unwrap_or_default()))
+    }
+
+    /// The same path from one of the two nodes of the vessel on.
+    pub fn path_from(&self, row: usize, node: usize) -> Vec<PathPoint> {
+        in_direction(self.path_of(row), self.ends(row)[0] == node)
     }
 
     /// Adds a node and returns its row.

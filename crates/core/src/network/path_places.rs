@@ -2,7 +2,7 @@
 
 use super::PathPoint;
 use crate::support::arc_lengths::arc_lengths;
-use crate::support::geometry::{distance, lerp};
+use crate::support::geometry::distance;
 
 /// A place on a path: a share of the way from one of its points to the next.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -18,11 +18,7 @@ impl PathPlace {
     pub fn on(self, path: &[PathPoint]) -> PathPoint {
         let from = path[self.point];
         match path.get(self.point + 1) {
-            Some(to) if self.share > 0.0 => PathPoint {
-                position: lerp(from.position, to.position, self.share),
-                radius: from.radius + self.share * (to.radius - from.radius),
-                id: None,
-            },
+            Some(to) if self.share > 0.0 => from.towards(*to, self.share),
             _ => from,
         }
     }

@@ -3,6 +3,18 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
+use super::walks::Walk;
+
+/// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
+pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
+    let mut at = vec![Vec::new(); nodes];
+    for (edge, [a, b], length) in edges {
+        at[a].push((edge, b, length));
+        at[b].push((edge, a, length));
+    }
+    at
+}
+
 /// The shortest paths from some nodes. One value serves many searches over the same nodes.
 pub struct ShortestPaths {
     /// Per node its path length, m; infinite where it was not reached.
@@ -80,8 +92,8 @@ impl ShortestPaths {
         self.previous[node]
     }
 
-    /// The nodes from a source to a node that was visited, and the edges between them.
-    pub fn path_to(&self, node: usize) -> (Vec<usize>, Vec<usize>) {
+    /// The walk from a source to a node that was visited.
+    pub fn path_to(&self, node: usize) -> Walk {
         let (mut nodes, mut edges) = (vec![node], Vec::new());
         let mut at = node;
         while let Some((previous, edge)) = self.previous[at] {
@@ -91,6 +103,6 @@ impl ShortestPaths {
         }
         nodes.reverse();
         edges.reverse();
-        (nodes, edges)
+        Walk { nodes, edges }
     }
 }

@@ -1,7 +1,7 @@
 //! Tells whether the root of a tracing is where its blood comes from: the widest end of one tree that gets narrower from there.
 
 use super::Network;
-use super::runs::{other_end, vessels_at};
+use super::walks::{other_end, vessels_at};
 
 /// The other free ends have at most this share of the radius of the root.
 const MOST_WIDTH: f64 = 0.95;

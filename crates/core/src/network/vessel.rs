@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::support::geometry::Point;
+use crate::support::geometry::{Point, lerp};
 
 /// The odds that a free end, known neither as inlet nor as outlet, is a true end, where a candidate of weight w has the odds w: e⁻²,
 /// between a value that leaves gaps open and one that closes every gap.
@@ -102,6 +102,15 @@ pub struct PathPoint {
     pub id: Option<u64>,
 }
 
+impl PathPoint {
+    /// The point at a share, in [0, 1], of the way to another, without a number.
+    #[must_use]
+    pub fn towards(self, to: Self, share: f64) -> Self {
+        let radius = self.radius + share * (to.radius - self.radius);
+        Self { position: lerp(self.position, to.position, share), radius, id: None }
+    }
+}
+
 /// A vessel between two nodes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Vessel {
@@ -149,6 +158,14 @@ impl Vessel {
             wall: None,
             path: Vec::new(),
         }
+    }
+
+    /// The path, or the straight line between two places (m) where it has none.
+    pub fn path_between(&self, ends: [Point; 2]) -> Vec<PathPoint> {
+        if self.path.len() > 1 {
+            return self.path.clone();
+        }
+        ends.map(|position| PathPoint { position, radius: self.radius, id: None }).to_vec()
     }
 
     /// The evidence for a candidate.

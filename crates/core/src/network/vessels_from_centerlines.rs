@@ -6,6 +6,7 @@ use super::node::Node;
 use super::path_places::length_of;
 use super::tapering_root::falls_from;
 use super::vessel::{Origin, PathPoint, Vessel};
+use super::walks::{Walk, edges_at, runs_by_node};
 use crate::error::Fault;
 use crate::support::arc_lengths::arc_lengths;
 use crate::support::geometry::distance;
@@ -80,29 +81,11 @@ impl Vessel {
 ///
 /// A vessel without any valid radius when `default_radius` (m) is `None`, or without length.
 pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f64>) -> Result<Contraction, Fault> {
-    let mut neighbours = vec![Vec::new(); lines.points.len()];
-    for (link, [a, b]) in lines.links.iter().enumerate() {
-        neighbours[*a as usize].push((*b as usize, link));
-        neighbours[*b as usize].push((*a as usize, link));
-    }
-    let mut is_node: Vec<bool> = neighbours.iter().map(|n| n.len() != 2).collect();
-    let mut walks = Vec::new();
-    let mut used = vec![false; lines.links.len()];
-    for pass in 0..2 {
-        for start in 0..lines.points.len() {
-            // Second pass: what is left are pure rings; their first point becomes a node.
-            if pass == 1 && neighbours[start].len() == 2 && !is_node[start] && !used[neighbours[start][0].1] {
-                is_node[start] = true;
-            } else if pass == 1 || !is_node[start] {
-                continue;
-            }
-            for (next, link) in &neighbours[start] {
-                if !used[*link] {
-                    walks.push(walk(start, *next, *link, &neighbours, &is_node, &mut used));
-                }
-            }
-        }
-    }
+    let ends = |link: usize| lines.links[link].map(|point| point as usize);
+    let at = edges_at(lines.points.len(), (0..lines.links.len()).map(|link| (link, ends(link))));
+    let mut is_node: Vec<bool> = at.iter().map(|links| links.len() != 2).collect();
+    let runs = runs_by_node(&at, ends);
+    runs.iter().for_each(|run| is_node[run.nodes[0]] = true);
     let mut out = Contraction::default();
     out.network.frame = lines.frame;
     let mut row_of = vec![usize::MAX; lines.points.len()];
@@ -124,10 +107,10 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
         }
     }
     let mut interpolated = vec![false; lines.points.len()];
-    for walk in walks {
-        let ends = [0, walk.points.len() - 1].map(|at| row_of[walk.points[at]]);
-        let has_radii = add(&mut out, lines, &walk, ends, rule, default_radius)?;
-        for point in walk.points.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
+    for run in runs {
+        let ends = run.ends().map(|point| row_of[point]);
+        let has_radii = add(&mut out, lines, &run, ends, rule, default_radius)?;
+        for point in run.nodes.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
             interpolated[*point] = true;
         }
     }
@@ -139,30 +122,10 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
     Ok(out)
 }
 
-/// A run from node to node.
-struct Walk {
-    points: Vec<usize>,
-    links: Vec<usize>,
-}
-
-/// The run from a node along a link to the next node.
-fn walk(start: usize, next: usize, link: usize, neighbours: &[Vec<(usize, usize)>], is_node: &[bool], used: &mut [bool]) -> Walk {
-    let (mut walk, mut at) = (Walk { points: vec![start, next], links: vec![link] }, next);
-    used[link] = true;
-    while !is_node[at] {
-        let Some((next, link)) = neighbours[at].iter().find(|(_, link)| !used[*link]) else { break };
-        used[*link] = true;
-        at = *next;
-        walk.points.push(at);
-        walk.links.push(*link);
-    }
-    walk
-}
-
 /// The label of the longest part of a run, and whether there are others.
-fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
+fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
     let mut lengths: Vec<(&str, f64)> = Vec::new();
-    for (ends, link) in walk.points.windows(2).zip(&walk.links) {
+    for (ends, link) in run.nodes.windows(2).zip(&run.edges) {
         let (name, length) = (lines.labels.of(*link), distance(lines.points[ends[0]], lines.points[ends[1]]));
         match lengths.iter_mut().find(|(known, _)| *known == name) {
             Some((_, sum)) => *sum += length,
@@ -177,12 +140,12 @@ fn label(lines: &Centerlines, walk: &Walk) -> (String, bool) {
 fn add(
     out: &mut Contraction,
     lines: &Centerlines,
-    walk: &Walk,
+    run: &Walk,
     ends: [usize; 2],
     rule: RadiusRule,
     default_radius: Option<f64>,
 ) -> Result<bool, Fault> {
-    let points = &walk.points;
+    let points = &run.nodes;
     let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
     let has_radii = interpolate(&mut radii, points, lines);
@@ -199,7 +162,7 @@ fn add(
     }
     let path = points.iter().zip(&radii);
     let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
-    let (label, mixed) = label(lines, walk);
+    let (label, mixed) = label(lines, run);
     out.mixed_labels += usize::from(mixed);
     let vessel = Vessel { label, ..Vessel::along(path, rule) };
     if vessel.length <= 0.0 {

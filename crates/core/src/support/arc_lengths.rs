@@ -1,4 +1,4 @@
-//! A line by the length up to each of its points, and walks along it.
+//! A line by the length up to each of its points, walks along it, and its direction.
 
 use super::geometry::{Point, distance};
 
@@ -10,6 +10,14 @@ pub fn arc_lengths(points: impl IntoIterator<Item = Point>) -> Vec<f64> {
         length
     };
     points.into_iter().map(up_to).collect()
+}
+
+/// A line as it is where it is `forward`, else backwards.
+pub fn in_direction<T>(mut line: Vec<T>, forward: bool) -> Vec<T> {
+    if !forward {
+        line.reverse();
+    }
+    line
 }
 
 /// A walk along a line of two points at least, by the length up to each of them.

@@ -3,6 +3,9 @@
 /// A position in m.
 pub type Point = [f64; 3];
 
+/// What a way on gains by being wider, against the cosine of its bend.
+const WIDER: f64 = 0.3;
+
 /// a - b.
 pub fn sub(a: Point, b: Point) -> Point {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
@@ -64,6 +67,19 @@ pub fn smooth(points: &[Point], rounds: usize) -> Vec<Point> {
         }
     }
     points
+}
+
+/// Of some ways on from a line that runs along a unit vector, the one that goes on the best, of equal ones the first. Each has its direction, which
+/// counts by the cosine of the bend, and the ln of its radius over that of the line; `rounded` is applied to the sum.
+pub fn straightest<W>(along: Point, ways: impl Iterator<Item = (W, Point, f64)>, rounded: impl Fn(f64) -> f64) -> Option<W> {
+    let mut best: Option<(f64, W)> = None;
+    for (way, to, wider) in ways {
+        let score = rounded(dot(along, unit(to)) + WIDER * wider);
+        if best.as_ref().is_none_or(|(most, _)| score > *most) {
+            best = Some((score, way));
+        }
+    }
+    best.map(|(_, way)| way)
 }
 
 /// The radius of a circle of an area, sqrt(a/π).

@@ -2,9 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::formats::format::{Format, format_of};
+use crate::formats::format::format_of;
 use crate::formats::images::{metaimage, nrrd};
 use crate::formats::input::without_mark;
+use crate::formats::known::{Format, FormatTrait};
 use crate::formats::tables::pairs::{find_nodes_table, head, other_table};
 use crate::formats::vendors::icafe::{IMAGE, TABLE_OF_VESSELS, find, find_tracing, image_spacing};
 use willis_core::error::Result;
@@ -13,17 +14,16 @@ use willis_core::error::Result;
 pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);
-    let mut found: Vec<PathBuf> = match format_of(path, bytes) {
-        Ok(Format::Csv) => find_nodes_table(path).into_iter().collect(),
-        Ok(Format::Voreen | Format::VesselVio) => {
-            other_table(path, bytes).ok().and_then(|(_, other)| other).into_iter().collect()
-        }
-        Ok(Format::Swc) => [find(path, TABLE_OF_VESSELS), find(path, IMAGE)].into_iter().flatten().collect(),
-        Ok(Format::ICafe) => [find_tracing(path).ok(), find(path, IMAGE)].into_iter().flatten().collect(),
-        Ok(Format::MetaImage) => metaimage::file_of_voxels(path, bytes).into_iter().collect(),
-        Ok(Format::Nrrd) => nrrd::file_of_voxels(path, bytes).into_iter().collect(),
-        _ => Vec::new(),
+    let found = match format_of(path, bytes) {
+        Ok(Format::Csv) => [find_nodes_table(path), None],
+        Ok(Format::Voreen | Format::VesselVio) => [other_table(path, bytes).ok().and_then(|(_, other)| other), None],
+        Ok(Format::Swc) => [find(path, TABLE_OF_VESSELS), find(path, IMAGE)],
+        Ok(Format::ICafe) => [find_tracing(path).ok(), find(path, IMAGE)],
+        Ok(Format::MetaImage) => [metaimage::file_of_voxels(path, bytes), None],
+        Ok(Format::Nrrd) => [nrrd::file_of_voxels(path, bytes), None],
+        _ => [None, None],
     };
+    let mut found: Vec<PathBuf> = found.into_iter().flatten().collect();
     found.sort();
     found
 }
@@ -39,17 +39,17 @@ pub enum StatedSpacing {
     Nowhere,
 }
 
-/// Where the voxel spacing of an input is stated: a mask in NIfTI, MetaImage, NRRD or TIFF states its own, and Image_info.txt that of an iCafe tracing
-/// beside it.
+/// Where the voxel spacing of an input is stated: most masks state their own, and Image_info.txt that of an iCafe tracing beside it.
 ///
 /// # Errors
 ///
 /// A file beside it that is there and cannot be read.
 pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
     let head = head(path);
-    Ok(match format_of(path, without_mark(&head)) {
-        Ok(Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff) => StatedSpacing::Within,
-        Ok(Format::Swc | Format::ICafe) => image_spacing(path)?.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
-        _ => StatedSpacing::Nowhere,
-    })
+    let is = |what: FormatTrait| format_of(path, without_mark(&head)).is_ok_and(|format| format.is(what));
+    if is(FormatTrait::OwnSpacing) {
+        return Ok(StatedSpacing::Within);
+    }
+    let beside = if is(FormatTrait::SpacingBeside) { image_spacing(path)? } else { None };
+    Ok(beside.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside))
 }

@@ -58,10 +58,8 @@ impl Content {
                 notes.push(format!("{} {what}", plural(count, noun)));
             }
         };
-        let defaulted = format!(
-            "without any radius: took `default_radius`, {} mm",
-            default_radius.map_or(String::new(), |r| millimetres(r).to_string())
-        );
+        let taken = default_radius.map_or(String::new(), |r| millimetres(r).to_string());
+        let defaulted = format!("without any radius: took `default_radius`, {taken} mm");
         let (mut network, lines) = match self {
             Self::Centerlines(mut lines) => {
                 note(lines.weld(WELD_TOLERANCE), "point", "coinciding with another: merged with it");
@@ -73,19 +71,12 @@ impl Content {
             }
             Self::Vessels(mut network) | Self::Graph(mut network) => {
                 let without: Vec<usize> = (0..network.vessel_count()).filter(|v| network.vessel(*v).radius.is_nan()).collect();
-                match (default_radius, without.first()) {
-                    (None, None) => {}
-                    (None, Some(row)) => {
-                        let accepted = "expected a positive radius, or `default_radius`";
-                        return Err(Fault::item(format!("vessel {row}"), "no valid radius", accepted));
-                    }
-                    (Some(radius), _) => {
-                        for row in &without {
-                            network.vessel_mut(*row).radius = radius;
-                        }
-                        note(without.len(), "vessel", &defaulted);
-                    }
+                for row in &without {
+                    let accepted = "expected a positive radius, or `default_radius`";
+                    let lacking = || Fault::item(format!("vessel {row}"), "no valid radius", accepted);
+                    network.vessel_mut(*row).radius = default_radius.ok_or_else(lacking)?;
                 }
+                note(without.len(), "vessel", &defaulted);
                 (network, None)
             }
         };

@@ -5,7 +5,9 @@ use std::collections::HashSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use crate::formats::format::{Format, Written};
+use crate::formats::format::Written;
+use crate::formats::known::Property::{self, Conditions, Figures, Frame, Ids, LoneNodes, Names, Paths, Radii, Statements};
+use crate::formats::known::{Format, FormatTrait};
 use crate::formats::polylines::{between, is_straight, node_points};
 use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::tables::pairs::nodes_table_path;
@@ -15,9 +17,6 @@ use willis_core::flow::Unfed;
 use willis_core::network::path_places::length_of;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
 use willis_core::support::geometry::{distance, lerp};
-
-/// The endings that mean a format.
-pub const ENDINGS: &str = ".swc, .vtp, .vtk, .graphml, .csv, .json, .tre, .am, .npz or .yaml";
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,22 +41,22 @@ impl Target {
     /// A word that is none of [`Format::words`], an ending that means no format, a table of vessels with the name of that of
     /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
-        let words = || Format::words().collect::<Vec<_>>().join(", ");
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
-        let format = found.ok_or_else(|| {
-            if let Some(word) = word {
-                return Error::parameter("to", word, format!("expected one of {}", words()));
+        let format = found.ok_or_else(|| match word {
+            Some(word) => {
+                Error::parameter("to", word, format!("expected one of {}", Format::words().collect::<Vec<_>>().join(", ")))
             }
-            let accepted = format!("expected an ending {ENDINGS}, or `to=FORMAT`");
-            Error::parameter("output", path.display(), accepted)
+            None => {
+                let accepted = format!("expected an ending {}, or `to=FORMAT`", Format::written_endings());
+                Error::parameter("output", path.display(), accepted)
+            }
         })?;
-        let nodes = match format {
-            Format::Csv | Format::Voreen | Format::VesselVio => Some(nodes_table_path(path).ok_or_else(|| {
-                Error::parameter("output", path.display(), "is the name of the table of nodes; expected that of the vessels")
-            })?),
-            _ => None,
-        };
-        let unfed = if is_for_a_solver(format) { Unfed::Drop } else { Unfed::Keep };
+        let nodes = nodes_table_path(path).filter(|_| format.is(FormatTrait::TwoTables));
+        if nodes.is_none() && format.is(FormatTrait::TwoTables) {
+            let accepted = "is the name of the table of nodes; expected that of the vessels";
+            return Err(Error::parameter("output", path.display(), accepted));
+        }
+        let unfed = if format.is(FormatTrait::Model) { Unfed::Drop } else { Unfed::Keep };
         Ok(Self { format, path: path.to_owned(), nodes, unfed, setting: SolverSetting::default() })
     }
 
@@ -76,14 +75,14 @@ impl Target {
     pub fn network<'a>(&self, network: &'a Network) -> Result<(Cow<'a, Network>, Vec<String>)> {
         let (mut made, mut notes) = (Cow::Borrowed(network), Vec::new());
         if self.unfed == Unfed::Drop {
-            if !is_for_a_solver(self.format) && !(0..network.node_count()).any(|node| enters(network, node)) {
+            if !self.format.is(FormatTrait::Model) && !(0..network.node_count()).any(|node| enters(network, node)) {
                 return Err(Error::parameter("unfed", "drop", "needs a node that states where blood enters; none does"));
             }
             let (fed, note) = without_unfed(network);
             made = fed;
             notes.extend(note);
         }
-        if is_for_a_solver(self.format)
+        if self.format.is(FormatTrait::Model)
             && let Some((divided, note)) = without_loops(&made)
         {
             made = Cow::Owned(divided);
@@ -107,11 +106,6 @@ impl Target {
 /// The error that a format cannot hold a network, from an error of kind `InvalidInput` of [`write_into`].
 pub fn refusal(target: &Target, error: &io::Error) -> Error {
     Error::parameter("output", target.path.display(), format!("{} cannot hold the network: {error}", target.format.name()))
-}
-
-/// Whether a format is the input of a solver in time.
-pub fn is_for_a_solver(format: Format) -> bool {
-    matches!(format, Format::SvZeroD | Format::OpenBf)
 }
 
 /// Writes a network, as [`Target::network`] has it, as the file of a target, and as its table of nodes where it has one.
@@ -145,13 +139,9 @@ pub fn write_into(
     Ok(written)
 }
 
-/// Whether a format stores vessels as lines of points, so that a vessel without points needs some.
+/// Whether a format stores the vessels of a network as lines of points, so that a vessel without points needs some.
 fn consists_of_lines(format: Format, network: &Network) -> bool {
-    match format {
-        Format::GraphMl | Format::Csv | Format::Voreen | Format::SvZeroD | Format::OpenBf => false,
-        Format::Npz | Format::VesselVio => !is_straight(network),
-        _ => true,
-    }
+    !format.is(FormatTrait::Pairs) && !(format.is(FormatTrait::PairsIfStraight) && is_straight(network))
 }
 
 /// How far from its nodes, as a share of its length, a straight vessel takes the radius that is its own.
@@ -202,95 +192,41 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
 /// Lengths and radii that differ by less than this fraction are equal.
 const SAME: f64 = 1e-9;
 
-use Property::{Conditions, Figures, Ids, LoneNodes, Paths, Radii, Statements};
-
-/// A property of a network that a format may be unable to store.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Property {
-    /// The centerline of a vessel between its nodes.
-    Paths,
-    /// A length or radius of a vessel that differs from that of its centerline.
-    Figures,
-    /// Ids of nodes.
-    Ids,
-    /// Nodes on no vessel.
-    LoneNodes,
-    /// What vessels store beyond geometry: origins, priors, resistances.
-    Statements,
-    /// What nodes store beyond geometry: labels, conditions.
-    Conditions,
-    /// Radii of nodes.
-    Radii,
-}
-
-/// The properties of a network that a format cannot store.
-fn lacks(format: Format, network: &Network) -> Vec<Property> {
-    match format {
-        Format::GraphMl | Format::Csv => vec![],
-        Format::Vtp | Format::Vtk => vec![Ids, LoneNodes, Conditions],
-        Format::Npz | Format::VesselVio if is_straight(network) => vec![Ids, Statements, Conditions, Radii],
-        Format::Swc | Format::Amira | Format::Npz | Format::VesselVio => vec![Figures, Ids, Statements, Conditions],
-        Format::Voreen if has_whole_ids(network) => vec![Paths, Statements, Conditions, Radii],
-        Format::Voreen => vec![Paths, Ids, Statements, Conditions, Radii],
-        Format::Points | Format::Markups | Format::Tre => vec![Figures, Ids, LoneNodes, Statements, Conditions],
-        Format::SvZeroD | Format::OpenBf => vec![Paths, Ids, LoneNodes, Radii],
-        Format::ICafe | Format::VTrails | Format::Nifti | Format::MetaImage | Format::Nrrd | Format::Tiff | Format::Npy => {
-            Vec::new()
-        }
-    }
-}
-
 /// What is lost when a network is written, one text for each thing.
 pub fn losses(network: &Network, target: &Target) -> Vec<String> {
-    let format = target.format;
-    let lacks = lacks(format, network);
+    let lacks = |property: Property| target.format.lacks(property);
+    let (is_lines, is_openbf) = (consists_of_lines(target.format, network), target.format == Format::OpenBf);
     let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
     let differs = |drawn: Option<f64>, stated: f64| drawn.is_some_and(|drawn| (drawn - stated).abs() > SAME * stated.abs());
     let degree = network.degrees(|_| true);
-    let counts = [
-        (Paths, vessels(&|_, v| v.path.len() > 2), "the points between the nodes of {} vessels"),
-        (
-            Figures,
-            vessels(&|ends, v| differs(drawn_length(network, v, ends), v.length)),
-            "the lengths of {} vessels that are not those of their lines",
-        ),
-        (
-            Figures,
-            vessels(&|_, v| differs(drawn_radius(v), v.radius)),
-            "the radii of {} vessels that are not the mean over their points",
-        ),
-        (Ids, network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count(), "the ids of {} nodes"),
-        (LoneNodes, degree.iter().filter(|d| **d == 0).count(), "{} nodes without a vessel"),
-        (Radii, nodes(&|n| n.radius.is_some()), "the radii of {} nodes"),
-        (Conditions, nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
-        (Conditions, nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
-        (Statements, vessels(&|_, v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
-        (Statements, vessels(&|_, v| v.prior != 1.0), "the priors of {} vessels"),
-        (Statements, vessels(&|_, v| v.evidence.is_some()), "the probabilities of {} vessels"),
-        (Statements, vessels(&|_, v| v.certain), "that {} vessels are certain"),
-        (Statements, vessels(&|_, v| v.resistance.is_some()), "the resistances that {} vessels state"),
-    ];
-    let mut lost: Vec<String> = counts
-        .into_iter()
-        .filter(|(property, count, _)| *count > 0 && lacks.contains(property))
-        .map(|(_, count, what)| what.replace("{}", &count.to_string()))
-        .collect();
-    let joints = degree.iter().filter(|d| **d == 2).count();
-    if consists_of_lines(format, network) && joints > 0 {
-        lost.push(format!("{joints} nodes that join two vessels, which are read again as one"));
-    }
-    let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
-    if consists_of_lines(format, network) && without_course > 0 {
-        lost.push(format!("{without_course} vessels from a node to itself, which have no course"));
-    }
     let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
+    let lengths = vessels(&|ends, v| differs(drawn_length(network, v, ends), v.length));
+    let radii = vessels(&|_, v| differs(drawn_radius(v), v.radius));
+    let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
+    let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
-    if format == Format::OpenBf && inlets > 0 {
-        lost.push(format!("the pressure or flow of {inlets} inlets, which openBF takes as a course in time from inlet-N.dat"));
-    }
-    let is_silent = matches!(format, Format::Csv | Format::Points | Format::Amira | Format::Voreen | Format::VesselVio);
-    if let Some(frame) = network.frame.name().filter(|_| is_silent) {
+    let counts = [
+        (lacks(Paths), vessels(&|_, v| v.path.len() > 2), "the points between the nodes of {} vessels"),
+        (lacks(Figures) && is_lines, lengths, "the lengths of {} vessels that are not those of their lines"),
+        (lacks(Figures) && is_lines, radii, "the radii of {} vessels that are not the mean over their points"),
+        (lacks(Ids) || lacks(Names) && !has_whole_ids(network), ids, "the ids of {} nodes"),
+        (lacks(LoneNodes), degree.iter().filter(|d| **d == 0).count(), "{} nodes without a vessel"),
+        (lacks(Radii) && !is_lines, nodes(&|n| n.radius.is_some()), "the radii of {} nodes"),
+        (lacks(Conditions), nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
+        (lacks(Conditions), nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
+        (lacks(Statements), vessels(&|_, v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
+        (lacks(Statements), vessels(&|_, v| v.prior != 1.0), "the priors of {} vessels"),
+        (lacks(Statements), vessels(&|_, v| v.evidence.is_some()), "the probabilities of {} vessels"),
+        (lacks(Statements), vessels(&|_, v| v.certain), "that {} vessels are certain"),
+        (lacks(Statements), vessels(&|_, v| v.resistance.is_some()), "the resistances that {} vessels state"),
+        (is_lines, degree.iter().filter(|d| **d == 2).count(), "{} nodes that join two vessels, which are read again as one"),
+        (is_lines, without_course, "{} vessels from a node to itself, which have no course"),
+        (is_openbf, inlets, "the pressure or flow of {} inlets, which openBF takes as a course in time from inlet-N.dat"),
+    ];
+    let lost = counts.into_iter().filter(|(is_lost, count, _)| *is_lost && *count > 0);
+    let mut lost: Vec<String> = lost.map(|(_, count, what)| what.replace("{}", &count.to_string())).collect();
+    if let Some(frame) = network.frame.name().filter(|_| lacks(Frame)) {
         lost.push(format!("that positions are in {frame}"));
     }
     lost

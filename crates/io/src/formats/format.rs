@@ -1,4 +1,4 @@
-//! The formats: which one a file has, and which reader and writer belong to it.
+//! Which format a file has, and which reader and writer belong to each.
 
 use std::io;
 use std::path::Path;
@@ -13,6 +13,7 @@ use super::images::stored_image::StoredImage;
 use super::images::tiff::{is_tiff, open_tiff};
 use super::input::{bytes_within, checksum, is_gzip, refuse_utf16, unpacked_head, unpacked_name};
 use super::itk::tubes::{read_tre, write_tre};
+use super::known::{Format, FormatTrait};
 use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 use super::options::ReadOptions;
 use super::refused::refused;
@@ -53,78 +54,6 @@ pub struct Document {
     pub lumen: Option<Foreground>,
 }
 
-/// The formats that are known.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Format {
-    /// SWC: one centerline point a line.
-    Swc,
-    /// VTK XML PolyData.
-    Vtp,
-    /// VTK legacy PolyData.
-    Vtk,
-    /// GraphML.
-    GraphMl,
-    /// A table of edges, with or without a table of nodes in the same folder.
-    Csv,
-    /// A table of points, `fragment,x,y,z,radius`.
-    Points,
-    /// iCafe: a tracing in SWC with its table of vessels.
-    ICafe,
-    /// Voreen's tables of nodes and edges.
-    Voreen,
-    /// VesselVio's tables of vertices and edges.
-    VesselVio,
-    /// 3D Slicer markups.
-    Markups,
-    /// ITK tubes.
-    Tre,
-    /// The SpatialGraph of Amira and Avizo.
-    Amira,
-    /// A skeleton graph as NumPy arrays.
-    Npz,
-    /// VTrails' geodesic trees, a MATLAB 7.3 file.
-    VTrails,
-    /// A mask in NIfTI-1 or NIfTI-2, plain or compressed by gzip.
-    Nifti,
-    /// A mask in MetaImage, the format of ITK.
-    MetaImage,
-    /// A mask in NRRD, plain or a segmentation of 3D Slicer.
-    Nrrd,
-    /// A mask as a stack of TIFF pages.
-    Tiff,
-    /// A mask as a NumPy array, in a file of its own or an archive.
-    Npy,
-    /// A model of the solver svZeroDSolver, only written.
-    SvZeroD,
-    /// A model of the solver openBF, only written.
-    OpenBf,
-}
-
-/// The usual name of each format; the word for it and the file ending that means it, where it can be written.
-const NAMES: [(Format, &str, &str, &str); 21] = [
-    (Format::Swc, "SWC", "swc", "swc"),
-    (Format::Vtp, "VTP", "vtp", "vtp"),
-    (Format::Vtk, "VTK legacy", "vtk", "vtk"),
-    (Format::GraphMl, "GraphML", "graphml", "graphml"),
-    (Format::Csv, "CSV", "csv", "csv"),
-    (Format::Points, "CSV of points", "points", ""),
-    (Format::Voreen, "Voreen CSV", "voreen", ""),
-    (Format::VesselVio, "VesselVio CSV", "vesselvio", ""),
-    (Format::Markups, "Slicer markups", "markups", "json"),
-    (Format::Tre, "TRE", "tre", "tre"),
-    (Format::Npz, "NPZ", "npz", "npz"),
-    (Format::Amira, "Amira SpatialGraph", "amira", "am"),
-    (Format::ICafe, "iCafe", "", ""),
-    (Format::VTrails, "VTrails MAT", "", ""),
-    (Format::Nifti, "NIfTI mask", "", ""),
-    (Format::MetaImage, "MetaImage mask", "", ""),
-    (Format::Nrrd, "NRRD mask", "", ""),
-    (Format::Tiff, "TIFF mask", "", ""),
-    (Format::Npy, "NumPy mask", "", ""),
-    (Format::SvZeroD, "svZeroDSolver JSON", "svzerod", ""),
-    (Format::OpenBf, "openBF YAML", "openbf", "yaml"),
-];
-
 /// What remains after a network was written: links for a second file, and notes.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Written {
@@ -137,33 +66,6 @@ pub struct Written {
 }
 
 impl Format {
-    /// The usual name.
-    pub fn name(self) -> &'static str {
-        NAMES.iter().find(|(format, ..)| *format == self).map_or("", |(_, name, ..)| name)
-    }
-
-    /// Whether it holds a segmentation mask, of which centerlines are made.
-    pub fn is_mask(self) -> bool {
-        matches!(self, Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy)
-    }
-
-    /// The words for the formats that can be written.
-    pub fn words() -> impl Iterator<Item = &'static str> {
-        NAMES.into_iter().map(|(_, _, word, _)| word).filter(|word| !word.is_empty())
-    }
-
-    /// The format that can be written and has this word.
-    pub(crate) fn of_word(word: &str) -> Option<Self> {
-        let known = NAMES.iter().find(|(_, _, known, _)| *known == word.to_ascii_lowercase() && !word.is_empty());
-        known.map(|(format, ..)| *format)
-    }
-
-    /// The format that can be written and that the ending of a file name means.
-    pub fn of_ending(path: &Path) -> Option<Self> {
-        let ending = path.extension()?.to_str()?.to_ascii_lowercase();
-        NAMES.iter().find(|(.., known)| *known == ending && !ending.is_empty()).map(|(format, ..)| *format)
-    }
-
     /// Reads a file of this format, whose checksum is given, and the other files that belong to it. An SWC file with a table of vessels
     /// is one of iCafe.
     pub(crate) fn read(self, path: &Path, bytes: &[u8], sha256: String, options: &ReadOptions) -> Result<Document> {
@@ -197,7 +99,7 @@ impl Format {
                 lines((traced, notes))
             }
             Self::SvZeroD | Self::OpenBf => {
-                return Err(here(Fault::file(format!("{}, which is only written", self.name()), ACCEPTED)));
+                return Err(here(Fault::file(format!("{}, which is only written", self.name()), Self::expected())));
             }
         };
         Ok(Document { format, content, notes, sha256, lumen })
@@ -219,7 +121,10 @@ impl Format {
             Self::Nifti => open_nifti(bytes, most),
             Self::Tiff => open_tiff(bytes, spacing, most),
             Self::Npy => open_numpy(bytes, spacing, most, other),
-            _ => Err(Fault::file(format!("{}, not {what}", self.name()), VOXELS)),
+            _ => {
+                let accepted = format!("expected {} voxels", Self::listed(FormatTrait::Mask, "or"));
+                Err(Fault::file(format!("{}, not {what}", self.name()), accepted))
+            }
         };
         let (voxels, stream) = opened.map_err(|fault| fault.in_file(path))?;
         Ok(StoredImage { file: path.to_owned(), voxels, layers: None, stream })
@@ -328,24 +233,17 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     }
     let mut notes = vec![format!("a mask of {x} x {y} x {z} voxels of {size} mm: centerlines by thinning, {frame}")];
     notes.append(&mut mask.notes);
-    match walls {
-        Some([0.0, 1.0]) => notes.push("radii take values as the part of a voxel that is inside a vessel".to_owned()),
-        Some([outside, inside]) => {
-            let [outside, inside] = [outside as f32, inside as f32];
-            notes.push(format!("radii take voxels at a wall in part: {outside} is outside a vessel, {inside} inside"));
-        }
-        None => {}
-    }
+    notes.extend(walls.map(|walls| match walls {
+        [0.0, 1.0] => "radii take values as the part of a voxel that is inside a vessel".to_owned(),
+        [a, b] => format!("radii take voxels at a wall in part: {} is outside a vessel, {} inside", a as f32, b as f32),
+    }));
+    let cavities = |count: usize| if count == 1 { "1 cavity".to_owned() } else { format!("{count} cavities") };
     if filled.cavities > 0 {
-        notes.push(format!(
-            "{} of {} filled",
-            if filled.cavities == 1 { "1 cavity".to_owned() } else { format!("{} cavities", filled.cavities) },
-            plural(filled.voxels, "voxel")
-        ));
+        notes.push(format!("{} of {} filled", cavities(filled.cavities), plural(filled.voxels, "voxel")));
     }
     if filled.wide > 0 {
-        let are = if filled.wide == 1 { "1 cavity is".to_owned() } else { format!("{} cavities are", filled.wide) };
-        notes.push(format!("{are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
+        let (wide, are) = (cavities(filled.wide), if filled.wide == 1 { "is" } else { "are" });
+        notes.push(format!("{wide} {are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
     }
     if traced.spurs > 0 {
         notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
@@ -357,14 +255,10 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
     Ok((traced.lines, traced.lumen, notes))
 }
 
-const ACCEPTED: &str = "expected SWC, VTP, VTK PolyData, GraphML, CSV, TRE, 3D Slicer markups, NPZ, Amira, VTrails MAT, or a mask: NIfTI, MetaImage, NRRD, TIFF, NPY";
-/// The formats of voxels.
-const VOXELS: &str = "expected NIfTI, MetaImage, NRRD, TIFF or NumPy voxels";
-
 /// Finds the format by the first bytes, then by the file ending, then by the first line with content.
 pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
     if bytes.trim_ascii().is_empty() {
-        return Err(Fault::file("the file is empty", ACCEPTED));
+        return Err(Fault::file("the file is empty", Format::expected()));
     }
     if let Some(fault) = refused(path, bytes) {
         return Err(fault);
@@ -376,26 +270,21 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
         Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
             return Ok(Format::Vtp);
         }
-        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", ACCEPTED)),
+        Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", Format::expected())),
         Some(("graphml", _)) => return Ok(Format::GraphMl),
-        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), ACCEPTED)),
+        Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), Format::expected())),
         None => {}
     }
     let head = String::from_utf8_lossy(&bytes[..bytes.len().min(1 << 16)]);
     let mut lines = head.lines().map(str::trim).filter(|line| !line.is_empty() && !line.starts_with('#'));
     let first = lines.next().unwrap_or_default();
-    match unpacked_name(path).extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
-        Some("swc") => return Ok(Format::Swc),
-        Some("csv" | "tsv") => return Ok(table(path, first).unwrap_or(Format::Csv)),
-        _ => {}
-    }
-    if let Some(format) = table(path, first) {
-        return Ok(format);
-    }
-    if first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok()) {
-        return Ok(Format::Swc);
-    }
-    Err(Fault::file("the format is not known", ACCEPTED))
+    let is_point = || first.split_whitespace().count() == 7 && first.split_whitespace().all(|w| w.parse::<f64>().is_ok());
+    let found = match unpacked_name(path).extension().and_then(|e| e.to_str()).map(str::to_ascii_lowercase).as_deref() {
+        Some("swc") => Some(Format::Swc),
+        Some("csv" | "tsv") => table(path, first).or(Some(Format::Csv)),
+        _ => table(path, first).or_else(|| is_point().then_some(Format::Swc)),
+    };
+    found.ok_or_else(|| Fault::file("the format is not known", Format::expected()))
 }
 
 /// Whether a file begins as an archive does.

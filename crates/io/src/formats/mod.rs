@@ -11,6 +11,7 @@ mod header_fields;
 mod images;
 pub(crate) mod input;
 mod itk;
+mod known;
 mod landmarks;
 mod numpy;
 pub(crate) mod options;
@@ -29,13 +30,13 @@ mod xml;
 pub use attributes::POSITION_COLUMNS;
 pub use companions::{StatedSpacing, companion_files, stated_spacing};
 pub use content::{BuiltNetwork, Content};
-pub use format::{Document, Format, Written, read_image, read_mask};
+pub use format::{Document, Written, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::nifti::{write_nifti, write_nifti_image};
 pub use input::{Checksummed, UnpackLimit, byte_count, bytes_of, checksum, checksum_of, checksum_of_file, regular_bytes_of};
 pub use itk::tubes::{read_tre, write_tre};
-pub use landmarks::SURE;
-pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, read_landmarks, write_landmarks};
+pub use known::{Format, FormatTrait};
+pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, SURE, read_landmarks, write_landmarks};
 pub use numpy::array::read_arrays;
 pub use numpy::matrix::{NamedArray, write_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
@@ -47,9 +48,8 @@ pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
-    stated_columns, vessel_columns, wall_columns, windkessel_columns,
+    read_csv_edges, read_csv_nodes, stated_columns, vessel_columns, wall_columns, windkessel_columns, write_csv_graph,
 };
-pub use tables::graph::{read_csv_edges, read_csv_nodes, write_csv_graph};
 pub use tables::lists::{add_loops, read_links, write_loops};
 pub use tables::manifest::{Covariates, ManifestRow, read_manifest, read_participants};
 pub use tables::points::{read_points, write_points};
@@ -57,8 +57,7 @@ pub use tables::prior::{read_prior_csv, read_prior_npy};
 pub use tables::reader::number;
 pub use tables::unread::unread_columns;
 pub use tables::waveform::read_waveform;
-pub use tables::write::escape_formula;
-pub use tables::write::{Column, Texts, Values, coordinate_columns, write_csv, write_stacked};
+pub use tables::write::{Column, Texts, Values, coordinate_columns, escape_formula, write_csv, write_stacked};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
 pub use vendors::icafe::{ICAFE_ARTERIES, TracedVessel, name_stretches, read_traced_vessels};

@@ -82,12 +82,10 @@ impl ReadOptions {
             let accepted = "expected the least x,y,z and the largest x,y,z, in mm";
             return Err(Error::parameter("box", given.join(","), accepted));
         }
-        match self.default_radius {
-            Some(m) if !(m.is_finite() && m > 0.0) => {
-                Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"))
-            }
-            _ => Ok(()),
+        if let Some(m) = self.default_radius.filter(|m| !(m.is_finite() && *m > 0.0)) {
+            return Err(Error::parameter("default_radius", millimetres(m), "expected a positive length"));
         }
+        Ok(())
     }
 
     /// Whether vessels may lack any radius.

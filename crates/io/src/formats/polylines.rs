@@ -6,6 +6,7 @@ use std::io;
 use petgraph::unionfind::UnionFind;
 
 use willis_core::network::{Centerlines, Network, Node, Origin, PathPoint, Vessel};
+use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
@@ -80,10 +81,7 @@ pub(crate) fn cells(network: &Network) -> io::Result<(Vec<PathPoint>, Vec<Vec<i6
 
 /// The points of a path between its two nodes, without the nodes themselves; from the last to the first unless `forward`.
 pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
-    let mut points = path.to_vec();
-    if !forward {
-        points.reverse();
-    }
+    let mut points = in_direction(path.to_vec(), forward);
     if points.last().is_some_and(|p| distance(p.position, to) <= 0.0) {
         points.pop();
     }

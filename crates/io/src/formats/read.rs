@@ -4,7 +4,8 @@ use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
 use super::content::Content;
-use super::format::{Document, Format, format_of};
+use super::format::{Document, format_of};
+use super::known::Format;
 use super::options::ReadOptions;
 use super::unit_check::{check_extent, unit_check};
 use super::xml;

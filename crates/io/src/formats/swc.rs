@@ -8,7 +8,7 @@ use crate::formats::polylines::{between, node_points, parents_first};
 use crate::formats::tables::reader::{is_missing, plural};
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::runs::{other_end, vessels_at};
+use willis_core::network::walks::{other_end, vessels_at};
 use willis_core::network::{Centerlines, Frame, Network, PathPoint, Role, Scale, cycles, is_radius, millimetres};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];

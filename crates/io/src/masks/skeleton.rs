@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::foreground::{Foreground, neighbours};
+use willis_core::network::walks::edges_at;
 
 /// A branch is a spur if its tip reaches less than this many of its own diameters beyond the wall of the vessel that it leaves.
 const SPUR: f64 = 1.0;
@@ -125,10 +126,7 @@ impl Skeleton {
 
     /// Makes one branch of the two that meet at a node where no other does.
     fn join_through(&mut self) {
-        let mut at: Vec<Vec<usize>> = vec![Vec::new(); self.nodes.len()];
-        for (row, branch) in self.branches.iter().enumerate() {
-            branch.ends.iter().for_each(|end| at[*end].push(row));
-        }
+        let mut at = edges_at(self.nodes.len(), self.branches.iter().map(|branch| branch.ends).enumerate());
         let mut gone = vec![false; self.branches.len()];
         for node in 0..self.nodes.len() {
             let &[a, b] = at[node].as_slice() else { continue };

@@ -12,7 +12,9 @@ use super::lumen::{nearest_seeds, volumes};
 use super::mask::Mask;
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
+use willis_core::network::walks::other;
 use willis_core::network::{Centerlines, metres};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
@@ -170,11 +172,8 @@ impl Tracer<'_> {
 
     /// How far the tip of a branch reaches beyond the wall of the vessel that it leaves at a junction, in diameters of its tip.
     fn reach(&self, graph: &Skeleton, branch: &Branch, junction: usize) -> f64 {
-        let tip = if branch.ends[0] == junction { branch.ends[1] } else { branch.ends[0] };
-        let mut line = self.points(graph, branch);
-        if branch.ends[0] != junction {
-            line.reverse();
-        }
+        let tip = other(branch.ends, junction);
+        let line = in_direction(self.points(graph, branch), branch.ends[0] == junction);
         let length: f64 = line.windows(2).map(|pair| distance(pair[0], pair[1])).sum();
         let own = self.widest(&graph.nodes[tip]);
         (length + own - self.widest(&graph.nodes[junction])) / (2.0 * own)
@@ -366,12 +365,7 @@ impl TracedLine {
 
     /// The radius of a circle with the area of the lumen: weighted volume over weighted length, the weights as wide as the lumen.
     fn radii(&self, step: f64) -> Vec<f64> {
-        let mut along = 0.0;
-        let mut at = Vec::with_capacity(self.points.len());
-        for n in 0..self.points.len() {
-            along += if n > 0 { distance(self.points[n - 1], self.points[n]) } else { 0.0 };
-            at.push(along);
-        }
+        let at = arc_lengths(self.points.iter().copied());
         let n = self.points.len();
         (0..n)
             .map(|here| {

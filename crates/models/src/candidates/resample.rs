@@ -4,7 +4,7 @@ use super::features::extraction::Extraction;
 use super::kind::CenterlineKind;
 use willis_core::error::Result;
 use willis_core::network::path_places::{PathPlace, at_even_steps, length_of};
-use willis_core::network::{Network, Origin, PathPoint, Vessel};
+use willis_core::network::{Network, Origin, Vessel};
 use willis_core::support::geometry::distance;
 use willis_core::support::ties::steady;
 
@@ -41,8 +41,8 @@ impl Resampled {
         let mut resampled = network.clone();
         for row in 0..network.vessel_count() {
             let vessel = resampled.vessel_mut(row);
-            let (path, place) = if vessel.origin == Origin::Observed { at_step(&vessel.path, step) } else { as_it_is(vessel) };
-            vessel.path = path;
+            let place = places_at(vessel, step);
+            vessel.path = place.iter().map(|place| place.on(&vessel.path)).collect();
             places.push(place);
         }
         Self { network: resampled, step, places }
@@ -61,10 +61,6 @@ impl Resampled {
     pub fn place(&self, vessel: usize, point: usize) -> PathPlace {
         self.places[vessel][point]
     }
-}
-
-fn as_it_is(vessel: &Vessel) -> (Vec<PathPoint>, Vec<PathPlace>) {
-    (vessel.path.clone(), (0..vessel.path.len()).map(|point| PathPlace { point, share: 0.0 }).collect())
 }
 
 /// The step of a network's observed vessels, m. It follows the vessels, and not the points: of a skeleton √2 times the radius that the
@@ -116,13 +112,11 @@ fn volume(stretches: &[([f64; 2], f64)]) -> f64 {
     stretches.iter().map(|([a, b], length)| std::f64::consts::PI / 3.0 * (a * a + a * b + b * b) * length).sum()
 }
 
-/// Points at equal distances along a path, about one step apart, with their places on it.
-fn at_step(path: &[PathPoint], step: f64) -> (Vec<PathPoint>, Vec<PathPlace>) {
-    let length = length_of(path);
-    if path.len() < 2 || length <= 0.0 {
-        return (path.to_vec(), (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect());
+/// Places at equal distances along an observed vessel, about one step apart; those of its points where it is none, or has no length.
+fn places_at(vessel: &Vessel, step: f64) -> Vec<PathPlace> {
+    let (path, length) = (&vessel.path, length_of(&vessel.path));
+    if vessel.origin != Origin::Observed || path.len() < 2 || length <= 0.0 {
+        return (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect();
     }
-    let steps = (steady(length / step).round() as usize).max(1);
-    let places = at_even_steps(path, steps);
-    (places.iter().map(|place| place.on(path)).collect(), places)
+    at_even_steps(path, (steady(length / step).round() as usize).max(1))
 }

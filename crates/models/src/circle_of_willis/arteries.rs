@@ -13,14 +13,16 @@ pub enum BodySide {
     Right,
 }
 
-/// An artery. Distal segments count as the one that they continue: M2 to M4 as M1, A3 to A5 as A2, P3 and P4 as P2. Every segment of
-/// the internal carotid (C1 to C7, ICA I and II, ICA-T) counts as the internal carotid.
+/// An artery. Distal segments count as the one that they continue: A3 to A5 as A2, P3 and P4 as P2, and M2 to M4 as M1, which only
+/// the atlas of names tells apart. Every segment of the internal carotid (C1 to C7, ICA I and II, ICA-T) counts as the internal carotid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub enum Artery {
     /// Internal carotid artery.
     Ica(BodySide),
     /// First segment of the middle cerebral artery, and those that continue it.
     M1(BodySide),
+    /// The middle cerebral artery beyond its bifurcation.
+    M2(BodySide),
     /// Anterior cerebral artery up to the anterior communicating artery.
     A1(BodySide),
     /// Anterior cerebral artery beyond it.
@@ -80,6 +82,57 @@ pub const TERRITORIES: [Artery; 6] = [
     Artery::P2(BodySide::Right),
 ];
 
+/// How the atlas of names cuts an artery into states of 4 mm, and where its first state lies.
+#[derive(Debug)]
+pub struct AtlasArtery {
+    /// The artery of a side, or in the midline.
+    pub artery: fn(BodySide) -> Artery,
+    /// How many states it has; the last one takes all that is further.
+    pub bins: usize,
+    /// Arteries at its reference end, from which distances along it are counted.
+    pub begins_at: &'static [fn(BodySide) -> Artery],
+    /// Where the reference end lies if none of them is traced: up, down, in front, towards the middle, or to the side.
+    pub begins: Direction,
+}
+
+/// A direction in the head.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Direction {
+    /// Superior.
+    Up,
+    /// Inferior.
+    Down,
+    /// Anterior.
+    Front,
+    /// Towards the midline.
+    Medial,
+    /// Away from the midline.
+    Lateral,
+}
+
+const fn in_atlas(
+    artery: fn(BodySide) -> Artery,
+    bins: usize,
+    begins_at: &'static [fn(BodySide) -> Artery],
+    begins: Direction,
+) -> AtlasArtery {
+    AtlasArtery { artery, bins, begins_at, begins }
+}
+
+/// The arteries that the atlas holds, sided ones first, then the basilar and the anterior communicating artery.
+pub const IN_ATLAS: &[AtlasArtery] = &[
+    in_atlas(Artery::Ica, 12, &[Artery::M1, Artery::A1], Direction::Up),
+    in_atlas(Artery::M1, 6, &[Artery::Ica, Artery::A1], Direction::Medial),
+    in_atlas(Artery::M2, 8, &[Artery::M1], Direction::Medial),
+    in_atlas(Artery::A1, 5, &[Artery::Ica, Artery::M1], Direction::Lateral),
+    in_atlas(Artery::A2, 6, &[Artery::A1, |_| Artery::AComm], Direction::Down),
+    in_atlas(Artery::P1, 4, &[|_| Artery::Ba], Direction::Medial),
+    in_atlas(Artery::P2, 7, &[Artery::P1, Artery::PComm], Direction::Front),
+    in_atlas(Artery::PComm, 4, &[Artery::Ica], Direction::Front),
+    in_atlas(|_| Artery::Ba, 7, &[Artery::P1], Direction::Up),
+    in_atlas(|_| Artery::AComm, 1, &[], Direction::Up),
+];
+
 /// The vessels of the arteries of a circle, as rows of its network.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct ArteryVessels {
@@ -113,13 +166,25 @@ impl BodySide {
 }
 
 impl Artery {
-    /// The arteries that exist on both sides.
-    pub(crate) const PAIRED: [fn(BodySide) -> Self; 11] =
-        [Self::Ica, Self::M1, Self::Mca, Self::A1, Self::A2, Self::Aca, Self::P1, Self::P2, Self::Pca, Self::PComm, Self::Va];
+    /// The arteries that exist on both sides, by their numbers.
+    pub(crate) const PAIRED: &[fn(BodySide) -> Self] = &[
+        Self::Ica,
+        Self::M1,
+        Self::M2,
+        Self::Mca,
+        Self::A1,
+        Self::A2,
+        Self::Aca,
+        Self::P1,
+        Self::P2,
+        Self::Pca,
+        Self::PComm,
+        Self::Va,
+    ];
 
     /// Every artery.
     pub fn all() -> impl Iterator<Item = Self> {
-        let sided = Self::PAIRED.into_iter().flat_map(|artery| BodySide::BOTH.map(artery));
+        let sided = Self::PAIRED.iter().flat_map(|artery| BodySide::BOTH.map(artery));
         sided.chain([Self::AComm, Self::Ba, Self::ThirdA2])
     }
 
@@ -133,32 +198,48 @@ impl Artery {
         match self {
             Self::Ica(side) => (0, "ICA", Some(side)),
             Self::M1(side) => (1, "M1", Some(side)),
-            Self::Mca(side) => (2, "MCA", Some(side)),
-            Self::A1(side) => (3, "A1", Some(side)),
-            Self::A2(side) => (4, "A2", Some(side)),
-            Self::Aca(side) => (5, "ACA", Some(side)),
-            Self::P1(side) => (6, "P1", Some(side)),
-            Self::P2(side) => (7, "P2", Some(side)),
-            Self::Pca(side) => (8, "PCA", Some(side)),
-            Self::PComm(side) => (9, "PComm", Some(side)),
-            Self::Va(side) => (10, "VA", Some(side)),
-            Self::AComm => (11, "AComm", None),
-            Self::Ba => (12, "BA", None),
-            Self::ThirdA2 => (13, "3rd-A2", None),
+            Self::M2(side) => (2, "M2", Some(side)),
+            Self::Mca(side) => (3, "MCA", Some(side)),
+            Self::A1(side) => (4, "A1", Some(side)),
+            Self::A2(side) => (5, "A2", Some(side)),
+            Self::Aca(side) => (6, "ACA", Some(side)),
+            Self::P1(side) => (7, "P1", Some(side)),
+            Self::P2(side) => (8, "P2", Some(side)),
+            Self::Pca(side) => (9, "PCA", Some(side)),
+            Self::PComm(side) => (10, "PComm", Some(side)),
+            Self::Va(side) => (11, "VA", Some(side)),
+            Self::AComm => (12, "AComm", None),
+            Self::Ba => (13, "BA", None),
+            Self::ThirdA2 => (14, "3rd-A2", None),
         }
     }
 
     /// The same artery of the other side; itself in the midline.
     #[must_use]
     pub fn opposite(self) -> Self {
-        let of = |side: BodySide| Self::PAIRED.into_iter().find(|artery| artery(side) == self).map(|artery| artery(side.other()));
-        BodySide::BOTH.into_iter().find_map(of).unwrap_or(self)
+        let (number, _, side) = self.parts();
+        side.map_or(self, |side| Self::PAIRED[number](side.other()))
+    }
+
+    /// Its side; `None` in the midline.
+    pub fn side(self) -> Option<BodySide> {
+        self.parts().2
     }
 
     /// Its bit in a set of arteries.
-    pub(crate) fn bit(self) -> u32 {
+    pub(crate) fn bit(self) -> u64 {
         let (number, _, side) = self.parts();
         1 << (2 * number + side.map_or(0, BodySide::index))
+    }
+
+    /// The arteries that a segment of [`RING`] joins, at either end.
+    pub(crate) fn joins(self) -> [Vec<Self>; 2] {
+        match self {
+            Self::A1(side) => [vec![Self::Ica(side)], vec![Self::A2(side)]],
+            Self::PComm(side) => [vec![Self::Ica(side)], vec![Self::P2(side), Self::P1(side)]],
+            Self::P1(side) => [vec![Self::Ba, Self::P1(side.other())], vec![Self::P2(side)]],
+            _ => BodySide::BOTH.map(|side| vec![Self::A1(side), Self::A2(side)]),
+        }
     }
 
     /// The undivided artery that it is a segment of; itself where it is no such segment.
@@ -167,7 +248,7 @@ impl Artery {
         match self {
             Self::A1(side) | Self::A2(side) => Self::Aca(side),
             Self::P1(side) | Self::P2(side) => Self::Pca(side),
-            Self::M1(side) => Self::Mca(side),
+            Self::M1(side) | Self::M2(side) => Self::Mca(side),
             other => other,
         }
     }

@@ -90,7 +90,7 @@ fn at_fork_of(artery: Artery) -> Option<Vec<Artery>> {
         Artery::P1(s) | Artery::Pca(s) => vec![Artery::P1(s), Artery::P2(s)],
         Artery::Ba => vec![artery, Artery::P1(BodySide::Left), Artery::P1(BodySide::Right)],
         Artery::Va(_) => vec![Artery::Ba, Artery::Va(BodySide::Left), Artery::Va(BodySide::Right)],
-        Artery::A2(_) | Artery::P2(_) | Artery::PComm(_) | Artery::AComm | Artery::ThirdA2 => return None,
+        Artery::M2(_) | Artery::A2(_) | Artery::P2(_) | Artery::PComm(_) | Artery::AComm | Artery::ThirdA2 => return None,
     })
 }
 
@@ -98,6 +98,7 @@ fn at_fork_of(artery: Artery) -> Option<Vec<Artery>> {
 fn at_origin_of(artery: Artery) -> Option<Vec<Artery>> {
     Some(match artery {
         Artery::M1(s) | Artery::Mca(s) | Artery::A1(s) | Artery::Aca(s) => vec![Artery::Ica(s), Artery::M1(s), Artery::A1(s)],
+        Artery::M2(s) => vec![Artery::M1(s)],
         Artery::A2(s) => vec![Artery::A1(s), Artery::A2(s)],
         Artery::P1(_) | Artery::Pca(_) => vec![Artery::Ba, Artery::P1(BodySide::Left), Artery::P1(BodySide::Right)],
         Artery::P2(s) => vec![Artery::P1(s), Artery::P2(s)],

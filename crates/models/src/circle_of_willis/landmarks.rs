@@ -145,7 +145,7 @@ pub(crate) fn sites(arteries: &[Artery], meet: bool) -> Vec<Site> {
     if let [single] = arteries {
         return match *single {
             Artery::Ica(s) => vec![Site::Ica(s)],
-            Artery::M1(s) | Artery::Mca(s) => vec![Site::M1(s)],
+            Artery::M1(s) | Artery::M2(s) | Artery::Mca(s) => vec![Site::M1(s)],
             Artery::A2(s) | Artery::Aca(s) => vec![Site::A2(s)],
             Artery::P2(s) | Artery::Pca(s) => vec![Site::P2(s)],
             Artery::Va(_) | Artery::Ba => vec![Site::Feeder],

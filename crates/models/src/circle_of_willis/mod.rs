@@ -16,7 +16,7 @@ mod sides;
 pub mod supply;
 mod variant;
 
-pub use arteries::{Artery, BodySide, FEEDERS, FENESTRATED, RING, TERRITORIES};
+pub use arteries::{Artery, AtlasArtery, BodySide, Direction, FEEDERS, FENESTRATED, IN_ATLAS, RING, TERRITORIES};
 pub use circle::{Circle, LANDMARK_NOTE_ENDING};
 pub use collaterals::{Collateral, collaterals};
 pub use frequencies::{VariantFrequencies, present_segments};

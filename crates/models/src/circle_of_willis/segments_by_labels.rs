@@ -8,9 +8,10 @@
 //! when the vessels of their label are connected to the arteries at their other end, from which they fill.
 
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES};
-use super::shortest_path::{Marks, Path, shortest};
+use super::shortest_path::{Marks, shortest};
 use super::variant::Variant;
 use willis_core::network::Network;
+use willis_core::network::walks::Walk;
 use willis_core::support::statistics::quantile;
 
 /// The meaning of a vessel's label.
@@ -25,7 +26,7 @@ pub(crate) enum LabelMeaning {
 }
 
 /// A set of arteries, one bit each.
-type Set = u32;
+type Set = u64;
 
 fn set<const N: usize>(arteries: [Artery; N]) -> Set {
     arteries.into_iter().fold(0, |set, artery| set | artery.bit())
@@ -107,7 +108,7 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
 
     /// The shortest path over vessels of `own` or without a label, between nodes that `from` and `to` select. It does not pass through nodes
     /// of other arteries.
-    fn path(&self, own: Set, from: impl Fn(Set) -> bool, to: impl Fn(Set) -> bool) -> Option<Path> {
+    fn path(&self, own: Set, from: impl Fn(Set) -> bool, to: impl Fn(Set) -> bool) -> Option<Walk> {
         let is_open = |row: usize| {
             (self.kept)(row)
                 && match self.meanings[row] {
@@ -195,7 +196,7 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
         if p1.is_empty() {
             let meets = Artery::PComm(side).bit() | trunk(side);
             let path = self.path(Artery::Pca(side).bit(), |t| t & feeders() != 0, |t| t & meets != 0);
-            p1 = path.map(|path| path.vessels).unwrap_or_default();
+            p1 = path.map(|path| path.edges).unwrap_or_default();
         }
         is_wider(self.network, &pcomm, &p1)
     }

@@ -9,9 +9,10 @@ use petgraph::visit::EdgeRef;
 
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED};
 use super::segments_by_labels::is_wider;
-use super::shortest_path::{Marks, Path, marks, shortest};
+use super::shortest_path::{Marks, marks, shortest};
 use super::variant::Variant;
 use willis_core::network::Network;
+use willis_core::network::walks::Walk;
 
 /// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;
@@ -116,7 +117,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         rules
     }
 
-    fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Path> {
+    fn path(&self, from: &[usize], to: &[usize], avoid: &[&[usize]]) -> Option<Walk> {
         let set = |nodes: &[usize]| marks(self.network, nodes.iter().copied());
         let avoid: Marks = marks(self.network, avoid.iter().flat_map(|nodes| nodes.iter().copied()));
         shortest(self.network, [&set(from), &set(to), &avoid], |vessel| self.may_pass(vessel), f64::INFINITY)
@@ -131,7 +132,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     fn find_carotids(&mut self) {
         let points = self.points;
         let ends = |s: usize| if points.m1[s].is_some() { points.middle_outlets(s) } else { points.carotid[s].clone() };
-        let length = |path: &Path| path.vessels.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
+        let length = |path: &Walk| path.edges.iter().map(|row| self.network.vessel(*row).length).sum::<f64>();
         let find = |s: usize, avoid: &[usize]| {
             let posterior = self.posterior_nodes(&points.feeders);
             self.path(&points.ica[s].into_iter().collect::<Vec<_>>(), &ends(s), &[avoid, &posterior])
@@ -200,16 +201,16 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let p1 = self.proper_p1(p1, &pcomm);
         for side in BodySide::BOTH {
             let s = side.index();
-            let proper = |p1: &Path| pcomm[s].as_ref().map(|path| beyond(path, p1, points.posterior[s]));
+            let proper = |p1: &Walk| pcomm[s].as_ref().map(|path| beyond(path, p1, points.posterior[s]));
             let wider = || {
-                p1[s].as_ref().is_some_and(|(full, p1)| {
-                    proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.vessels, &p1.vessels))
-                })
+                p1[s]
+                    .as_ref()
+                    .is_some_and(|(full, p1)| proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.edges, &p1.edges)))
             };
             variant.set_fetal(side, wider);
         }
         let a1_proper = [0, 1]
-            .map(|s| a1[s].as_ref().map(|path| beyond(path, acomm.as_ref().unwrap_or(&Path::default()), points.anterior[s])));
+            .map(|s| a1[s].as_ref().map(|path| beyond(path, acomm.as_ref().unwrap_or(&Walk::default()), points.anterior[s])));
         let acomm = acomm.map(|path| between(&path, &a1));
         let blocked = marks(self.network, self.trunk.iter().flatten().copied().chain(posterior.iter().copied()));
         for (row, segment) in FENESTRATED.into_iter().enumerate() {
@@ -242,11 +243,11 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let at = |nodes: &[usize]| (0..self.network.vessel_count()).filter(|row| touches(row, nodes)).collect::<Vec<usize>>();
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
         // The last vessel of a path to a carotid belongs to the segment that leaves the carotid.
-        let last = |path: Option<Path>| path.and_then(|path| path.vessels.last().copied()).into_iter().collect::<Vec<usize>>();
+        let last = |path: Option<Walk>| path.and_then(|path| path.edges.last().copied()).into_iter().collect::<Vec<usize>>();
         let a1 = BodySide::BOTH.map(|side| self.a1(side, &posterior));
-        let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).vessels).unwrap_or_default();
+        let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).edges).unwrap_or_default();
         let [p1, pcomm] = self.posterior_segments(&feeders);
-        let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.vessels).unwrap_or_default());
+        let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.edges).unwrap_or_default());
         let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
         let [[l_a2, r_a2], [l_p2, r_p2]] = [points.a2, points.p2].map(|pair| pair.map(one));
@@ -258,7 +259,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         }
     }
 
-    fn a1(&self, side: BodySide, posterior: &[usize]) -> Option<Path> {
+    fn a1(&self, side: BodySide, posterior: &[usize]) -> Option<Walk> {
         let (s, o) = (side.index(), side.other().index());
         let (own, other) = (&self.trunk[s], &self.trunk[o]);
         match self.points.a2[s].or(self.points.a2[o]) {
@@ -267,7 +268,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         }
     }
 
-    fn acomm(&self, posterior: &[usize]) -> Option<Path> {
+    fn acomm(&self, posterior: &[usize]) -> Option<Walk> {
         let [left, right] = &self.trunk;
         match self.points.a2 {
             [Some(a), Some(b)] => self.path(&[a], &[b], &[left, right, posterior]),
@@ -278,7 +279,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     /// P1 and PComm of both sides.
-    fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Path>; 2]; 2] {
+    fn posterior_segments(&self, feeders: &[usize]) -> [[Option<Walk>; 2]; 2] {
         let [left, right] = &self.trunk;
         let both = BodySide::BOTH.map(|side| {
             let (s, o) = (side.index(), side.other().index());
@@ -296,13 +297,13 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     /// For each side the path from the outlet of P2 to the basilar artery, and P1 itself: from PComm to the end of the basilar artery.
-    fn proper_p1(&self, p1: [Option<Path>; 2], pcomm: &[Option<Path>; 2]) -> [Option<(Path, Path)>; 2] {
-        let empty = Path::default();
-        let tip = self.points.tip.map(|node| Path { nodes: vec![node], vessels: Vec::new() });
+    fn proper_p1(&self, p1: [Option<Walk>; 2], pcomm: &[Option<Walk>; 2]) -> [Option<(Walk, Walk)>; 2] {
+        let empty = Walk::default();
+        let tip = self.points.tip.map(|node| Walk { nodes: vec![node], edges: Vec::new() });
         let proper = [0, 1].map(|s| {
             let full = p1[s].as_ref()?;
             let path = beyond(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
-            let ends = |end: &Path| end.nodes.iter().any(|node| path.nodes.contains(node));
+            let ends = |end: &Walk| end.nodes.iter().any(|node| path.nodes.contains(node));
             Some(match [tip.as_ref(), p1[1 - s].as_ref()].into_iter().flatten().find(|end| ends(end)) {
                 Some(end) => path.before(end),
                 None => path.start(self.network, LENGTH_OF_P1),
@@ -313,8 +314,8 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     /// Whether a second, short path leaves a segment and returns to it.
-    fn has_second_channel(&self, path: &Path, blocked: &Marks) -> bool {
-        let off = |vessel: usize| self.may_pass(vessel) && !path.vessels.contains(&vessel);
+    fn has_second_channel(&self, path: &Walk, blocked: &Marks) -> bool {
+        let off = |vessel: usize| self.may_pass(vessel) && !path.edges.contains(&vessel);
         (0..path.nodes.len().saturating_sub(1)).any(|at| {
             let from = marks(self.network, [path.nodes[at]]);
             let to = marks(self.network, path.nodes[at + 1..].iter().copied());
@@ -324,13 +325,13 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
 }
 
 /// The part of the path from A2 to A2 between the two A1.
-fn between(acomm: &Path, a1: &[Option<Path>; 2]) -> Path {
+fn between(acomm: &Walk, a1: &[Option<Walk>; 2]) -> Walk {
     let path = a1[0].as_ref().map_or_else(|| acomm.clone(), |left| acomm.after(left));
     a1[1].as_ref().map_or_else(|| path.clone(), |right| path.before(right))
 }
 
 /// The part of a path beyond its junction: a landmark, or where it leaves the other path from the same outlet.
-fn beyond(path: &Path, other: &Path, junction: Option<usize>) -> Path {
+fn beyond(path: &Walk, other: &Walk, junction: Option<usize>) -> Walk {
     let landmark = junction.filter(|node| path.nodes.contains(node));
-    landmark.map_or_else(|| path.after(other), |node| path.after(&Path { nodes: vec![node], vessels: Vec::new() }))
+    landmark.map_or_else(|| path.after(other), |node| path.after(&Walk { nodes: vec![node], edges: Vec::new() }))
 }

@@ -5,15 +5,7 @@ use petgraph::visit::EdgeRef;
 
 use willis_core::network::Network;
 use willis_core::network::paths::ShortestPaths;
-
-/// A path through a network.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub(crate) struct Path {
-    /// Its nodes from the first to the last.
-    pub nodes: Vec<usize>,
-    /// The vessels between them.
-    pub vessels: Vec<usize>,
-}
+use willis_core::network::walks::Walk;
 
 /// A set of nodes as flags by row.
 pub(crate) type Marks = Vec<bool>;
@@ -34,7 +26,7 @@ pub(crate) fn shortest(
     [from, to, avoid]: [&Marks; 3],
     is_open: impl Fn(usize) -> bool,
     most: f64,
-) -> Option<Path> {
+) -> Option<Walk> {
     let sources: Vec<usize> = (0..from.len()).filter(|node| from[*node]).collect();
     let vessels = |node: usize| {
         let passable = from[node] || !avoid[node];
@@ -47,33 +39,5 @@ pub(crate) fn shortest(
         end = Some(node).filter(|node| to[*node]);
         end.is_none()
     });
-    end.map(|end| {
-        let (nodes, vessels) = paths.path_to(end);
-        Path { nodes, vessels }
-    })
-}
-
-impl Path {
-    /// The part after its last node in `others`.
-    pub fn after(&self, others: &Self) -> Self {
-        let cut = self.nodes.iter().rposition(|node| others.nodes.contains(node)).unwrap_or(0);
-        Self { nodes: self.nodes[cut..].to_vec(), vessels: self.vessels[cut..].to_vec() }
-    }
-
-    /// The part before its first node in `others`.
-    pub fn before(&self, others: &Self) -> Self {
-        let cut = self.nodes.iter().position(|node| others.nodes.contains(node)).unwrap_or(self.nodes.len() - 1);
-        Self { nodes: self.nodes[..=cut].to_vec(), vessels: self.vessels[..cut].to_vec() }
-    }
-
-    /// Its first vessels up to a length (m), at least one.
-    pub fn start(&self, network: &Network, most: f64) -> Self {
-        let mut length = 0.0;
-        let enough = |vessel: &usize| {
-            length += network.vessel(*vessel).length;
-            length >= most
-        };
-        let cut = self.vessels.iter().position(enough).map_or(self.vessels.len(), |at| at + 1);
-        Self { nodes: self.nodes[..=cut].to_vec(), vessels: self.vessels[..cut].to_vec() }
-    }
+    end.map(|end| paths.path_to(end))
 }

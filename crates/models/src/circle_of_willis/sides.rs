@@ -74,7 +74,7 @@ pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool>
     let both = |artery: fn(BodySide) -> Artery| BodySide::BOTH.map(artery);
     let mut rightward = [0.0; 3];
     for artery in Artery::PAIRED {
-        if let [Some(left), Some(right)] = both(artery).map(|artery| at.get(&artery)) {
+        if let [Some(left), Some(right)] = both(*artery).map(|artery| at.get(&artery)) {
             let step = sub(*right, *left);
             rightward = [rightward[0] + step[0], rightward[1] + step[1], rightward[2] + step[2]];
         }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use petgraph::unionfind::UnionFind;
 
 use willis_core::network::path_places::length_of;
-use willis_core::network::runs::vessels_at;
+use willis_core::network::walks::{Walk, vessels_at};
 use willis_core::network::{Network, Origin, PathPoint};
 use willis_core::support::geometry::{Point, centroid};
 use willis_core::support::statistics::median;
@@ -193,40 +193,18 @@ pub fn runs(network: &Network, ends_runs: impl Fn(usize) -> bool) -> Vec<Observe
         if done[start] {
             continue;
         }
-        // From a node that ends runs, along vessels, to the next such node.
-        let (mut node, mut row, mut vessels, mut nodes) = (from, start, Vec::new(), vec![from]);
-        loop {
-            done[row] = true;
-            let [a, b] = network.ends(row);
-            let backwards = a != node;
-            vessels.push((row, backwards));
-            node = if backwards { a } else { b };
-            nodes.push(node);
-            match at[node][..] {
-                [x, y] if x != y && !ends_runs(node) => row = if x == row { y } else { x },
-                _ => break,
-            }
-            if done[row] {
-                break;
-            }
-        }
-        out.extend(branch(network, nodes, vessels));
+        let run = Walk::along(from, start, &at, |row| network.ends(row), |node| !ends_runs(node));
+        run.edges.iter().for_each(|row| done[*row] = true);
+        out.extend(branch(network, run));
     }
     out
 }
 
-/// The branch of some vessels; `None` where it has no length.
-fn branch(network: &Network, nodes: Vec<usize>, vessels: Vec<(usize, bool)>) -> Option<ObservedBranch> {
-    let mut points: Vec<PathPoint> = Vec::new();
-    for (row, backwards) in &vessels {
-        let mut path = network.path_of(*row);
-        if *backwards {
-            path.reverse();
-        }
-        points.extend_from_slice(&path[usize::from(!points.is_empty())..]);
-    }
-    let ends = [nodes[0], nodes[nodes.len() - 1]];
-    let length = length_of(&points);
+/// The branch of a run; `None` where it has no length.
+fn branch(network: &Network, run: Walk) -> Option<ObservedBranch> {
+    let (ends, points) = (run.ends(), run.points(network));
+    let vessels = run.edges.iter().zip(&run.nodes).map(|(row, node)| (*row, network.ends(*row)[0] != *node)).collect();
+    let (length, nodes) = (length_of(&points), run.nodes);
     let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
     let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
     (length > 0.0 && radius > 0.0).then_some(ObservedBranch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })

@@ -3,7 +3,7 @@
 use super::branches::{BranchEnd, Branches, ObservedBranch};
 use willis_core::network::PathPoint;
 use willis_core::network::path_places::{at_even_steps, length_of};
-use willis_core::support::geometry::{Point, dot, lerp, smooth, sub, unit};
+use willis_core::support::geometry::{Point, lerp, smooth, straightest, sub, unit};
 
 /// Points of a course are a quarter of the branch's radius apart, ...
 const STEP_RADII: f64 = 0.25;
@@ -14,8 +14,6 @@ const ROUNDS: usize = 8;
 /// A walk passes no more than this many branches, and goes on in the direction of so many last points.
 const HOPS: usize = 4;
 const TAIL: usize = 8;
-/// What a walk gives for a wider branch, against the cosine of its bend.
-const WIDER: f64 = 0.3;
 
 /// A line with the length along it.
 #[derive(Debug, Clone, Default)]
@@ -123,18 +121,14 @@ impl Courses {
             let tail = &piece.points[piece.points.len().saturating_sub(TAIL)..];
             let along = unit(sub(tail[tail.len() - 1], tail[0]));
             let own = branches.branches[end.branch].radius;
-            let mut best: Option<(f64, BranchEnd)> = None;
-            for next in branches.clusters[cluster].ends.iter().filter(|next| !seen.contains(&next.branch)) {
+            let others = branches.clusters[cluster].ends.iter().filter(|next| !seen.contains(&next.branch));
+            let ways = others.map(|next| {
                 let line = &self.of_branch[next.branch].points;
                 let n = TAIL.min(line.len()) - 1;
                 let [first, on] = if next.last { [line.len() - 1, line.len() - 1 - n] } else { [0, n] };
-                let wider = (branches.branches[next.branch].radius / own).ln();
-                let score = dot(along, unit(sub(line[on], line[first]))) + WIDER * wider;
-                if best.is_none_or(|(most, _)| score > most) {
-                    best = Some((score, *next));
-                }
-            }
-            let Some((_, next)) = best else { break };
+                (*next, sub(line[on], line[first]), (branches.branches[next.branch].radius / own).ln())
+            });
+            let Some(next) = straightest(along, ways, |score| score) else { break };
             end = next;
             seen.push(end.branch);
         }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{BranchEnd, Branches, Cluster};
 use super::courses::Courses;
-use willis_core::network::paths::ShortestPaths;
+use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_core::support::statistics::median;
 
@@ -89,12 +89,7 @@ impl Coarse {
                 })
             }));
         }
-        let mut next = vec![Vec::new(); count];
-        for (row, [a, b]) in nodes.iter().enumerate() {
-            let length = branches.branches[row].length;
-            next[*a].push((row, *b, length));
-            next[*b].push((row, *a, length));
-        }
+        let next = lengths_at(count, nodes.iter().enumerate().map(|(row, ends)| (row, *ends, branches.branches[row].length)));
         Self { nodes, next }
     }
 
@@ -346,7 +341,7 @@ impl Here {
         for from in &c.ends {
             inside.search(&[branches.node(*from)], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
             let to = |end: &BranchEnd| {
-                let (_, way) = inside.path_to(branches.node(*end));
+                let way = inside.path_to(branches.node(*end)).edges;
                 let narrowest = way.iter().flat_map(|row| branches.inner[*row].points.iter().map(|p| p.radius));
                 let low = narrowest.chain([entry_radius(from), entry_radius(end)]).fold(f64::INFINITY, f64::min);
                 (inside.lengths()[branches.node(*end)], low)

@@ -6,6 +6,7 @@ use super::partition::numbered;
 use willis_core::network::path_places::at_even_steps;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Edit, Network};
+use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
 
 /// A place that stands for a vessel of a pairing is so far from its end, m, but no further than its middle.
@@ -78,10 +79,9 @@ impl Pairings {
 
     /// A place on a vessel a little outside of where it meets the others. Contacts are looked for only where every node has a position.
     fn outside(&self, graph: &Network, vessel: usize) -> Point {
-        let mut path = graph.path_of(vessel);
-        if distance(path[path.len() - 1].position, self.position) < distance(path[0].position, self.position) {
-            path.reverse();
-        }
+        let path = graph.path_of(vessel);
+        let [first, last] = [path[0], path[path.len() - 1]].map(|end| distance(end.position, self.position));
+        let path = in_direction(path, first <= last);
         let step = ((OUTSIDE / graph.vessel(vessel).length * STEPS as f64) as usize).clamp(1, STEPS / 2);
         at_even_steps(&path, STEPS)[step].on(&path).position
     }

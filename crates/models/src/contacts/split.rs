@@ -9,6 +9,7 @@ use willis_core::network::path_places::length_of;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
 
 /// A contact is no shorter than this share of the core's radius: where two vessels share one junction, its length would be nothing, and
@@ -102,7 +103,7 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
 /// The inner branches on the shortest way from a node of a cluster to each of some others, in order from the first.
 fn ways(branches: &Branches, cluster: usize, paths: &mut ShortestPaths, from: usize, to: &[usize]) -> Vec<Vec<usize>> {
     paths.search(&[from], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
-    to.iter().map(|node| paths.path_to(*node).1).collect()
+    to.iter().map(|node| paths.path_to(*node).edges).collect()
 }
 
 /// Plans the copies of one cluster.
@@ -196,14 +197,9 @@ fn contact(
     let mut node = from;
     for inner in ways(branches, row, paths, from, &[to]).concat() {
         let inner = &branches.inner[inner];
-        let mut points = inner.points.clone();
-        if inner.ends[0] == node {
-            node = inner.ends[1];
-        } else {
-            node = inner.ends[0];
-            points.reverse();
-        }
-        path.extend_from_slice(&points[1..]);
+        let forward = inner.ends[0] == node;
+        node = inner.ends[usize::from(forward)];
+        path.extend_from_slice(&in_direction(inner.points.clone(), forward)[1..]);
     }
     let length = length_of(&path);
     let length = as_stored(length.max(SHORTEST * cluster.radius));

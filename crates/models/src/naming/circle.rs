@@ -8,13 +8,10 @@ use super::atlas::Atlas;
 use super::joins::probability_with;
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::presence::kind_of;
-use super::states::{
-    ArteryLabel, BA, LABELS, OTHER, Sided, joined_by, label_of, label_of_segment, mirrored, most_probable, name_of, side_of,
-    states_of,
-};
+use super::states::{LABELS, OTHER, artery_of, label_named, label_of, mirrored, most_probable, name_of, states_of};
 use super::{Names, landmarks::NamedPlace};
 use crate::circle_of_willis::{
-    Artery, BodySide, Circle, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
+    Artery, BodySide, Circle, FEEDERS, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
 };
 use willis_core::decision::{KnownEnds, Topologies};
 use willis_core::error::{Fault, Place};
@@ -111,7 +108,7 @@ impl NamedCircle {
             names: self
                 .names
                 .into_iter()
-                .map(|(row, name)| (row, label_of(&name).map_or(name, |label| name_of(mirrored(label)))))
+                .map(|(row, name)| (row, label_named(&name).map_or(name, |label| name_of(mirrored(label)))))
                 .collect(),
         }
     }
@@ -144,8 +141,7 @@ impl Names {
     /// Whether enough arteries were found to call this a circle of Willis.
     pub fn is_circle(&self) -> bool {
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.seen.length[label]).sum();
-        let feeds = [Sided::Ica.on(BodySide::Left), Sided::Ica.on(BodySide::Right), BA];
-        named >= LEAST_NAMED && feeds.iter().any(|label| self.sees(*label))
+        named >= LEAST_NAMED && FEEDERS.into_iter().any(|artery| self.sees(artery))
     }
 
     /// What the names say of the circle.
@@ -182,7 +178,10 @@ impl Names {
         let middle_of = |side: BodySide| {
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
-                let p: f64 = (0..LABELS).filter(|label| side_of(*label) == Some(side)).map(|label| labels[label]).sum();
+                let p: f64 = (0..LABELS)
+                    .filter(|label| artery_of(*label).and_then(Artery::side) == Some(side))
+                    .map(|label| labels[label])
+                    .sum();
                 sum = [0, 1, 2].map(|k| sum[k] + p * at[k]);
                 total += p;
             }
@@ -200,22 +199,22 @@ impl Names {
 
     /// Whether a segment, or what lies at both of its ends, is seen.
     fn is_decidable(&self, segment: usize) -> bool {
-        self.is_seen[segment] || joined_by(segment).iter().all(|end| end.iter().any(|label| self.sees(*label)))
+        self.is_seen[segment] || RING[segment].joins().iter().all(|end| end.iter().any(|artery| self.sees(*artery)))
     }
 
     /// Whether a segment, or what lies at one of its ends, is seen.
     fn has_surroundings(&self, segment: usize) -> bool {
-        let beside = if let Artery::A1(side) = RING[segment] { Some(Sided::M1.on(side)) } else { None };
-        self.is_seen[segment] || joined_by(segment).into_iter().flatten().chain(beside).any(|label| self.sees(label))
+        let beside = if let Artery::A1(side) = RING[segment] { Some(Artery::M1(side)) } else { None };
+        self.is_seen[segment] || RING[segment].joins().into_iter().flatten().chain(beside).any(|artery| self.sees(artery))
     }
 
-    fn sees(&self, label: ArteryLabel) -> bool {
-        self.seen.length[label] >= LEAST_SEEN
+    fn sees(&self, artery: Artery) -> bool {
+        self.seen.length[label_of(artery)] >= LEAST_SEEN
     }
 
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
     fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
-        let states = states_of(label_of_segment(segment));
+        let states = states_of(label_of(RING[segment]));
         let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
         (0..3).all(|k| {
             let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
@@ -226,7 +225,7 @@ impl Names {
     /// The mean diameter of each segment by the probability of its name, m, where half a millimetre of it is seen.
     fn diameters(&self) -> [Option<f64>; 7] {
         std::array::from_fn(|segment| {
-            let label = label_of_segment(segment);
+            let label = label_of(RING[segment]);
             let (mut sum, mut total) = (0.0, 0.0);
             for (n, p) in self.labels.iter().enumerate() {
                 let w = p[label] * self.nodes.weight[n];
@@ -272,12 +271,12 @@ impl Names {
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {
             BodySide::BOTH.iter().all(|side| {
-                let on = |artery: Sided| super::name_of(artery.on(*side));
-                let (ica, m1, a2, p2) = (on(Sided::Ica), on(Sided::M1), on(Sided::A2), on(Sided::P2));
+                let [ica, m1, a1, a2, p1, p2] = [Artery::Ica, Artery::M1, Artery::A1, Artery::A2, Artery::P1, Artery::P2]
+                    .map(|artery| artery(*side).to_string());
                 let meets = |a: &str, b: &str| [a, b].iter().all(|name| place.label.split('/').any(|part| part == *name));
                 !(meets(&ica, &m1) && is_end(&ica) && is_end(&m1)
-                    || meets(&on(Sided::A1), &a2) && is_end(&a2)
-                    || meets(&on(Sided::P1), &p2) && is_end(&p2))
+                    || meets(&a1, &a2) && is_end(&a2)
+                    || meets(&p1, &p2) && is_end(&p2))
             })
         };
         let listed = sure.iter().copied().filter(needed).map(|NamedPlace { label, at, .. }| ListedLandmark {

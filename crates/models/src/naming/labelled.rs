@@ -5,8 +5,10 @@ use std::collections::BTreeMap;
 use super::Names;
 use super::states::{ArteryLabel, OTHER, most_probable, name_of};
 use willis_core::network::units::metres;
+use willis_core::network::walks::{edges_at, other};
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use willis_core::support::geometry::{distance, lerp};
+use willis_core::support::arc_lengths::in_direction;
+use willis_core::support::geometry::distance;
 
 /// A contact from this probability on is a connection.
 const CONNECTED: f64 = 0.5;
@@ -54,11 +56,7 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
             let (Some(a), Some(b)) = (rest.first(), rest.get(1)) else { break };
             let step = distance(a.position, b.position);
             let share = if step > 0.0 { ((run.until - along) / step).clamp(0.0, 1.0) } else { 0.0 };
-            let at = PathPoint {
-                position: lerp(a.position, b.position, share),
-                radius: a.radius + share * (b.radius - a.radius),
-                id: None,
-            };
+            let at = a.towards(*b, share);
             begun.push(*a);
             begun.push(at);
             let id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
@@ -124,12 +122,8 @@ fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &NameRun) ->
 
 /// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
 fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, original: usize, divided: usize) {
-    let mut at: Vec<Vec<usize>> = vec![Vec::new(); nodes];
-    for (row, (ends, ..)) in pieces.iter().enumerate().filter_map(|(row, piece)| Some((row, piece.as_ref()?))) {
-        for end in ends {
-            at[*end].push(row);
-        }
-    }
+    let ends = |(row, piece): (usize, &Option<NamedPiece>)| piece.as_ref().map(|(ends, ..)| (row, *ends));
+    let mut at = edges_at(nodes, pieces.iter().enumerate().filter_map(ends));
     for node in original..divided {
         let [first, second] = at[node][..] else { continue };
         if first == second {
@@ -139,19 +133,9 @@ fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, original: usize, divid
         if a.label != b.label {
             continue;
         }
-        let turn = |ends: [usize; 2], path: &[PathPoint], last: usize| -> (usize, Vec<PathPoint>) {
-            let mut path = path.to_vec();
-            if ends[1] == last {
-                (ends[0], path)
-            } else {
-                path.reverse();
-                (ends[1], path)
-            }
-        };
-        let (from, mut path) = turn(ends_a, &a.path, node);
-        let (to, mut rest) = turn(ends_b, &b.path, node);
-        rest.reverse();
-        path.extend(rest.into_iter().skip(1));
+        let [from, to] = [ends_a, ends_b].map(|ends| other(ends, node));
+        let mut path = in_direction(a.path, ends_a[1] == node);
+        path.extend(in_direction(b.path, ends_b[1] != node).into_iter().skip(1));
         let probability = p.zip(q).map(|(p, q)| (p * a.length + q * b.length) / (a.length + b.length).max(1e-12));
         let vessel = Vessel { label: a.label, certain: a.certain, ..Vessel::along(path, RadiusRule::Mean) };
         pieces[first] = Some(([from, to], vessel, probability));

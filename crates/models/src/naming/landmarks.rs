@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use super::atlas::Atlas;
 use super::emission::Pose;
 use super::nodes::Nodes;
-use super::states::{ACOMM, ArteryLabel, BA, LABELS, OTHER, STATES, Sided, bins_of, first_state, name_of};
-use crate::circle_of_willis::BodySide;
+use super::states::{ArteryLabel, BA, LABELS, OTHER, STATES, artery_of, as_one_with_m1, bins_of, first_state, label_of, name_of};
+use crate::circle_of_willis::{Artery, BodySide, FEEDERS};
 use willis_core::support::geometry::{Point, distance, lerp};
 
 /// Nodes of two arteries that meet are no further apart, mm.
@@ -37,21 +37,21 @@ pub struct Meeting {
 pub fn meetings() -> Vec<Meeting> {
     let mut all = Vec::new();
     for side in BodySide::BOTH {
-        let on = |artery: Sided| artery.on(side);
         let mut add = |labels: &[ArteryLabel], one: &[ArteryLabel], other: &[ArteryLabel], at: ArteryLabel| {
             let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
             all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
         };
-        let (ica, m1, m2, a1, a2) = (on(Sided::Ica), on(Sided::M1), on(Sided::M2), on(Sided::A1), on(Sided::A2));
-        let (p1, p2, pcomm) = (on(Sided::P1), on(Sided::P2), on(Sided::PComm));
+        let [ica, m1, m2, a1, a2, p1, p2, pcomm] =
+            [Artery::Ica, Artery::M1, Artery::M2, Artery::A1, Artery::A2, Artery::P1, Artery::P2, Artery::PComm]
+                .map(|artery| label_of(artery(side)));
         add(&[ica, m1, a1], &[ica], &[m1, a1], ica);
-        add(&[a1, a2, ACOMM], &[a1], &[a2], a2);
+        add(&[a1, a2, label_of(Artery::AComm)], &[a1], &[a2], a2);
         add(&[m1, m2], &[m1], &[m2], m2);
         add(&[ica, pcomm], &[ica], &[pcomm], pcomm);
         add(&[p1, p2, pcomm], &[pcomm], &[p1, p2], p2);
         add(&[p1, p2], &[p1], &[p2], p2);
     }
-    let p1 = BodySide::BOTH.map(|side| Sided::P1.on(side));
+    let p1 = BodySide::BOTH.map(|side| label_of(Artery::P1(side)));
     all.push(Meeting { label: format!("BA/{}/{}", name_of(p1[0]), name_of(p1[1])), between: [vec![BA], p1.to_vec()], at: BA });
     all
 }
@@ -96,7 +96,7 @@ pub fn expected_place(
 ) -> Option<(Point, f64)> {
     let has = |label: ArteryLabel| best.contains(&label);
     let labels = || meeting.between.iter().flatten().copied();
-    if labels().find(|label| Sided::PComm.is(*label)).is_some_and(|pcomm| !has(pcomm)) {
+    if labels().find(|label| matches!(artery_of(*label), Some(Artery::PComm(_)))).is_some_and(|pcomm| !has(pcomm)) {
         return None;
     }
     let expected = pose.undo(atlas.data.pieces[first_state(meeting.at)].mean);
@@ -108,9 +108,8 @@ pub fn expected_place(
 /// Where PComm ends at P1 and P2, that is where they meet too.
 pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
     for side in BodySide::BOTH {
-        let name = |artery: Sided| name_of(artery.on(side));
-        let short = format!("{}/{}", name(Sided::P1), name(Sided::P2));
-        let long = format!("{short}/{}", name(Sided::PComm));
+        let short = format!("{}/{}", Artery::P1(side), Artery::P2(side));
+        let long = format!("{short}/{}", Artery::PComm(side));
         if places.iter().any(|place| place.label == long) {
             places.retain(|place| place.label != short);
         }
@@ -134,17 +133,14 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
         }
     }
     // An artery that goes on under another name ends there.
-    let leaves = |label: ArteryLabel| {
-        label == BA
-            || [Sided::Ica, Sided::M2, Sided::A2, Sided::P2].into_iter().any(|artery| artery.is(label))
-            || Sided::M1.is(label) && !found.contains_key(&(label + 2))
+    let leaves = |of: ArteryLabel| match artery_of(of) {
+        Some(Artery::Ba | Artery::Ica(_) | Artery::M2(_) | Artery::A2(_) | Artery::P2(_)) => true,
+        Some(Artery::M1(side)) => !found.contains_key(&label_of(Artery::M2(side))),
+        _ => false,
     };
     let kept = found.iter().filter(|(label, _)| leaves(**label));
     let mut places: Vec<NamedPlace> = kept
-        .map(|(label, (_, n))| {
-            let shown = if Sided::M2.is(*label) { label - 2 } else { *label };
-            NamedPlace { label: name_of(shown), at: nodes.at[*n], probability: labels[*n][*label] }
-        })
+        .map(|(of, (_, n))| NamedPlace { label: name_of(as_one_with_m1(*of)), at: nodes.at[*n], probability: labels[*n][*of] })
         .collect();
     if let Some(vertebral) = vertebral_ends(nodes, labels, states, best) {
         places.retain(|place| place.label != name_of(BA));
@@ -155,10 +151,10 @@ pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atl
 
 /// The free end that is likeliest of an artery by which blood enters; `None` without a free end.
 pub fn likeliest_inlet(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Option<NamedPlace> {
-    let enters = [Sided::Ica.on(BodySide::Left), Sided::Ica.on(BodySide::Right), BA];
     let ends = (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1);
-    let each = ends
-        .flat_map(|n| enters.map(|label| NamedPlace { label: name_of(label), at: nodes.at[n], probability: labels[n][label] }));
+    let each = ends.flat_map(|n| {
+        FEEDERS.map(|artery| NamedPlace { label: artery.to_string(), at: nodes.at[n], probability: labels[n][label_of(artery)] })
+    });
     each.max_by(|a, b| a.probability.total_cmp(&b.probability))
 }
 

@@ -37,6 +37,7 @@ pub use states::{ArteryLabel, LABELS, OTHER, name_of};
 
 use serde::{Deserialize, Serialize};
 
+use crate::circle_of_willis::RING;
 use belief::{Beliefs, NamingForest};
 use emission::{Pose, radius_fit, tempered};
 use exclusion::exclusion;
@@ -44,7 +45,7 @@ use model::logistic_probability;
 use pieces::{label_probabilities, piece_features};
 use pose::{Scored, Search};
 use presence::Seen;
-use states::{STATES, label_of_segment, most_probable, states_of};
+use states::{STATES, label_of, most_probable, states_of};
 use willis_core::network::{Frame, Network};
 
 /// Rounds in which pieces of arteries that are taken twice settle.
@@ -281,7 +282,7 @@ fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pos
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
 fn evidence(pass: &NamingPass, atlas: &atlas::Atlas) -> [f64; 7] {
-    let states: [_; 7] = std::array::from_fn(|segment| states_of(label_of_segment(segment)));
+    let states = RING.map(|segment| states_of(label_of(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
         let expected: f64 = pass.beliefs.states.chunks(STATES).flat_map(|row| &row[own.clone()]).sum();
@@ -295,7 +296,7 @@ fn evidence(pass: &NamingPass, atlas: &atlas::Atlas) -> [f64; 7] {
 impl Names {
     /// The expected length (mm) that is seen of a segment of [`crate::circle_of_willis::RING`].
     pub fn seen_length(&self, segment: usize) -> f64 {
-        self.seen.length[label_of_segment(segment)]
+        self.seen.length[label_of(RING[segment])]
     }
 
     /// The share of the length that is an artery of the circle.

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::atlas::{Atlas, AtlasData, AtlasPiece, Counts};
 use super::pieces::PIECE_FEATURES;
 use super::presence::{KINDS, PRESENCE_FEATURES};
-use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables, bins_of, first_state, label_of, name_of, side_of};
-use crate::circle_of_willis::BodySide;
+use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables, artery_of, bins_of, first_state, label_named, name_of};
+use crate::circle_of_willis::{Artery, BodySide};
 use willis_core::error::{Fault, Result};
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::statistics::sigmoid;
@@ -284,7 +284,10 @@ impl NamingModel {
             bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
             provenance: self.provenance.clone(),
             figures: figures.collect(),
-            states: (0..STATES).filter(|state| side_of(tables.label[*state]) != Some(BodySide::Right)).map(row).collect(),
+            states: (0..STATES)
+                .filter(|state| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right))
+                .map(row)
+                .collect(),
         };
         write(out, HEADING, false, &file)
     }
@@ -297,7 +300,7 @@ fn state_name(state: AtlasState, tables: &StateTables) -> String {
 
 fn state_of(name: &str) -> Option<AtlasState> {
     let (label, bin) = name.rsplit_once(' ')?;
-    let (label, bin): (usize, usize) = (label_of(label)?, bin.parse().ok()?);
+    let (label, bin): (usize, usize) = (label_named(label)?, bin.parse().ok()?);
     (label < LABELS && bin < bins_of(label)).then(|| first_state(label) + bin)
 }
 

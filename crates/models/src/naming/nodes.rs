@@ -3,10 +3,10 @@
 use petgraph::unionfind::UnionFind;
 
 use super::algebra::{Symmetric, outer};
-use willis_core::network::runs::vessels_at;
 use willis_core::network::units::millimetres;
+use willis_core::network::walks::{runs_by_node, vessels_at};
 use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint};
-use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
+use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
 
 /// The distance of nodes, mm.
@@ -100,37 +100,19 @@ impl Nodes {
         let vessels_at = vessels_at(network, |row| traced[row]);
         let mut nodes = Self::default();
         let mut node_at = vec![usize::MAX; network.node_count()];
-        let mut done = vec![false; network.vessel_count()];
-        // Junctions and free ends first; what is left then are loops without a junction.
-        let starts = (0..network.node_count()).filter(|n| vessels_at[*n].len() != 2).chain(0..network.node_count());
-        for start in starts.collect::<Vec<_>>() {
-            for first in vessels_at[start].clone() {
-                if done[first] {
-                    continue;
-                }
-                let (mut vessel, mut from) = (first, start);
-                let mut points: Vec<BranchPoint> = Vec::new();
-                let mut passed: Vec<(usize, usize)> = vec![(start, 0)];
-                loop {
-                    done[vessel] = true;
-                    let [a, b] = network.ends(vessel);
-                    let is_forward = a == from;
-                    points.extend(points_of(network, vessel, is_forward).into_iter().map(|(p, along)| BranchPoint {
-                        at: to_ras(p.position),
-                        radius: millimetres(p.radius),
-                        id: p.id,
-                        place: VesselPlace { vessel, along },
-                    }));
-                    from = if is_forward { b } else { a };
-                    passed.push((from, points.len().saturating_sub(1)));
-                    let next = vessels_at[from].iter().copied().find(|next| !done[*next]);
-                    match next {
-                        Some(next) if vessels_at[from].len() == 2 && from != start => vessel = next,
-                        _ => break,
-                    }
-                }
-                nodes.add_branch(&points, &passed, &mut node_at);
+        for run in runs_by_node(&vessels_at, |row| network.ends(row)) {
+            let mut points: Vec<BranchPoint> = Vec::new();
+            let mut passed: Vec<(usize, usize)> = vec![(run.nodes[0], 0)];
+            for (vessel, ends) in run.edges.iter().copied().zip(run.nodes.windows(2)) {
+                points.extend(points_of(network, vessel, ends[0]).into_iter().map(|(p, along)| BranchPoint {
+                    at: to_ras(p.position),
+                    radius: millimetres(p.radius),
+                    id: p.id,
+                    place: VesselPlace { vessel, along },
+                }));
+                passed.push((ends[1], points.len().saturating_sub(1)));
             }
+            nodes.add_branch(&points, &passed, &mut node_at);
         }
         nodes.finish();
         nodes.bridges = bridges(network, &traced, &nodes, &node_at);
@@ -272,8 +254,8 @@ impl Nodes {
     }
 }
 
-/// The points of a vessel with their distance (mm) from its first node, in the direction of travel.
-fn points_of(network: &Network, row: usize, is_forward: bool) -> Vec<(PathPoint, f64)> {
+/// The points of a vessel from one of its nodes on, with their distance (mm) from its first.
+fn points_of(network: &Network, row: usize, from: usize) -> Vec<(PathPoint, f64)> {
     let mut points = network.path_of(row);
     if network.vessel(row).path.len() < 2 {
         for (point, node) in points.iter_mut().zip(network.ends(row)) {
@@ -288,10 +270,7 @@ fn points_of(network: &Network, row: usize, is_forward: bool) -> Vec<(PathPoint,
         }
         placed.push((*point, along));
     }
-    if !is_forward {
-        placed.reverse();
-    }
-    placed
+    in_direction(placed, network.ends(row)[0] == from)
 }
 
 /// The point at a share of the way between two points.

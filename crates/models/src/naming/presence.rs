@@ -2,7 +2,7 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, ArteryLabel, BA, LABELS, OTHER, Sided, label_of_segment};
+use super::states::{LABELS, OTHER, label_of};
 use super::ways::{Way, ways};
 use crate::circle_of_willis::{Artery, BodySide, RING};
 
@@ -86,25 +86,24 @@ impl Seen {
     /// The features of a segment of [`RING`]: its length over the usual one, the logarithm of that, its best node, the lengths (cm) of what
     /// lies around it, the evidence for its name, the cheapest way between its ends, and how broken the case is.
     pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
-        let (kind, label) = (kind_of(segment), label_of_segment(segment));
-        let cm = |label: ArteryLabel| (self.length[label] / 10.0).min(1.5);
+        let (kind, label) = (kind_of(segment), label_of(RING[segment]));
+        let cm = |artery: Artery| (self.length[label_of(artery)] / 10.0).min(1.5);
         let around = match RING[segment] {
             Artery::A1(side) => {
                 let other = side.other();
-                [Sided::A2.on(side), ACOMM, Sided::Ica.on(side), Sided::A1.on(other), Sided::A2.on(other)].map(cm)
+                [Artery::A2(side), Artery::AComm, Artery::Ica(side), Artery::A1(other), Artery::A2(other)].map(cm)
             }
             Artery::PComm(side) => {
-                let [a, b, c, d] =
-                    [Sided::P2.on(side), Sided::P1.on(side), Sided::Ica.on(side), Sided::PComm.on(side.other())].map(cm);
+                let [a, b, c, d] = [Artery::P2(side), Artery::P1(side), Artery::Ica(side), Artery::PComm(side.other())].map(cm);
                 [a, b, c, d, 0.0]
             }
             Artery::P1(side) => {
-                let [a, b, c, d] = [Sided::P2.on(side), Sided::PComm.on(side), BA, Sided::P1.on(side.other())].map(cm);
+                let [a, b, c, d] = [Artery::P2(side), Artery::PComm(side), Artery::Ba, Artery::P1(side.other())].map(cm);
                 [a, b, c, d, 0.0]
             }
             _ => {
-                let [a, b] = BodySide::BOTH.map(|side| cm(Sided::A1.on(side)));
-                let [c, d] = BodySide::BOTH.map(|side| cm(Sided::A2.on(side)));
+                let [a, b] = BodySide::BOTH.map(|side| cm(Artery::A1(side)));
+                let [c, d] = BodySide::BOTH.map(|side| cm(Artery::A2(side)));
                 [a.min(b), a.max(b), c.min(d), 0.0, 0.0]
             }
         };
@@ -138,6 +137,6 @@ impl Seen {
 
     /// Whether enough of a segment is seen.
     pub fn is_seen(&self, segment: usize) -> bool {
-        self.length[label_of_segment(segment)] > SEEN[kind_of(segment)]
+        self.length[label_of(RING[segment])] > SEEN[kind_of(segment)]
     }
 }

@@ -2,9 +2,10 @@
 
 use super::joins::probability_with;
 use super::nodes::Nodes;
-use super::states::{ACOMM, ArteryLabel, LABELS, Sided, joined_by, label_of_segment};
+use super::states::{LABELS, label_of};
 use crate::circle_of_willis::{Artery, RING};
 use willis_core::network::paths::ShortestPaths;
+use willis_core::network::walks::Walk;
 use willis_core::support::geometry::distance;
 
 /// What a millimetre of centerline costs, and what one more costs where it is named as nothing that lies there.
@@ -33,26 +34,27 @@ pub struct Way {
 /// the bridges.
 pub fn ways(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64]) -> [Way; 7] {
     let mut paths = ShortestPaths::new(nodes.len() + 1);
-    std::array::from_fn(|segment| way(nodes, labels, bridge_factor, segment, &mut paths))
+    RING.map(|segment| way(nodes, labels, bridge_factor, segment, &mut paths))
 }
 
-/// The labels at either end of a segment.
-fn ends(segment: usize) -> [Vec<ArteryLabel>; 2] {
-    let [mut from, mut to] = joined_by(segment);
-    match RING[segment] {
+/// The arteries at either end of a segment.
+fn ends(segment: Artery) -> [Vec<Artery>; 2] {
+    let [mut from, mut to] = segment.joins();
+    match segment {
         Artery::A1(side) => {
-            from.push(Sided::M1.on(side));
-            to.push(ACOMM);
+            from.push(Artery::M1(side));
+            to.push(Artery::AComm);
         }
-        Artery::P1(side) => to.push(Sided::PComm.on(side)),
+        Artery::P1(side) => to.push(Artery::PComm(side)),
         _ => {}
     }
     [from, to]
 }
 
-fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: usize, paths: &mut ShortestPaths) -> Way {
-    let own = label_of_segment(segment);
-    let of = |arteries: Vec<ArteryLabel>| -> Vec<f64> {
+fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: Artery, paths: &mut ShortestPaths) -> Way {
+    let own = label_of(segment);
+    let of = |arteries: Vec<Artery>| -> Vec<f64> {
+        let arteries: Vec<usize> = arteries.into_iter().map(label_of).collect();
         labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect()
     };
     let [from, to] = ends(segment).map(of);
@@ -79,7 +81,7 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
         join(&mut edges, nodes.links.len() + number, bridge.nodes, cost);
     }
     let (cost, end) = cheapest(paths, start, &edges, &arrival);
-    let (mut along, used) = paths.path_to(end);
+    let Walk { nodes: mut along, edges: used } = paths.path_to(end);
     along.retain(|n| *n != start);
     let bridges = used.iter().filter_map(|edge| edge.checked_sub(nodes.links.len())).filter_map(|row| nodes.bridges.get(row));
     let gap: f64 = bridges.map(|bridge| bridge.gap).sum();

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use serde_json::{Value, json};
 
+use super::columns::stated;
 use crate::circle_figures::CircleFigures;
 use willis_io::formats::tables::reader::plural;
 use willis_models::circle_of_willis::{FEEDERS, RING, TERRITORIES};
@@ -70,27 +71,11 @@ pub fn needs_person(record: &Value) -> String {
 /// The figures of an inference. `kept`, `components` and `cycles` are those of the kept topology; `sparsity` is the share of kept
 /// candidates among all; wrong and missed connections are those that the evidence expects.
 pub fn infer_figures(record: &Value) -> Figures {
-    let number = |pointer: &str| record.pointer(pointer).and_then(Value::as_f64).unwrap_or(f64::NAN);
-    let (kept, candidates) = (number("/counts/topology/kept_candidates"), number("/counts/candidates"));
-    let figures = [
-        ("nodes", number("/counts/nodes")),
-        ("observed", number("/counts/observed")),
-        ("candidates", candidates),
-        ("kept", kept),
-        ("undecided", number("/convergence/undecided")),
-        ("components", number("/counts/topology/components")),
-        ("cycles", number("/counts/topology/cycles")),
-        ("sparsity", if candidates > 0.0 { kept / candidates } else { f64::NAN }),
-        ("rho_G_W_per_m3", number("/rho_G_W_per_m3")),
-        ("expected_wrong", number("/expected_errors/wrong")),
-        ("expected_missed", number("/expected_errors/missed")),
-        (WALL_TIME, number("/time/wall_s")),
-    ];
     let mut all = phenotype_figures(record);
     if all.is_empty() {
         all.push((NEEDS_PERSON.into(), json!(needs_person(record))));
     }
-    all.extend(figures.map(|(name, x)| (name.into(), json!(x))));
+    all.extend(stated("infer", record));
     all
 }
 
@@ -100,7 +85,7 @@ pub fn label_figures(record: &Value) -> Figures {
     let doubtful = record.pointer("/counts/doubtful").and_then(Value::as_u64).unwrap_or_default();
     let why = if doubtful > 0 { format!("{} uncertain", plural(doubtful as usize, "landmark")) } else { String::new() };
     let mut figures: Figures = vec![(NEEDS_PERSON.into(), json!(why)), ("frame".into(), text(&record["frame"]))];
-    figures.extend(["vessels", "named", "landmarks", "doubtful"].map(|name| (name.into(), number(&record["counts"][name]))));
+    figures.extend(stated("label", record));
     figures.extend(RING.map(|artery| (format!("p_{artery}").into(), number(&record["segments"][artery.to_string()]))));
     figures
 }
@@ -110,15 +95,13 @@ pub fn label_figures(record: &Value) -> Figures {
 pub fn phenotype_figures(record: &Value) -> Figures {
     let Some(phenotype) = record.get("phenotype").filter(|p| p.is_object()) else { return Vec::new() };
     let segments = || RING.map(|artery| artery.to_string());
-    let mut figures: Figures =
-        ["variant", "completeness"].map(|name| (name.into(), text(&phenotype[name]))).into_iter().collect();
+    let mut figures = Figures::from(["variant", "completeness"].map(|name| (name.into(), text(&phenotype[name]))));
     figures.extend(segments().map(|segment| (segment.clone().into(), flag(&phenotype["segments"][segment]))));
     figures.push((NEEDS_PERSON.into(), json!(needs_person(record))));
     let thin: Vec<&str> = phenotype["hypoplastic"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
     figures.push(("hypoplastic".into(), json!(thin.join(" "))));
     if let Some(probabilities) = phenotype.get("probabilities") {
-        let of_variant = [("p_variant", "variant"), ("margin", "margin")];
-        figures.extend(of_variant.map(|(name, key)| (name.into(), number(&probabilities[key]))));
+        figures.extend(stated("circle", probabilities));
         let of_segment = |segment| (format!("p_{segment}").into(), number(&probabilities["segments"][segment]));
         figures.extend(segments().map(of_segment));
     }

@@ -1,6 +1,6 @@
 //! cohort.csv and cohort.html: many subjects, one row each.
 
-mod descriptions;
+mod columns;
 mod figures;
 mod table;
 
@@ -13,9 +13,9 @@ use willis_io::output::StagedFiles;
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
 use willis_io::output::write_file;
 
-pub use descriptions::describe;
+pub use columns::describe;
 pub use figures::{Figures, WALL_TIME, infer_figures, label_figures, needs_person, phenotype_figures};
-pub use table::{CohortRow, CohortRun, cohort_columns, uncertainty};
+pub use table::{CohortRow, CohortRun, cohort_columns, row_records, uncertainty};
 
 /// Writes the table and the page into the folder of a cohort, in place of earlier ones.
 ///

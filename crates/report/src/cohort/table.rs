@@ -1,8 +1,10 @@
 //! The table of a cohort: its rows, its columns, and how uncertain each row is.
 
-use serde_json::{Map, Value, json};
+use std::collections::HashSet;
 
-use super::descriptions::describe;
+use serde_json::{Value, json};
+
+use super::columns::describe;
 use super::figures::Figures;
 use willis_io::formats::{Column, Covariates};
 
@@ -35,14 +37,6 @@ pub struct CohortRun<'a> {
 }
 
 impl CohortRow {
-    fn status(&self) -> &'static str {
-        if self.figures.is_ok() { "ok" } else { "failed" }
-    }
-
-    fn error(&self) -> &str {
-        self.figures.as_ref().err().map_or("", String::as_str)
-    }
-
     fn cell(&self, column: &str) -> Option<&Value> {
         self.figures.as_ref().ok()?.iter().find(|(name, _)| *name == column).map(|(_, cell)| cell)
     }
@@ -52,39 +46,46 @@ impl CohortRow {
         self.cell(column).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
-    /// The row as an object.
-    pub fn record(&self) -> Value {
-        let mut fields = Map::new();
-        fields.insert("subject".into(), json!(self.subject));
-        fields.insert("input".into(), json!(self.input));
-        fields.insert("sha256".into(), json!(self.sha256));
-        fields.insert("status".into(), json!(self.status()));
-        fields.insert("error".into(), json!(self.error()));
-        fields.extend(self.covariates.iter().map(|(name, text)| (covariate(name), json!(text))));
-        fields.extend(self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone())));
-        fields.into()
+    fn record(&self, covariates: &[String]) -> Value {
+        let known = OF_EVERY_ROW.iter().map(|(name, text)| ((*name).to_owned(), json!(text(self))));
+        let said = covariates.iter().zip(&self.covariates).map(|(name, (_, text))| (name.clone(), json!(text)));
+        let figures = self.figures.iter().flatten().map(|(name, cell)| (name.clone().into_owned(), cell.clone()));
+        known.chain(said).chain(figures).collect()
     }
 }
 
-/// The column of a covariate. Names that the table has for its own columns stay with those.
-fn covariate(name: &str) -> String {
-    if describe(name).is_some() || name == "subject" { format!("given_{name}") } else { name.to_owned() }
+/// The columns that every cohort has.
+const OF_EVERY_ROW: [(&str, fn(&CohortRow) -> &str); 5] = [
+    ("subject", |row| &row.subject),
+    ("input", |row| &row.input),
+    ("sha256", |row| &row.sha256),
+    ("status", |row| if row.figures.is_ok() { "ok" } else { "failed" }),
+    ("error", |row| row.figures.as_ref().err().map_or("", String::as_str)),
+];
+
+/// The rows as objects, by the names of the columns of their table.
+pub fn row_records(rows: &[CohortRow]) -> Vec<Value> {
+    let names = covariate_names(rows);
+    rows.iter().map(|row| row.record(&names)).collect()
+}
+
+/// The columns of covariates. Names that the table has for its own columns stay with those, and so do names of other covariates.
+fn covariate_names(rows: &[CohortRow]) -> Vec<String> {
+    let figures: HashSet<&str> = rows.iter().flat_map(|row| row.figures.iter().flatten()).map(|(name, _)| &**name).collect();
+    let is_own = |name: &str| name == "subject" || describe(name).is_some() || figures.contains(name);
+    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
+    let stated: Vec<&String> = stated.into_iter().flatten().map(|(name, _)| name).collect();
+    let is_free = |column: &String, name| !is_own(column) && (column == name || !stated.contains(&column));
+    stated.iter().filter_map(|name| (0..).map(|n| "given_".repeat(n) + name).find(|column| is_free(column, *name))).collect()
 }
 
 /// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
 pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
-    let text = |name, of: fn(&CohortRow) -> &str| Column::text(name, rows.iter().map(|row| of(row).to_owned()));
-    let mut columns = vec![
-        text("subject", |row| &row.subject),
-        text("input", |row| &row.input),
-        text("sha256", |row| &row.sha256),
-        text("status", CohortRow::status),
-        text("error", CohortRow::error),
-    ];
-    let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
-    for (at, (name, _)) in stated.into_iter().flatten().enumerate() {
+    let text = |(name, of): (&'static str, fn(&CohortRow) -> &str)| Column::text(name, rows.iter().map(of));
+    let mut columns = OF_EVERY_ROW.map(text).to_vec();
+    for (at, name) in covariate_names(rows).into_iter().enumerate() {
         let text = |row: &CohortRow| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
-        columns.push(Column::text(covariate(name), rows.iter().map(text)));
+        columns.push(Column::text(name, rows.iter().map(text)));
     }
     for (name, _) in rows.iter().flat_map(|row| row.figures.iter().flatten()) {
         if columns.iter().any(|column| column.name == *name) {

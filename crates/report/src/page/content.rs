@@ -16,6 +16,7 @@ use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
 use crate::figures::{DEFAULT_DPI, Figure};
 use crate::run_record::ConditionRecord;
+use willis_core::decision::FollowedRule;
 use willis_core::error::Result;
 use willis_core::network::Role;
 use willis_core::network::units::millimetres;
@@ -203,28 +204,6 @@ impl Colouring {
     pub fn new(name: &'static str, unit: &'static str, scale: ColourScale, variants: Vec<(String, usize, String)>) -> Self {
         Self { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() }
     }
-}
-
-/// A rule without a threshold, with its figures.
-#[derive(Debug, Clone, Copy, Serialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FollowedRule {
-    /// The most probable first, then what joins parts.
-    BestFirst {
-        /// The least probability of a candidate.
-        first: f64,
-        /// That of a contact that joins two parts; none where nothing is joined.
-        joins: Option<f64>,
-        /// That of a candidate that does.
-        doubtful: Option<f64>,
-    },
-    /// The most probable forest.
-    Forest {
-        /// The price of a false connection.
-        price: f64,
-        /// The share of it that is asked where no piece hangs on the decision.
-        without: f64,
-    },
 }
 
 /// A threshold on a column of the first table.

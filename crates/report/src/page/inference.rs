@@ -4,18 +4,13 @@ use std::collections::HashSet;
 
 use serde_json::Value;
 
-use super::content::{
-    ColourScale, Colouring, FollowedRule, Page, PagePicture, PageTable, Threshold, conditions, facts, take, warnings,
-};
+use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, Threshold, conditions, facts, take, warnings};
 use super::scene::{cuts, scene, suggestions};
 use crate::inference::Outcome;
 use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
 use crate::run_record::RunRecord;
-use willis_core::decision::{
-    BEST_FIRST, DOUBTFUL, DecidingFigure, Keep, UNDECIDED_BAND, UNDECIDED_Z, WITHOUT_PIECE, beside_accepted, has_evidence,
-    knows_fragments,
-};
+use willis_core::decision::{DecidingFigure, UNDECIDED_BAND, UNDECIDED_Z, beside_accepted, has_evidence, knows_fragments};
 use willis_core::network::units::millimetres;
 use willis_io::formats::{Column, END_POSITION_COLUMNS};
 
@@ -156,11 +151,11 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
 
 fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
     let rule = outcome.rule;
-    let figure = rule.figure();
-    let of_likelihood = figure == DecidingFigure::Likelihood;
+    let ([column, name], followed) = (rule.figure().names(), rule.followed());
+    let of_likelihood = rule.figure() == DecidingFigure::Likelihood;
     Threshold {
-        figure: figure.column(),
-        name: figure.name(),
+        figure: column,
+        name,
         unit: if of_likelihood { unit } else { "" },
         error: of_likelihood.then_some("std_error"),
         samples: outcome.result.samples,
@@ -169,16 +164,9 @@ fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
         within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
         cut: outcome.answer.threshold,
         median: outcome.answer.median.filter(|_| of_likelihood),
-        kept: (!rule.has_threshold()).then_some("kept"),
-        middle: rule.turning_point().filter(|_| !rule.has_threshold()),
-        rule: match rule {
-            Keep::BestFirst(first) => Some(FollowedRule::BestFirst { first, joins: None, doubtful: None }),
-            Keep::Reconnect(least) => {
-                Some(FollowedRule::BestFirst { first: BEST_FIRST, joins: Some(least), doubtful: Some(least.max(DOUBTFUL)) })
-            }
-            Keep::Probable(price) => Some(FollowedRule::Forest { price, without: WITHOUT_PIECE }),
-            _ => None,
-        },
+        kept: followed.map(|_| "kept"),
+        middle: followed.and(rule.turning_point()),
+        rule: followed,
         band: rule.asks_evidence().then_some(UNDECIDED_BAND),
         beside_accepted: beside_accepted(outcome.network),
         at_most_one: knows_fragments(outcome.network),

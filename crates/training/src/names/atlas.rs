@@ -5,12 +5,12 @@ use std::collections::BTreeMap;
 use super::cases::LabelledCase;
 use super::truth::LabelledNodes;
 use willis_core::support::geometry::{Point, centroid, sub};
-use willis_models::circle_of_willis::BodySide;
+use willis_models::circle_of_willis::{Artery, BodySide};
 use willis_models::naming::atlas::{Atlas, AtlasData, AtlasPiece, Counts, all_states};
 use willis_models::naming::belief::NamingForest;
 use willis_models::naming::emission::Pose;
 use willis_models::naming::pose::{Pulls, Search};
-use willis_models::naming::states::{AtlasState, BA, NOWHERE, OTHER, STATES, Sided, StateTables, first_state};
+use willis_models::naming::states::{AtlasState, BA, NOWHERE, OTHER, STATES, StateTables, first_state, label_of};
 use willis_models::naming::{outer_sum, rotation, turned};
 
 /// Rounds of distributions and poses.
@@ -90,7 +90,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
 fn first_pose(truth: &LabelledNodes) -> Posed<'_> {
     let nodes = &truth.nodes;
     let tip = |side: BodySide| {
-        let state = first_state(Sided::Ica.on(side));
+        let state = first_state(label_of(Artery::Ica(side)));
         let own: Vec<Point> = (0..nodes.len()).filter(|n| truth.state[*n] == state).map(|n| nodes.at[n]).collect();
         (!own.is_empty()).then(|| centroid(own))
     };

@@ -15,7 +15,7 @@ use willis_io::formats::{is_there, open_regular, regular_bytes_of};
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::{CandidateOptions, build_with_evidence};
 use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
-use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, label_of};
+use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, label_named};
 
 const TRUTH: &str = "truth.json";
 const LABELS_FILE: &str = "labels.csv";
@@ -132,7 +132,7 @@ fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, ArteryLabel>, Fault> {
         let text = row.text(label).to_owned();
         let number: u64 =
             row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;
-        let known = label_of(&text).or_else(|| label_of(&text.replace("M3", "M2")));
+        let known = label_named(&text).or_else(|| label_named(&text.replace("M3", "M2")));
         let Some(known) = known.or_else(|| (text.is_empty() || text.ends_with("VA")).then_some(OTHER)) else {
             let names: BTreeSet<String> = (0..LABELS).map(willis_models::naming::name_of).collect();
             let accepted = format!("expected one of {}", names.into_iter().collect::<Vec<_>>().join(", "));

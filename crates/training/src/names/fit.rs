@@ -15,7 +15,7 @@ use willis_models::candidates::{CandidateOptions, build_with_evidence};
 use willis_models::naming::model::{Logistic, NamingModel, logistic_probability};
 use willis_models::naming::pieces::PIECE_FEATURES;
 use willis_models::naming::presence::{KINDS, PRESENCE_FEATURES, Seen, kind_of};
-use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, Sided, most_probable};
+use willis_models::naming::states::{LABELS, OTHER, as_one_with_m1, most_probable};
 use willis_models::naming::{Names, NamingScores, labels_of, log_odds, name_again, name_with, topologies_say};
 
 /// The penalty of slopes: that of one unit of a standardised slope against the sum over all rows.
@@ -260,13 +260,12 @@ fn length_right(one: &NamedCase, labels: &[[f64; LABELS]]) -> [f64; 2] {
     if known.nodes.len() != labels.len() {
         return [0.0; 2];
     }
-    let as_one = |label: ArteryLabel| if Sided::M2.is(label) { label - 2 } else { label };
     for (n, p) in labels.iter().enumerate().filter(|(n, _)| known.label[*n] != OTHER) {
         let best = most_probable(p);
         let w = known.nodes.weight[n];
         all += w;
         right += if best == known.label[n] { w } else { 0.0 };
-        merged += if as_one(best) == as_one(known.label[n]) { w } else { 0.0 };
+        merged += if as_one_with_m1(best) == as_one_with_m1(known.label[n]) { w } else { 0.0 };
     }
     [right / all, merged / all]
 }

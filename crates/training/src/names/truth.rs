@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use willis_core::network::Network;
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance};
-use willis_models::circle_of_willis::BodySide;
+use willis_models::circle_of_willis::{Artery, BodySide, Direction};
 use willis_models::naming::Nodes;
 use willis_models::naming::states::{
-    ArteryLabel, AtlasState, Direction, NOWHERE, OTHER, begins, begins_at, bins_of, first_state, side_of, state_at,
+    ArteryLabel, AtlasState, NOWHERE, OTHER, artery_of, begins, begins_at, bins_of, first_state, state_at,
 };
 
 /// The nodes of a case with what they are.
@@ -77,7 +77,7 @@ fn true_states(nodes: &Nodes, label: &[ArteryLabel]) -> Vec<AtlasState> {
 
 /// How far a position lies in the direction in which the reference end of an artery is expected.
 fn height(at: Point, artery: ArteryLabel) -> f64 {
-    let medial = if side_of(artery) == Some(BodySide::Right) { -at[0] } else { at[0] };
+    let medial = if artery_of(artery).and_then(Artery::side) == Some(BodySide::Right) { -at[0] } else { at[0] };
     match begins(artery) {
         Direction::Up => at[2],
         Direction::Down => -at[2],

@@ -9,7 +9,7 @@ use crate::formats::polylines::{parents_first, polylines};
 use crate::formats::swc::single_line;
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::runs::{other_end, vessels_at};
+use willis_core::network::walks::{other_end, vessels_at};
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Role, Scale, is_radius};
 use willis_core::support::geometry::{Point, cross, dot};
 

@@ -18,7 +18,7 @@ use willis_core::flow::WallLaw;
 use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
 use willis_core::flow::state::BLOOD_DENSITY;
 use willis_core::flow::unfed::fed;
-use willis_core::network::runs::other_end;
+use willis_core::network::walks::{other_end, vessels_at};
 use willis_core::network::waveform::Waveform;
 use willis_core::network::{Condition, Network, Node, Origin, Role, Vessel};
 
@@ -143,15 +143,10 @@ impl<'a> Directed<'a> {
     /// No condition at all, a condition in the middle of vessels, a self-loop, a wall that does not give (`InvalidInput`).
     fn of(network: &'a Network, setting: &'a SolverSetting) -> io::Result<Self> {
         let refused = |why: String| io::Error::new(io::ErrorKind::InvalidInput, why);
-        let mut at = vec![Vec::new(); network.node_count()];
-        for (row, (ends, _)) in network.vessels().enumerate() {
-            if ends[0] == ends[1] {
-                return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
-            }
-            for node in ends {
-                at[node].push(row);
-            }
+        if let Some(row) = network.vessels().position(|(ends, _)| ends[0] == ends[1]) {
+            return Err(refused(format!("{} joins a node to itself", network.vessel_name(row))));
         }
+        let at = vessels_at(network, |_| true);
         let enters = |node: usize| enters(network, node);
         let stated: Vec<usize> = (0..network.node_count()).filter(|node| network.node(*node).condition.is_some()).collect();
         if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {

@@ -5,8 +5,8 @@ use std::path::Path;
 use super::graph::{self, END_POSITION_COLUMNS};
 use super::reader::TableReader;
 use crate::formats::attributes;
-use crate::formats::format::Format;
 use crate::formats::input::{regular_bytes_of, stream_of};
+use crate::formats::known::Format;
 use crate::formats::options::ReadOptions;
 use crate::formats::vtk::polydata;
 use crate::formats::xml::{Events, Tag, XmlStep};
@@ -21,21 +21,16 @@ fn is_structure(name: &str) -> bool {
 /// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
-    let mut names: Vec<String> = match format {
-        Format::GraphMl => named(path, ("key", "attr.name"), "graph"),
-        Format::Vtp => named(path, ("DataArray", "Name"), "AppendedData"),
-        Format::Csv => {
-            regular_bytes_of(path).ok().and_then(|bytes| TableReader::open(&bytes).ok().map(|rows| rows.header().to_vec()))
+    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header().to_vec());
+    let (names, is_read): (_, fn(&str) -> bool) = match format {
+        Format::GraphMl => (named(path, ("key", "attr.name"), "graph"), attributes::is_wanted),
+        Format::Vtp => {
+            (named(path, ("DataArray", "Name"), "AppendedData"), |name| polydata::is_wanted(name, &ReadOptions::default()))
         }
-        _ => None,
-    }
-    .unwrap_or_default();
-    let is_read = |name: &str| match format {
-        Format::Vtp => polydata::is_wanted(name, &ReadOptions::default()),
-        Format::Csv => graph::is_wanted(name),
-        _ => attributes::is_wanted(name),
+        Format::Csv => (header(), graph::is_wanted),
+        _ => return Vec::new(),
     };
-    let mut seen = std::collections::HashSet::new();
+    let (mut names, mut seen) = (names.unwrap_or_default(), std::collections::HashSet::new());
     names.retain(|name| !is_structure(name) && !is_read(name) && seen.insert(name.clone()));
     names
 }

@@ -68,21 +68,14 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         }
         let valid =
             |column: Option<usize>| column.map_or(Ok(f64::NAN), |c| row.real(c)).map(|x| Some(x).filter(|x| is_radius(*x)));
-        let radius = match (valid(area)?, valid(radius)?) {
-            (Some(area), _) => {
-                from_area += 1;
-                options.scale.length(radius_of(area))
-            }
-            (None, Some(radius)) => {
-                from_radius += 1;
-                options.scale.length(radius)
-            }
-            (None, None) if options.is_radius_optional() => f64::NAN,
-            (None, None) => {
-                let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
-                return Err(fault("no valid radius".to_owned(), accepted));
-            }
-        };
+        let (area, radius) = (valid(area)?.map(radius_of), valid(radius)?);
+        from_area += usize::from(area.is_some());
+        from_radius += usize::from(area.is_none() && radius.is_some());
+        let radius = area.or(radius).map_or(f64::NAN, |radius| options.scale.length(radius));
+        if radius.is_nan() && !options.is_radius_optional() {
+            let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
+            return Err(fault("no valid radius".to_owned(), accepted));
+        }
         let length = valid(Some(length))?.map_or(f64::NAN, |length| options.scale.length(length));
         straight += usize::from(length.is_nan());
         add_straight(&mut network, at, length, radius, label.map_or("", |label| row.text(label)))
@@ -91,12 +84,10 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
     if network.vessel_count() == 0 {
         return Err(Fault::file("no edges", "expected a row for every edge"));
     }
-    let mut notes = Vec::new();
-    for (edges, means) in
-        [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, since the cross-section is missing")]
-    {
-        notes.extend((edges > 0).then(|| format!("the radius of {} is {means}", plural(edges, "edge"))));
-    }
+    let radii = [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, since the cross-section is missing")];
+    let radii = radii.into_iter().filter(|(edges, _)| *edges > 0);
+    let mut notes: Vec<String> =
+        radii.map(|(edges, means)| format!("the radius of {} is {means}", plural(edges, "edge"))).collect();
     if straight > 0 {
         notes.push(format!("{} without a valid length: took the distance between the nodes", plural(straight, "edge")));
     }

@@ -1,7 +1,8 @@
 //! The branches as a graph: path lengths along them, and the directions in which they leave a point.
 
-use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::{Point, distance};
+use willis_core::network::paths::{ShortestPaths, lengths_at};
+use willis_core::support::arc_lengths::arc_lengths;
+use willis_core::support::geometry::Point;
 
 /// The branches as edges between nodes. Lengths in m.
 pub struct BranchGraph {
@@ -9,8 +10,8 @@ pub struct BranchGraph {
     pub length: Vec<f64>,
     /// The two nodes of each branch.
     pub ends: Vec<[usize; 2]>,
-    /// Per node its branches, with the node at the other end.
-    branches: Vec<Vec<(usize, usize)>>,
+    /// Per node its branches, with the node at the other end and the length, m.
+    branches: Vec<Vec<(usize, usize, f64)>>,
     /// Per inner point its branch and the length from the branch's first node to it.
     arc: Vec<(usize, f64)>,
 }
@@ -18,21 +19,15 @@ pub struct BranchGraph {
 impl BranchGraph {
     /// The graph of branches whose inner points are numbered after the nodes, branch by branch.
     pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[Point]) -> Self {
-        let mut graph = Self { length: Vec::new(), ends: Vec::new(), branches: vec![Vec::new(); nodes], arc: Vec::new() };
+        let (mut length, mut ends, mut inner) = (Vec::new(), Vec::new(), Vec::new());
         for (branch, line) in lines.iter().enumerate() {
-            let (first, last) = (line[0], line[line.len() - 1]);
-            let mut arc = 0.0;
-            for pair in line.windows(2) {
-                arc += distance(position[pair[0]], position[pair[1]]);
-                graph.arc.push((branch, arc));
-            }
-            graph.arc.pop();
-            graph.length.push(arc);
-            graph.ends.push([first, last]);
-            graph.branches[first].push((branch, last));
-            graph.branches[last].push((branch, first));
+            let (arc, last) = (arc_lengths(line.iter().map(|point| position[*point])), line.len() - 1);
+            inner.extend(arc[1..last].iter().map(|arc| (branch, *arc)));
+            length.push(arc[last]);
+            ends.push([line[0], line[last]]);
         }
-        graph
+        let branches = lengths_at(nodes, (0..lines.len()).map(|branch| (branch, ends[branch], length[branch])));
+        Self { length, ends, branches, arc: inner }
     }
 
     /// How many nodes there are.
@@ -40,15 +35,14 @@ impl BranchGraph {
         self.branches.len()
     }
 
-    /// The branches at a node, each with the node at its other end.
-    pub fn branches(&self, node: usize) -> &[(usize, usize)] {
+    /// The branches at a node, each with the node at its other end and its length, m.
+    pub fn branches(&self, node: usize) -> &[(usize, usize, f64)] {
         &self.branches[node]
     }
 
     /// Visits the nodes along the branches, as [`ShortestPaths::search`] does.
     pub fn search(&self, sources: &[usize], limit: f64, paths: &mut ShortestPaths, visit: impl FnMut(&[f64], usize) -> bool) {
-        let edges = |node: usize| self.branches[node].iter().map(|(branch, next)| (*branch, *next, self.length[*branch]));
-        paths.search(sources, limit, edges, visit);
+        paths.search(sources, limit, |node| self.branches[node].iter().copied(), visit);
     }
 
     /// The path length (m) to a point, given those to the nodes; infinite where neither node of its branch was reached.
@@ -65,6 +59,7 @@ impl BranchGraph {
         self.search(sources, f64::INFINITY, &mut paths, |_, _| true);
         (0..self.nodes() + self.arc.len()).map(|point| self.to_point(paths.lengths(), point)).collect()
     }
+
     /// The directions in which branches leave a point: two between the ends of a branch, at a node as many as branches end there. The
     /// `lines` are those of the graph; others may follow.
     pub fn headings<'a>(&self, lines: &'a [Vec<usize>], point: usize) -> Vec<Heading<'a>> {
@@ -75,7 +70,7 @@ impl BranchGraph {
             let at = 1 + point - lines[branch][1];
             return vec![heading(branch, at, false), heading(branch, at, true)];
         }
-        let mut branches: Vec<usize> = self.branches(point).iter().map(|(branch, _)| *branch).collect();
+        let mut branches: Vec<usize> = self.branches(point).iter().map(|(branch, ..)| *branch).collect();
         // A branch that returns to its node is there twice.
         branches.dedup();
         let mut headings = Vec::new();

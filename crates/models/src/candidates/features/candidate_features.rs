@@ -80,7 +80,7 @@ const TOUCH: f64 = 0.6;
 const REACH: f64 = 1.5;
 const FAR_REACH: f64 = 3.0;
 
-/// min(d/D, 10). Gestalt proximity: a gap is as long as the vessels are wide (inference.md §5).
+/// min(d/D, 10). Gestalt proximity: a gap is as long as the vessels are wide.
 pub fn gap(c: &MeasuredCandidate) -> f64 {
     (c.gap / c.width()).min(MOST_WIDTHS)
 }
@@ -106,7 +106,7 @@ const BEND_MOST_WIDTHS: f64 = 3.0;
 /// The kink around a point is measured so many points from it.
 const AROUND: usize = 4;
 
-/// The angle between the child's direction and the candidate. Good continuation: the strongest feature (inference.md §5).
+/// The angle between the child's direction and the candidate. Good continuation: the strongest feature.
 pub fn bend_child(c: &MeasuredCandidate) -> f64 {
     angle(c.child.direction, c.across)
 }
@@ -127,7 +127,7 @@ pub fn bend_parent_squared(c: &MeasuredCandidate) -> f64 {
 }
 
 /// κ·u: the kink of the parent towards the candidate, in [-1, 1]; 0 at a free end. A vessel turns away from a branch it gives
-/// off, so a bend with its outside towards the child marks a lost branch: the best feature of inference.md §5.
+/// off, so a bend with its outside towards the child marks a lost branch: one of the best features.
 pub fn kink_towards(c: &MeasuredCandidate) -> f64 {
     kink_at(c, c.point).clamp(-1.0, 1.0) * c.between_ends()
 }

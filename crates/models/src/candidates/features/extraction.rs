@@ -107,15 +107,15 @@ impl Extraction {
             })?);
         }
         check_junctions(network)?;
-        let observed: Vec<([usize; 2], &Vessel)> = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).collect();
+        let observed: Vec<(usize, ([usize; 2], &Vessel))> =
+            network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed).collect();
         let parts = fragments(network, |_, v| v.origin == Origin::Observed);
         let mut degree = network.degrees(|v| v.origin == Origin::Observed);
         let mut place: Vec<NetworkPoint> = (0..network.node_count()).map(NetworkPoint::Node).collect();
         let mut radius: Vec<f64> = network.nodes().map(|n| n.radius.filter(|r| is_radius(*r)).unwrap_or(f64::NAN)).collect();
         let mut fragment = parts.of_node.clone();
         let mut lines = Vec::with_capacity(observed.len());
-        let rows = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed);
-        for (vessel, (ends, v)) in rows {
+        for (vessel, (ends, v)) in observed.iter().copied() {
             let mut line = vec![ends[0]];
             for (point, at) in v.path.iter().enumerate().take(v.path.len().saturating_sub(1)).skip(1) {
                 line.push(place.len());
@@ -144,7 +144,7 @@ impl Extraction {
         }
         let branch = owners(&lines, &radius, &graph, place.len());
         let smooth = smooth(&lines, &degree, &position, &radius);
-        let vessels: Vec<&Vessel> = observed.iter().map(|(_, vessel)| *vessel).collect();
+        let vessels: Vec<&Vessel> = observed.iter().map(|(_, (_, vessel))| *vessel).collect();
         let mut ends = free_ends(&lines, &vessels, [&fragment, &degree], &position, &radius, spacing);
         set_orientations(&mut ends, &graph, &lines, &smooth, spacing);
         let mut end_at = vec![None; place.len()];

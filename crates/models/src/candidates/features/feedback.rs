@@ -197,7 +197,7 @@ impl InflowBalance {
                 }
                 (place[node], from[node]) = (order.len(), reached_from);
                 order.push(node);
-                open.extend(e.graph.branches(node).iter().map(|(branch, next)| (*next, Some((node, *branch)))));
+                open.extend(e.graph.branches(node).iter().map(|(branch, next, _)| (*next, Some((node, *branch)))));
             }
         }
         let mut widest = vec![Vec::new(); e.fragments.len()];

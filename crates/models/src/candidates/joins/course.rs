@@ -1,8 +1,8 @@
 //! The course of a vessel from a free end inwards, past junctions, and where it points at several scales.
 
 use crate::candidates::features::extraction::Extraction;
-use willis_core::support::arc_lengths::arc_lengths;
-use willis_core::support::geometry::{Point, distance, dot, norm_squared, sub, unit};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction};
+use willis_core::support::geometry::{Point, distance, norm_squared, straightest, sub, unit};
 use willis_core::support::normal_equations::solve;
 use willis_core::support::ties::steady;
 
@@ -11,9 +11,8 @@ pub const SCALES: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
 /// A course is followed over the largest scale, so many spacings and so many radii more.
 const MORE_SPACINGS: f64 = 2.0;
 const MORE_RADII: f64 = 8.0;
-/// Past a junction it follows the branch that runs on straightest, by the direction over so many points; a wider one is preferred, so much.
+/// Past a junction it follows the branch that runs on straightest, by the direction over so many points.
 const LOOK: usize = 5;
-const WIDER: f64 = 0.3;
 /// Thinning bends the last stretch of a line, over so many radii; only the smallest scale sees it.
 const BENT_RADII: f64 = 0.7;
 /// The curvature is fitted over so many spacings and radii, with this ridge.
@@ -97,10 +96,7 @@ fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize
     let mut seen = vec![branch];
     loop {
         let line = &e.lines[branch];
-        let at = way[way.len() - 1];
-        let forwards = line[0] == at;
-        let rest: Vec<usize> = if forwards { line[1..].to_vec() } else { line[..line.len() - 1].iter().rev().copied().collect() };
-        for point in rest {
+        for point in in_direction(line.clone(), line[0] == way[way.len() - 1]).into_iter().skip(1) {
             length += distance(e.position[way[way.len() - 1]], e.position[point]);
             way.push(point);
             if length >= limit {
@@ -116,20 +112,13 @@ fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize
         }
         let smooth = |p: usize| e.smooth.position[p];
         let back = unit(sub(smooth(node), smooth(way[way.len().saturating_sub(LOOK + 1)])));
-        let mut best: Option<(f64, usize)> = None;
-        for heading in e.graph.headings(&e.lines, node).into_iter().filter(|heading| !seen.contains(&heading.branch)) {
-            let (next, far) = (heading.walk(1), heading.walk(LOOK));
-            let straight = dot(unit(sub(smooth(far), smooth(node))), back);
-            let wider = (e.smooth.radius[next] / e.smooth.radius[node]).ln();
-            let score = steady(straight + WIDER * wider);
-            if best.is_none_or(|(most, _)| score > most) {
-                best = Some((score, heading.branch));
-            }
-        }
-        match best {
-            Some((_, next)) => branch = next,
-            None => return (way, junction),
-        }
+        let headings = e.graph.headings(&e.lines, node).into_iter().filter(|heading| !seen.contains(&heading.branch));
+        let ways = headings.map(|heading| {
+            let wider = (e.smooth.radius[heading.walk(1)] / e.smooth.radius[node]).ln();
+            (heading.branch, sub(smooth(heading.walk(LOOK)), smooth(node)), wider)
+        });
+        let Some(next) = straightest(back, ways, steady) else { return (way, junction) };
+        branch = next;
         seen.push(branch);
     }
 }

@@ -13,7 +13,7 @@ use crate::candidates::features::extraction::Extraction;
 use crate::candidates::features::measured_candidate::{MeasuredCandidate, measured};
 use crate::candidates::search::EndCandidate;
 use willis_core::forest_posterior::Marginals;
-use willis_core::network::paths::ShortestPaths;
+use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::geometry::distance;
 use willis_core::support::statistics::{median, sigmoid};
 
@@ -100,13 +100,10 @@ pub fn closures(
 /// Per point the inlet that is nearest along the vessels and the candidates kept; none where no inlet is joined.
 fn nearest_inlet(extraction: &Extraction, kept: &[[usize; 2]]) -> Vec<Option<usize>> {
     let points = extraction.position.len();
-    let mut edges = vec![Vec::new(); points];
     let steps = extraction.lines.iter().flat_map(|line| line.windows(2).map(|w| [w[0], w[1]]));
-    for (row, [a, b]) in steps.chain(kept.iter().copied()).enumerate() {
-        let length = distance(extraction.position[a], extraction.position[b]);
-        edges[a].push((row, b, length));
-        edges[b].push((row, a, length));
-    }
+    let length = |[a, b]: [usize; 2]| distance(extraction.position[a], extraction.position[b]);
+    let edges = steps.chain(kept.iter().copied()).enumerate().map(|(row, ends)| (row, ends, length(ends)));
+    let edges = lengths_at(points, edges);
     let mut nearest = vec![(f64::INFINITY, None); points];
     let mut paths = ShortestPaths::new(points);
     for inlet in known_or_likely_inlets(extraction) {

@@ -1,6 +1,7 @@
 //! The free ends of an extraction: where each is, how wide, and which way it points.
 
 use willis_core::network::Vessel;
+use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, sub, unit};
 use willis_core::support::ties::steady;
 
@@ -43,7 +44,7 @@ pub fn free_ends(
     let mut ends: Vec<FreeEnd> = Vec::new();
     for (branch, (line, vessel)) in lines.iter().zip(vessels).enumerate() {
         for last in [false, true] {
-            let inwards: Vec<usize> = if last { line.iter().rev().copied().collect() } else { line.clone() };
+            let inwards = in_direction(line.clone(), !last);
             let point = inwards[0];
             if degree[point] != 1 {
                 continue;

@@ -3,6 +3,12 @@
 // `instead`, by row the one that the forest has in its place.
 const MOST_FIRST = of => (a, b) => of(b) - of(a) || a - b;
 
+// The law of a rule by its key in the page (FollowedRule), and whether candidates are taken one by one.
+const LAWS = {
+  best_first: { keeps: bestFirst, oneByOne: true },
+  forest: { keeps: mostProbableForest, oneByOne: false },
+};
+
 // The most probable candidates first, each free end once; then, where the rule says so, what joins two parts.
 function bestFirst(of, { first, joins, doubtful }) {
   const { rows, nodes, ends } = of, kept = new Uint8Array(rows), degree = new Uint32Array(nodes), used = new Set(), joined = union(nodes);

@@ -17,7 +17,10 @@ class Threshold {
     const errors = source.error && vessels.find(source.error);
     this.asKept = source.kept && values(source.kept);
     this.probability = vessels.find("probability")?.values ?? null;
-    // What the rule of the run weighs, to follow it after a decision.
+    // The law of the rule of the run with its figures, and what it weighs, to follow it after a decision.
+    const [followed, figures] = Object.entries(source.rule || {})[0] || [];
+    this.law = followed && LAWS[followed];
+    this.ruled = figures;
     this.attachedAs = [values("attached_a"), values("attached_b")];
     this.alone = nodes?.find("alone")?.values ?? new Float64Array(source.nodes).fill(NaN);
     const origin = vessels.find("origin");
@@ -87,7 +90,7 @@ class Threshold {
   // one in its place.
   isOpenByRule(row, flip) {
     const { kept, left, instead } = this.followed, p = this.chance(row), near = Math.abs(p - flip) < this.band;
-    if (!this.rule.forest || !(p < flip)) return near || left.has(row);
+    if (this.law.oneByOne || !(p < flip)) return near || left.has(row);
     return !(instead.has(row) && this.chance(instead.get(row)) - p >= this.band) && (near || left.has(row) || Boolean(kept[row]));
   }
 
@@ -137,8 +140,7 @@ class Threshold {
   // What the rule of the run keeps given the decisions of a person, as a run with them does; null where it does not follow them.
   byRule() {
     if (!this.asKept || !this.decided.size) return null;
-    const { best_first, forest } = this.rule;
-    return best_first ? bestFirst(this, best_first) : mostProbableForest(this, forest);
+    return this.law.keeps(this, this.ruled);
   }
 
   // How probably a connection attaches its one end to its other, and the reverse, given what a person decided.
@@ -226,7 +228,7 @@ class Threshold {
       const hangs = this.kept[row] ? side[row] || loop : a === b ? 0 : Math.min(whole[a], whole[b]);
       const still = !this.decided.has(row) && (this.isObserved(row) ? whole[a] <= this.loose[row] * (1 + 1e-6) : a !== b);
       const loose = still && this.loose[row] || 0, wrong = Number.isNaN(p) ? this.doubt(row) : this.kept[row] ? 1 - p : p;
-      const costs = this.rule?.best_first && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
+      const costs = this.law?.oneByOne && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
       return { row, loose, loop, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
     };
   }

@@ -10,7 +10,7 @@ use super::ahead::{Ahead, MOST_COST, MOST_MET};
 use super::path::{Between, CheapestPath, across, cheapest_path};
 use crate::candidates::features::Extraction;
 use crate::candidates::pairs::Pairs;
-use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
+use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::boosted_trees::stored;
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
 use willis_core::support::in_order;
@@ -93,11 +93,7 @@ impl ImageTable {
 
     /// The cheapest path of a pair from one of its points (m); `None` where nothing is seen.
     pub fn course(&self, pair: usize, from: usize, pairs: &Pairs) -> Option<Vec<Point>> {
-        let mut points = self.paths[pair].as_ref()?.points.clone();
-        if pairs.points[pair][0] != from {
-            points.reverse();
-        }
-        Some(points)
+        Some(in_direction(self.paths[pair].as_ref()?.points.clone(), pairs.points[pair][0] == from))
     }
 
     /// A row a pair, a column one of [`image_feature_names`], given the scores of the second pass; zeros where nothing is seen.
@@ -222,14 +218,10 @@ fn path_of(
     way: Option<&[Point]>,
 ) -> Option<CheapestPath> {
     let Some(way) = way else { return cheapest_path(scene, between) };
-    let mut way = way.to_vec();
-    if way.first() != Some(&e.position[points[0]]) {
-        way.reverse();
-    }
     let [a, b] = points;
     let cost =
         [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair)).map(|(_, cost, _)| cost).fold(MOST_COST, f64::min);
-    Some(CheapestPath { points: way, cost })
+    Some(CheapestPath { points: in_direction(way.to_vec(), way.first() == Some(&e.position[a])), cost })
 }
 
 /// How a pair compares with the vessels met from its free ends: rank and ln of the cost, the least of both, and ln of that cost over the
