@@ -4,8 +4,7 @@
 
 use willis::internals::flow::BatchSolver;
 use willis::internals::flow::batch::solver::BatchWorkspace;
-use willis::internals::sampling::batch_forest::wider;
-use willis::internals::sampling::{Coins, ForestProgram, InForest};
+use willis::internals::sampling::{Coins, ForestProgram, InForest, wider};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 use crate::Result;

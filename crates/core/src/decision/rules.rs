@@ -219,8 +219,13 @@ impl Keep {
     fn number(self) -> Option<f64> {
         match self {
             Self::Median | Self::Otsu => None,
-            Self::Quantile(x) | Self::Value(x) | Self::Frequency(x) | Self::Probability(x) => Some(x),
-            Self::Probable(x) | Self::BestFirst(x) | Self::Reconnect(x) => Some(x),
+            Self::Quantile(x)
+            | Self::Value(x)
+            | Self::Frequency(x)
+            | Self::Probability(x)
+            | Self::Probable(x)
+            | Self::BestFirst(x)
+            | Self::Reconnect(x) => Some(x),
         }
     }
 

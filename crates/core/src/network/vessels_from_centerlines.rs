@@ -85,7 +85,9 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
     let at = edges_at(lines.points.len(), (0..lines.links.len()).map(|link| (link, ends(link))));
     let mut is_node: Vec<bool> = at.iter().map(|links| links.len() != 2).collect();
     let runs = runs_by_node(&at, ends);
-    runs.iter().for_each(|run| is_node[run.nodes[0]] = true);
+    for run in &runs {
+        is_node[run.nodes[0]] = true;
+    }
     let mut out = Contraction::default();
     out.network.frame = lines.frame;
     let mut row_of = vec![usize::MAX; lines.points.len()];

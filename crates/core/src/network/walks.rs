@@ -52,18 +52,21 @@ impl Walk {
     }
 
     /// The part after its last node in `others`.
+    #[must_use]
     pub fn after(&self, others: &Self) -> Self {
         let cut = self.nodes.iter().rposition(|node| others.nodes.contains(node)).unwrap_or(0);
         Self { nodes: self.nodes[cut..].to_vec(), edges: self.edges[cut..].to_vec() }
     }
 
     /// The part before its first node in `others`.
+    #[must_use]
     pub fn before(&self, others: &Self) -> Self {
         let cut = self.nodes.iter().position(|node| others.nodes.contains(node)).unwrap_or(self.nodes.len() - 1);
         Self { nodes: self.nodes[..=cut].to_vec(), edges: self.edges[..cut].to_vec() }
     }
 
     /// Its first vessels up to a length (m), at least one.
+    #[must_use]
     pub fn start(&self, network: &Network, most: f64) -> Self {
         let mut length = 0.0;
         let enough = |row: &usize| {
@@ -79,7 +82,9 @@ impl Walk {
 pub fn edges_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2])>) -> Vec<Vec<usize>> {
     let mut at = vec![Vec::new(); nodes];
     for (edge, ends) in edges {
-        ends.iter().for_each(|node| at[*node].push(edge));
+        for node in ends {
+            at[node].push(edge);
+        }
     }
     at
 }

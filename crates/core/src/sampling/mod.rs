@@ -20,7 +20,7 @@ mod sampled_graph;
 mod sampler;
 mod ties;
 
-pub use batch_forest::{ForestProgram, InForest};
+pub use batch_forest::{ForestProgram, InForest, wider};
 pub use choose_solver::Method;
 pub use coins::Coins;
 pub use dyadic_sums::{DyadicSums, Summed};

@@ -42,11 +42,10 @@ impl Target {
     /// nodes.
     pub fn new(path: &Path, word: Option<&str>) -> Result<Self> {
         let found = word.map_or_else(|| Format::of_ending(path), Format::of_word);
-        let format = found.ok_or_else(|| match word {
-            Some(word) => {
+        let format = found.ok_or_else(|| {
+            if let Some(word) = word {
                 Error::parameter("to", word, format!("expected one of {}", Format::words().collect::<Vec<_>>().join(", ")))
-            }
-            None => {
+            } else {
                 let accepted = format!("expected an ending {}, or `to=FORMAT`", Format::written_endings());
                 Error::parameter("output", path.display(), accepted)
             }
@@ -141,7 +140,7 @@ pub fn write_into(
 
 /// Whether a format stores the vessels of a network as lines of points, so that a vessel without points needs some.
 fn consists_of_lines(format: Format, network: &Network) -> bool {
-    !format.is(FormatTrait::Pairs) && !(format.is(FormatTrait::PairsIfStraight) && is_straight(network))
+    !(format.is(FormatTrait::Pairs) || format.is(FormatTrait::PairsIfStraight) && is_straight(network))
 }
 
 /// How far from its nodes, as a share of its length, a straight vessel takes the radius that is its own.

@@ -90,6 +90,7 @@ macro_rules! formats {
         const ALL: &[Format] = &[$(Format::$format),+];
 
         impl Format {
+            #[expect(clippy::needless_update, reason = "a row may state everything")]
             fn row(self) -> FormatRow {
                 match self { $(Self::$format => FormatRow { $($row)+, ..FormatRow::default() }),+ }
             }

@@ -54,8 +54,11 @@ impl CohortRow {
     }
 }
 
+/// A column and the text of a row in it.
+type KnownColumn = (&'static str, fn(&CohortRow) -> &str);
+
 /// The columns that every cohort has.
-const OF_EVERY_ROW: [(&str, fn(&CohortRow) -> &str); 5] = [
+const OF_EVERY_ROW: [KnownColumn; 5] = [
     ("subject", |row| &row.subject),
     ("input", |row| &row.input),
     ("sha256", |row| &row.sha256),
@@ -76,12 +79,14 @@ fn covariate_names(rows: &[CohortRow]) -> Vec<String> {
     let stated = rows.iter().map(|row| &row.covariates).max_by_key(|stated| stated.len());
     let stated: Vec<&String> = stated.into_iter().flatten().map(|(name, _)| name).collect();
     let is_free = |column: &String, name| !is_own(column) && (column == name || !stated.contains(&column));
-    stated.iter().filter_map(|name| (0..).map(|n| "given_".repeat(n) + name).find(|column| is_free(column, *name))).collect()
+    // No column of its own begins so: as many times as there are covariates are enough.
+    let times = || 0..=stated.len() + 1;
+    stated.iter().filter_map(|name| times().map(|n| "given_".repeat(n) + name).find(|column| is_free(column, *name))).collect()
 }
 
 /// The columns of cohort.csv: those of every cohort, then covariates, then the figures in the order in which rows have them first.
 pub fn cohort_columns(rows: &[CohortRow]) -> Vec<Column> {
-    let text = |(name, of): (&'static str, fn(&CohortRow) -> &str)| Column::text(name, rows.iter().map(of));
+    let text = |(name, of): KnownColumn| Column::text(name, rows.iter().map(of));
     let mut columns = OF_EVERY_ROW.map(text).to_vec();
     for (at, name) in covariate_names(rows).into_iter().enumerate() {
         let text = |row: &CohortRow| row.covariates.get(at).map_or_else(String::new, |(_, text)| text.clone());
