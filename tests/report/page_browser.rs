@@ -65,14 +65,7 @@ fn pages_work_in_chromium() {
     for (out, arguments) in runs {
         run(here.path(), &[arguments, &["-o", out, "-q"]].concat());
     }
-    // Two at a time: a page leaves half of two cores idle.
-    let folders = runs.map(|(out, _)| out);
-    let (some, others) = folders.split_at(folders.len() / 2);
-    std::thread::scope(|scope| {
-        for folders in [some, others] {
-            scope.spawn(|| drive("drive.py", [&python, &chromium], here.path(), folders));
-        }
-    });
+    drive("drive.py", [&python, &chromium], here.path(), &runs.map(|(out, _)| out));
 }
 
 /// Runs a script with Chromium on folders.
