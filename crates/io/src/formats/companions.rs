@@ -46,7 +46,8 @@ pub enum StatedSpacing {
 /// A file beside it that is there and cannot be read.
 pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
     let head = head(path);
-    let is = |what: FormatTrait| format_of(path, without_mark(&head)).is_ok_and(|format| format.is(what));
+    let format = format_of(path, without_mark(&head)).ok();
+    let is = |what: FormatTrait| format.is_some_and(|format| format.is(what));
     if is(FormatTrait::OwnSpacing) {
         return Ok(StatedSpacing::Within);
     }
