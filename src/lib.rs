@@ -53,10 +53,10 @@ mod pipeline;
 
 pub use pipeline::{
     ArterySource, BoundaryOptions, ComparisonOptions, ConnectionDecision, Contents, Cut, FlowOptions, Follow, GraphEdit,
-    InferOptions, Inference, Input, LabelOptions, Labelled, MeasureOptions, Measurement, Phenotype, PhenotypeOptions, Prepared,
-    Preset, Prior, PulseMean, PulseOptions, Silent, Step, WrittenFiles, candidates, classify, compare_groups, infer, infer_with,
-    label, measure, modulate, modulate_with, prepare, read, read_bytes, read_run, simulate, simulate_with, solver_model,
-    twice_read, two_groups, write,
+    InferOptions, Inference, Input, Labelled, MeasureOptions, Measurement, Phenotype, PhenotypeOptions, Prepared, Preset, Prior,
+    PulseMean, PulseOptions, Silent, Step, WrittenFiles, candidates, classify, compare_groups, infer, infer_with, label, measure,
+    modulate, modulate_with, prepare, read, read_bytes, read_run, simulate, simulate_with, solver_model, twice_read, two_groups,
+    write,
 };
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};

@@ -348,6 +348,6 @@ fn variants(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
     let model = NamingModel::read(text.as_deref().unwrap_or(include_str!("../../crates/models/src/naming/arteries.toml")))
         .map_err(|fault| fault.in_file("arteries.toml".as_ref()))?;
     let names = name_arteries(run.graph(), &model).ok_or("no names")?;
-    digest.numbers(names.labels.into_iter().flatten().chain(names.presence).map(|p| (1e6 * p).round()));
+    digest.numbers(names.labels.into_iter().flatten().map(|p| (1e6 * p).round()));
     Ok(())
 }

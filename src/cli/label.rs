@@ -10,7 +10,7 @@ use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::LABELLED;
 use crate::internals::output::write_record;
 use crate::internals::report::cohort::{Figures, label_figures};
-use crate::{InferOptions, LabelOptions, Labelled, label};
+use crate::{InferOptions, Labelled, label};
 use clap::Args;
 use serde_json::{Value, json};
 
@@ -63,7 +63,7 @@ impl LabelArgs {
                     let accepted = "is the name of a file; expected a folder, since there are several inputs";
                     return Err(Error::parameter("output", self.output.display(), accepted));
                 }
-                let mut parameters = self.reading.parameters(self.options().infer)?;
+                let mut parameters = self.reading.parameters(self.options())?;
                 parameters["model"] = json!(self.model);
                 let cohort = Cohort { command: "label", parameters, output: &self.output, force, json: self.json };
                 return cohort.run(&subjects, &self, terminal);
@@ -83,9 +83,10 @@ impl LabelArgs {
         Ok(())
     }
 
-    fn options(&self) -> LabelOptions {
-        let mut options = LabelOptions { model: self.model.clone(), infer: InferOptions::default() };
-        self.candidates.put(&mut options.infer);
+    fn options(&self) -> InferOptions {
+        let mut options = InferOptions::default();
+        options.phenotypes.arteries.clone_from(&self.model);
+        self.candidates.put(&mut options);
         options
     }
 
@@ -103,7 +104,7 @@ impl LabelArgs {
                 found.doubtful()
             ),
         );
-        let segments = RING.iter().zip(&found.names.presence).map(|(artery, p)| format!("{artery} {p:.2}"));
+        let segments = RING.iter().zip(&found.segments).map(|(artery, p)| format!("{artery} {p:.2}"));
         terminal.say("segments", segments.collect::<Vec<_>>().join(", "));
         Ok(found)
     }

@@ -2,6 +2,7 @@
 
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
@@ -58,7 +59,15 @@ impl ArterySource {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(FoundArteries { circle, known_by: scheme.name().to_owned(), landmarks: None, copy: None, notes, named: None })
+        Ok(FoundArteries {
+            circle,
+            known_by: scheme.name().to_owned(),
+            landmarks: None,
+            copy: None,
+            notes,
+            named: None,
+            names: None,
+        })
     }
 }
 
@@ -73,7 +82,7 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
     notes.extend(found);
     let landmarks = Some(source);
     let copy = String::from_utf8(bytes).ok().map(|text| (format, text));
-    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes, named: None })
+    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes, named: None, names: None })
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
@@ -92,7 +101,8 @@ pub(crate) fn by_geometry(
     let model = models.of(&names);
     let (circle, notes) = names.located(network, model).map_err(here)?;
     let named = Some(names.circle(model));
-    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named })
+    let names = Some(Arc::new(names));
+    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named, names })
 }
 
 /// That no vessel of a network has a position, where geometry is to name them.
@@ -115,6 +125,9 @@ pub(crate) struct FoundArteries {
     pub(crate) notes: Vec<String>,
     /// What names say of the segments, where the arteries are known by their geometry, or by landmarks in a circle that has names.
     pub(crate) named: Option<NamedCircle>,
+    /// The names of all nodes, just found by geometry; they are not stored.
+    #[serde(skip)]
+    pub(crate) names: Option<Arc<Names>>,
 }
 
 impl FoundArteries {
@@ -144,7 +157,7 @@ impl FoundArteries {
     }
 
     /// The names of vessels by row, where geometry named them.
-    pub(crate) fn names(&self) -> &[(usize, String)] {
+    pub(crate) fn vessel_names(&self) -> &[(usize, String)] {
         self.named.as_ref().map_or(&[], |named| &named.names)
     }
 

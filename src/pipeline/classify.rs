@@ -8,8 +8,8 @@ use super::arteries::FoundArteries;
 use super::artery_options::PhenotypeOptions;
 use super::prepare::NO_PHENOTYPE;
 use super::stored_run::StoredRun;
-use super::{ArterySource, Follow, InferOptions, Input, Silent, prepare, unused};
-use willis_core::decision::{Keep, decide, has_evidence};
+use super::{ArterySource, Follow, InferOptions, Input, Prepared, Silent, prepare, unused};
+use willis_core::decision::{Keep, Topologies, decide, has_evidence};
 use willis_core::error::{Fault, Result};
 use willis_core::flow::boundary_conditions::stated;
 use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
@@ -146,14 +146,27 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
             why.split_once("; ").unwrap_or((why, "expected centerlines of a head, or labels, or `landmarks=FILE`"));
         return Err(Fault::file(why, accepted).in_file(Path::new(&input.provenance.input)));
     };
-    let (topologies, how) = found.topologies(network, &prepared.boundary, &options.sampling, &prepared.given(), None, true)?;
-    let posterior = found.posterior_from(network, &topologies, phenotypes)?;
+    let (topologies, how, posterior) = plausible(&prepared, &found, &mut Silent)?;
     let mut notes = found.notes.clone();
     notes.push(how);
     let (topologies, variant) = (topologies.weighted, posterior.best());
     let boundary = Some(prepared.boundary.clone());
     let answer = Answer { found, topologies, variant, posterior: Some(posterior), boundary, notes };
     Ok(phenotype(input, network, answer, (FoundOutlets::CEREBRAL, BLOOD_VISCOSITY), phenotypes))
+}
+
+/// The plausible topologies of an input that was not sampled, how they were drawn, and what they and names say of its circle.
+pub(super) fn plausible(
+    prepared: &Prepared,
+    found: &FoundArteries,
+    progress: &mut dyn Follow,
+) -> Result<(Topologies, String, Posterior)> {
+    let Prepared { graph, boundary, options, candidates, .. } = prepared;
+    let sampling = &options.infer.sampling;
+    let above = if candidates.is_some() { None } else { above_median(graph, boundary, sampling, progress)? };
+    let (topologies, how) = found.topologies(graph, boundary, sampling, &prepared.given(), above.as_deref(), true)?;
+    let posterior = found.posterior_from(graph, &topologies, &options.infer.phenotypes)?;
+    Ok((topologies, how, posterior))
 }
 
 /// What was found of a circle.

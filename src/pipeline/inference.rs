@@ -197,7 +197,7 @@ impl Inference {
             boundary,
             suggested_cuts: &self.prepared.contacts.suggested,
             pairings: &self.prepared.contacts.pairings,
-            arteries: self.prepared.arteries.as_ref().map_or(&[], |found| found.names()),
+            arteries: self.prepared.arteries.as_ref().map_or(&[], |found| found.vessel_names()),
             image_places: &self.prepared.image_places,
             segmentation: self.prepared.segmentation.as_ref(),
             result: &self.likelihood,

@@ -3,11 +3,10 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::artery_options::load_models;
-use super::{Follow, InferOptions, Input, Prepared, prepare, stage_target};
+use super::classify::plausible;
+use super::{ArterySource, Follow, InferOptions, Input, Prepared, prepare, stage_target};
 use willis_core::error::{Fault, Result};
 use willis_core::network::Network;
 use willis_core::network::units::metres;
@@ -23,23 +22,15 @@ use willis_models::naming::states::OTHER;
 use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
 use willis_report::{Provenance, by_artery};
 
-/// How arteries are named.
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-pub struct LabelOptions {
-    /// A model of `willis train --model labels`; those that ship without it.
-    pub model: Option<PathBuf>,
-    /// How candidates are built, which pass names over gaps.
-    pub infer: InferOptions,
-}
-
 /// An input whose arteries have names.
 #[derive(Debug)]
 pub struct Labelled {
     /// The over-connected graph that was named.
     pub prepared: Arc<Prepared>,
     /// The names.
-    pub names: Names,
+    pub names: Arc<Names>,
+    /// For each segment of [`RING`] the probability that it is there, as [`classify`](crate::classify) gives it.
+    pub segments: [f64; 7],
     /// The landmarks, in mm and RAS.
     pub landmarks: Vec<NamedPlace>,
     /// The observed vessels with their names, divided where the name changes.
@@ -48,21 +39,31 @@ pub struct Labelled {
     pub probability: Vec<Option<f64>>,
 }
 
-/// Names the arteries of an input: exactly what `willis label` does.
+/// Names the arteries of an input by their geometry, whatever else the options name them by: exactly what `willis label` does. Candidates pass
+/// names over gaps.
 ///
 /// # Errors
 ///
 /// As [`infer`](crate::infer) before any sample; a network without positions.
-pub fn label(input: Input, options: &LabelOptions, progress: &mut dyn Follow) -> Result<Labelled> {
-    let models = load_models(options.model.as_deref())?;
-    let (path, original) = (input.provenance.input.clone(), input.network.node_count());
-    let prepared = prepare(input, &options.infer, progress)?;
-    let names = models.name(&prepared.graph).ok_or_else(|| {
-        Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path))
-    })?;
+pub fn label(input: Input, options: &InferOptions, progress: &mut dyn Follow) -> Result<Labelled> {
+    let by_geometry = InferOptions { arteries: Some(ArterySource::Geometry), ..options.clone() };
+    let models = by_geometry.phenotypes.models()?;
+    let (path, own) = (input.provenance.input.clone(), input.network.nodes().cloned().collect::<Vec<_>>());
+    let prepared = prepare(input, &by_geometry, progress)?;
+    let found = prepared.arteries.as_ref();
+    let (names, segments) = if let Some((found, names)) = found.and_then(|found| Some((found, found.names.clone()?))) {
+        (names, plausible(&prepared, found, progress)?.2.segments)
+    } else {
+        let names = models.name(&prepared.graph).ok_or_else(|| {
+            Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path))
+        })?;
+        // Where no circle was found, topologies say nothing of one.
+        let segments = names.circle(models.of(&names)).presence(&[0.5; 7], &by_geometry.phenotypes.prior()?);
+        (Arc::new(names), segments)
+    };
     let landmarks = names.landmarks(models.of(&names));
-    let (network, probability) = labelled_network(&prepared.graph, original, &names);
-    Ok(Labelled { prepared, names, landmarks, network, probability })
+    let (network, probability) = labelled_network(&prepared.graph, &own, &names);
+    Ok(Labelled { prepared, names, segments, landmarks, network, probability })
 }
 
 /// The files of landmarks.
@@ -166,7 +167,7 @@ impl Labelled {
                 "landmarks": self.landmarks.len(),
                 "doubtful": self.doubtful(),
             },
-            "segments": by_artery(&RING, self.names.presence),
+            "segments": by_artery(&RING, self.segments),
         })
     }
 
@@ -180,7 +181,7 @@ impl Labelled {
         let names = &self.names;
         let columns = [
             Column::text("segment", RING.iter().map(ToString::to_string)),
-            Column::real("probability", names.presence.iter().copied()),
+            Column::real("probability", self.segments.iter().copied()),
             Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
             Column::whole("not_seen", names.is_seen.iter().map(|seen| usize::from(!seen))),
         ];

@@ -37,7 +37,7 @@ pub use decisions::{ConnectionDecision, GraphEdit};
 pub use flow_options::{FlowOptions, PulseMean, PulseOptions};
 pub use inference::Inference;
 pub use input::{Contents, Input, read, read_bytes, read_run};
-pub use label::{LabelOptions, Labelled, label};
+pub use label::{Labelled, label};
 pub use measure::{MeasureOptions, Measurement, measure};
 pub use options::{InferOptions, Preset, RunOptions};
 pub use prepare::{nothing_built, prepare};

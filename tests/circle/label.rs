@@ -19,7 +19,7 @@ use willis::internals::naming::states::{
 use willis::internals::naming::ways::ways;
 use willis::internals::naming::{ArteryLabel, LABELS, NamingModel, NamingModels, Nodes, OTHER, name_of};
 use willis::internals::network::{Frame, Network, Origin};
-use willis::{Input, LabelOptions, ReadOptions, Silent, label, read};
+use willis::{InferOptions, Input, ReadOptions, Silent, label, read};
 
 fn patients() -> Vec<PathBuf> {
     let shared = std::env::var_os("WILLIS_SHARED_DATA").map_or_else(|| PathBuf::from("../shared/data"), PathBuf::from);
@@ -120,11 +120,34 @@ fn nothing_of_a_tracing_is_lost_by_its_labels() {
         let input = tracing(path);
         let long = |network: &Network| network.vessels().map(|(_, vessel)| vessel.length).sum::<f64>();
         let before = long(&input.network);
-        let found = label(input, &LabelOptions::default(), &mut Silent).expect("labels");
+        let found = label(input, &InferOptions::default(), &mut Silent).expect("labels");
         assert!((long(&found.network) / before - 1.0).abs() < 1e-6, "{} {before}", long(&found.network));
         assert!(found.network.vessels().filter(|(_, vessel)| !vessel.label.is_empty()).count() > 8);
         assert!(found.probability.iter().flatten().all(|p| (0.0..=1.0).contains(p)));
         assert!(!found.landmarks.is_empty());
+    }
+}
+
+/// A segment has one probability: `label` says of each what `classify` says, whole and broken.
+#[test]
+fn label_and_classify_say_the_same_of_each_segment() {
+    let here = folder();
+    let run = |arguments: &[&str]| {
+        let output = command(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    let circles: [&[&str]; 2] = [&[], &["--without", "L-A1", "--break", "--seed", "3001"]];
+    for circle in circles {
+        run(&[&["phantom", "cerebral", "-o", "a.swc", "--force"], circle].concat());
+        run(&["label", "a.swc", "-o", "named.graphml", "--force"]);
+        run(&["classify", "a.swc", "-o", "classified", "--force"]);
+        let told = fs::read_to_string(here.path().join("classified/phenotype.json")).expect("a phenotype");
+        let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+        let table = fs::read_to_string(here.path().join("named.segments.csv")).expect("segments");
+        for line in table.lines().skip(1) {
+            let cells: Vec<&str> = line.split(',').collect();
+            assert_eq!(cells[1].parse().ok(), told["probabilities"]["segments"][cells[0]].as_f64(), "{line}");
+        }
     }
 }
 

@@ -26,14 +26,12 @@ pub(super) fn run(args: &TrainArgs, output: &Output) -> Result<()> {
         terminal.say(
             "held out",
             format!(
-                "{}: {:.3} of the length right, {:.3} with M1 and M2 as one; segments {:.3} right by names, {:.3} with topologies; variants {:.3} and {:.3} ({})",
+                "{}: {:.3} of the length right, {:.3} with M1 and M2 as one; segments {:.3}, variants {:.3} ({})",
                 of.of,
                 of.length_right,
                 of.length_right_mca,
-                of.presence_right[0],
-                of.presence_right[1],
-                of.exact[0],
-                of.exact[1],
+                of.presence_right,
+                of.exact,
                 plural(of.cases, "case")
             ),
         );

@@ -146,7 +146,7 @@ impl Names {
 
     /// What the names say of the circle.
     pub fn circle(&self, model: &NamingModel) -> NamedCircle {
-        let weights = |segment: usize| &model.presence_with_topology[kind_of(segment)];
+        let weights = |segment: usize| &model.presence[kind_of(segment)];
         NamedCircle {
             log_odds: std::array::from_fn(|s| {
                 let (weights, features) = (weights(s), self.seen.features(s));

@@ -24,13 +24,14 @@ struct NameRun {
 }
 
 /// The observed vessels of a graph with their names, and the probability of each name; vessels without one have an empty label and
-/// none. Nodes from row `original` on at which only a candidate had divided a vessel are gone.
-pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Network, Vec<Option<f64>>) {
+/// none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
+/// vessel.
+pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Network, Vec<Option<f64>>) {
     let mut by_vessel: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
     for n in 0..names.nodes.len() {
         by_vessel.entry(names.nodes.place[n].vessel).or_default().push(n);
     }
-    let mut nodes: Vec<Node> = graph.nodes().cloned().collect();
+    let mut nodes: Vec<Node> = own.iter().chain(graph.nodes().skip(own.len())).cloned().collect();
     let mut pieces: Vec<Option<NamedPiece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
         match vessel.origin {
@@ -71,13 +72,13 @@ pub fn labelled_network(graph: &Network, original: usize, names: &Names) -> (Net
         let last = NameRun { until: f64::INFINITY, label: OTHER, probability: 1.0 };
         pieces.push(Some(piece([from, ends[1]], &begun, vessel, runs.last().unwrap_or(&last))));
     }
-    merge(&mut pieces, nodes.len(), original, graph.node_count());
+    merge(&mut pieces, nodes.len(), own.len(), graph.node_count());
     let mut out = Network::new();
     out.frame = graph.frame;
     let mut row = vec![usize::MAX; nodes.len()];
     let mut probability = Vec::new();
     let used: std::collections::BTreeSet<usize> = pieces.iter().flatten().flat_map(|(ends, ..)| *ends).collect();
-    for (n, node) in nodes.into_iter().enumerate().filter(|(n, _)| *n < original || used.contains(n)) {
+    for (n, node) in nodes.into_iter().enumerate().filter(|(n, _)| *n < own.len() || used.contains(n)) {
         row[n] = out.add_node(node);
     }
     for (ends, vessel, p) in pieces.into_iter().flatten() {

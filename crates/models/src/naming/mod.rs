@@ -41,7 +41,6 @@ use crate::circle_of_willis::RING;
 use belief::{Beliefs, NamingForest};
 use emission::{Pose, radius_fit, tempered};
 use exclusion::exclusion;
-use model::logistic_probability;
 use pieces::{label_probabilities, piece_features};
 use pose::{Scored, Search};
 use presence::Seen;
@@ -78,9 +77,7 @@ pub struct Names {
     pub states: Vec<f64>,
     /// Per piece the probability that it is no artery of the circle.
     pub false_pieces: Vec<f64>,
-    /// For each segment of [`crate::circle_of_willis::RING`] the probability that it is there, by what is seen of names.
-    pub presence: [f64; 7],
-    /// Whether enough of each segment is seen to name it.
+    /// Whether enough of each segment of [`crate::circle_of_willis::RING`] is seen to name it.
     pub is_seen: [bool; 7],
     /// Whether they are of a part of the network: the circle of a whole brain.
     pub(crate) is_part: bool,
@@ -222,8 +219,6 @@ fn names_at(
     let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
     let evidence = evidence(&second, atlas);
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
-    let presence =
-        std::array::from_fn(|segment| logistic_probability(&model.presence[presence::kind_of(segment)], &seen.features(segment)));
     Some(Names {
         is_part: core.median_log_radius.is_some(),
         is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
@@ -237,7 +232,6 @@ fn names_at(
         by: 0,
         labels,
         false_pieces,
-        presence,
         seen,
         bridge_factor,
     })

@@ -27,10 +27,10 @@ pub struct NamingScores {
     pub length_right: f64,
     /// The same with M1 and M2 as one.
     pub length_right_mca: f64,
-    /// The share of the segments of the ring whose presence is right, by names alone and with plausible topologies ...
-    pub presence_right: [f64; 2],
+    /// The share of the segments of the ring whose presence is right ...
+    pub presence_right: f64,
     /// ... and of the cases with all of them right.
-    pub exact: [f64; 2],
+    pub exact: f64,
 }
 
 /// A logistic regression: the constant, then the slopes.
@@ -47,15 +47,13 @@ pub struct NamingModel {
     pub atlas: Atlas,
     /// Per pass, whether a piece is false. The second pass has the logarithm of what the first one said as its last feature.
     pub false_pieces: [Logistic; 2],
-    /// Per kind of segment, whether it is there.
+    /// Per kind of segment, whether it is there; the last feature is the log odds of the plausible topologies.
     pub presence: [Logistic; KINDS],
-    /// The same with the log odds of the plausible topologies as one more feature, the last.
-    pub presence_with_topology: [Logistic; KINDS],
     /// Per kind of segment the share of the cases that have it.
     pub share: [f64; KINDS],
 }
 
-/// The place of the log odds of the plausible topologies among the weights of `presence_with_topology`.
+/// The place of the log odds of the plausible topologies among the weights of `presence`.
 pub const TOPOLOGY_FEATURE: usize = 1 + PRESENCE_FEATURES;
 
 /// P = 1/(1 + e^-z) of a logistic regression.
@@ -71,7 +69,6 @@ struct NamingFile {
     centroid: [f64; 3],
     false_pieces: [Vec<f64>; 2],
     presence: [Vec<f64>; KINDS],
-    presence_with_topology: [Vec<f64>; KINDS],
     share: [f64; KINDS],
     within_branches: Vec<(String, String, f64)>,
     at_junctions: Vec<(String, String, f64)>,
@@ -108,13 +105,12 @@ impl StateRow {
 const HEADING: &str = "\
 # Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.
 # false_pieces: whether a piece is false: a constant and the weights of its features, for the first and the second pass.
-# presence: whether an A1, AComm, PComm, P1 is there; presence_with_topology: the same, with the log odds of the plausible topologies as
-# the last feature.
+# presence: whether an A1, AComm, PComm, P1 is there; the last feature is the log odds of the plausible topologies.
 # within_branches, at_junctions: neighbours within a branch, and those of which one is a junction: how often they were seen.
 # bifurcations: the three arms of a bifurcation, its middle, and how often it was seen.
 # figures: how well such models did on subjects that were held out.
 ";
-const FORMAT: &str = "willis artery names 2";
+const FORMAT: &str = "willis artery names 3";
 
 impl NamingModel {
     /// The probability that a piece is false, from its features, and in the second pass from the logarithm of what the first one said.
@@ -140,8 +136,7 @@ impl NamingModel {
             bad.map_or(Ok(()), |(k, _)| Err(wrong(format!("{what} {k}"), &format!("expected {} numbers", expected(k)))))
         };
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
-        lengths("presence", &file.presence, &|_| 1 + PRESENCE_FEATURES)?;
-        lengths("presence_with_topology", &file.presence_with_topology, &|_| 2 + PRESENCE_FEATURES)?;
+        lengths("presence", &file.presence, &|_| 2 + PRESENCE_FEATURES)?;
         let tables = StateTables::default();
         let mut pieces: Vec<Option<AtlasPiece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
@@ -217,7 +212,6 @@ impl NamingModel {
             atlas: Atlas::new(data),
             false_pieces: file.false_pieces,
             presence: file.presence,
-            presence_with_topology: file.presence_with_topology,
             share: file.share,
         })
     }
@@ -264,11 +258,12 @@ impl NamingModel {
         };
         let logistic = |weights: &Logistic| weights.iter().map(|w| rounded([*w], 6)[0]).collect::<Logistic>();
         let [within_branches, at_junctions] = counts.neighbours.each_ref().map(|list| pairs(list));
+        let four = |share: f64| rounded([share], 4)[0];
         let figures = self.figures.iter().map(|of| NamingScores {
-            length_right: rounded([of.length_right], 4)[0],
-            length_right_mca: rounded([of.length_right_mca], 4)[0],
-            presence_right: rounded(of.presence_right, 4),
-            exact: rounded(of.exact, 4),
+            length_right: four(of.length_right),
+            length_right_mca: four(of.length_right_mca),
+            presence_right: four(of.presence_right),
+            exact: four(of.exact),
             ..of.clone()
         });
         let file = NamingFile {
@@ -277,7 +272,6 @@ impl NamingModel {
             centroid: rounded(*centroid, 4),
             false_pieces: self.false_pieces.each_ref().map(logistic),
             presence: self.presence.each_ref().map(logistic),
-            presence_with_topology: self.presence_with_topology.each_ref().map(logistic),
             share: rounded(self.share, 6),
             within_branches,
             at_junctions,

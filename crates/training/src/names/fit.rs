@@ -60,8 +60,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
             figures: Vec::new(),
             atlas: fit_atlas(&inner),
             false_pieces: [vec![0.0; 1 + PIECE_FEATURES], vec![0.0; 2 + PIECE_FEATURES]],
-            presence: std::array::from_fn(|_| vec![0.0; 1 + PRESENCE_FEATURES]),
-            presence_with_topology: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
+            presence: std::array::from_fn(|_| vec![0.0; 2 + PRESENCE_FEATURES]),
             share: [0.5; KINDS],
         }
     });
@@ -92,12 +91,12 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     }
     let weights = Weights::shipped()?;
     let judged: Vec<JudgedCase> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
-    let presence_rows = |fold: usize, kind: usize, with_topology: bool| -> Vec<RegressionRow> {
+    let presence_rows = |fold: usize, kind: usize| -> Vec<RegressionRow> {
         let mut rows = Vec::new();
         for one in judged.iter().filter(|one| one.fold != fold) {
             for segment in (0..7).filter(|s| kind_of(*s) == kind) {
                 if let Some(there) = one.case.present[segment] {
-                    rows.push(([&[1.0][..], &one.features(segment, with_topology)].concat(), there, 1.0));
+                    rows.push(([&[1.0][..], &one.features(segment)].concat(), there, 1.0));
                 }
             }
         }
@@ -106,9 +105,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let share = |rows: &[RegressionRow]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
         for (fold, of) in models.iter_mut().enumerate() {
-            let rows = presence_rows(fold, kind, false);
+            let rows = presence_rows(fold, kind);
             (of.presence[kind], of.share[kind]) = (fit(&rows, PRESENCE_L2), share(&rows));
-            of.presence_with_topology[kind] = fit(&presence_rows(fold, kind, true), PRESENCE_L2);
         }
     }
     progress("presence");
@@ -174,33 +172,27 @@ fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &We
 fn scores_at(level: &str, judged: &[JudgedCase], models: &[NamingModel]) -> NamingScores {
     let own: Vec<&JudgedCase> = judged.iter().filter(|one| one.case.level == level).collect();
     let n = own.len() as f64;
-    // Segments right, all; cases with every segment right: by names alone, and with topologies.
-    let (mut right, mut all, mut exact) = ([0.0, 0.0], 0.0, [0.0, 0.0]);
+    // Segments right, all; cases with every segment right.
+    let (mut right, mut all, mut exact) = (0.0, 0.0, 0.0);
     for one in &own {
-        let mut whole = [true, true];
+        let mut whole = true;
         for segment in 0..7 {
             let Some(there) = one.case.present[segment] else { continue };
-            let (kind, of) = (kind_of(segment), &models[one.fold]);
-            let said = [
-                logistic_probability(&of.presence[kind], &one.features(segment, false)),
-                logistic_probability(&of.presence_with_topology[kind], &one.features(segment, true)),
-            ];
+            let said = logistic_probability(&models[one.fold].presence[kind_of(segment)], &one.features(segment));
+            let is_right = (said > 0.5) == there;
             all += 1.0;
-            for k in 0..2 {
-                let is_right = (said[k] > 0.5) == there;
-                right[k] += f64::from(u8::from(is_right));
-                whole[k] &= is_right;
-            }
+            right += f64::from(u8::from(is_right));
+            whole &= is_right;
         }
-        (0..2).for_each(|k| exact[k] += f64::from(u8::from(whole[k])));
+        exact += f64::from(u8::from(whole));
     }
     NamingScores {
         of: level.to_owned(),
         cases: own.len(),
         length_right: own.iter().map(|one| one.right[0]).sum::<f64>() / n,
         length_right_mca: own.iter().map(|one| one.right[1]).sum::<f64>() / n,
-        presence_right: right.map(|right| right / f64::max(all, 1.0)),
-        exact: exact.map(|exact| exact / n),
+        presence_right: right / f64::max(all, 1.0),
+        exact: exact / n,
     }
 }
 
@@ -216,10 +208,8 @@ struct JudgedCase<'a> {
 }
 
 impl JudgedCase<'_> {
-    fn features(&self, segment: usize, with_topology: bool) -> Vec<f64> {
-        let mut x = self.seen.features(segment).to_vec();
-        x.extend(with_topology.then(|| log_odds(self.topologies[segment])));
-        x
+    fn features(&self, segment: usize) -> Vec<f64> {
+        [&self.seen.features(segment)[..], &[log_odds(self.topologies[segment])]].concat()
     }
 }
 
