@@ -78,7 +78,7 @@ impl Pieces {
             if sample.is_multiple_of(64) {
                 self.occlusion.draw(0, sample as u64 / 64, &mut masks);
             }
-            solver.solve(Scalar::new(), &masks, sample % 64, &[], &mut work);
+            solver.solve(Scalar::new(), &solver.masked(&masks, sample % 64), sample % 64, &[], &mut work);
             let resilience = |vessel: usize| {
                 let [a, b] = self.circuit.ends[vessel].map(|node| work.pressure()[solver.slot(node)][0]);
                 let open = masks[vessel] >> (sample % 64) & 1 == 1;

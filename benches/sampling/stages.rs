@@ -33,7 +33,7 @@ impl<const B: usize> Kernel for Solve<'_, B> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.0.solve(simd, self.1, 0, &[], self.2);
+        self.0.solve(simd, &self.0.masked(self.1, 0), 0, &[], self.2);
     }
 }
 

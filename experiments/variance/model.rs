@@ -78,7 +78,7 @@ impl Model {
         let coin = self.coins.of_block(0);
         let solver = work.solver.get_or_insert_with(|| self.program.workspace());
         for first in (0..64).step_by(LANES) {
-            self.program.solve(Scalar::new(), &work.masks, first, &stranded, solver);
+            self.program.solve(Scalar::new(), &self.program.masked(&work.masks, first), first, &stranded, solver);
             let level = self.circuit.level;
             work.resilience.clear();
             let vessels = self.circuit.ends.iter().zip(&self.per_square_drop).zip(&work.masks);

@@ -104,7 +104,7 @@ fn lanes(circuit: &Circuit, present: &[u8]) -> Vec<[f64; LANES]> {
     let program = BatchSolver::star_mesh(circuit, usize::MAX).expect("no limit");
     let masks: Vec<u64> = present.iter().map(|open| u64::from(*open)).collect();
     let mut work = program.workspace();
-    program.solve(willis::internals::support::simd::Scalar::new(), &masks, 0, &[], &mut work);
+    program.solve(willis::internals::support::simd::Scalar::new(), &program.masked(&masks, 0), 0, &[], &mut work);
     (0..circuit.node_count()).map(|node| *work.pressure()[program.slot(node)]).collect()
 }
 

@@ -38,7 +38,7 @@ impl<'a> PressureSolver<'a> {
         let masks: Vec<u64> = (0..circuit.row_count()).map(|row| u64::from(open(row))).collect();
         let stranded = stranded(circuit, &masks, 1);
         let mut work = solver.workspace::<1>();
-        solver.solve(Scalar::new(), &masks, 0, &stranded, &mut work);
+        solver.solve(Scalar::new(), &solver.masked(&masks, 0), 0, &stranded, &mut work);
         let pressure = |node: usize| work.pressure()[solver.slot(node)][0];
         if solver.core().is_some() {
             let residual = Check::default().residual(circuit, circuit.if_open(&masks), &stranded, pressure);

@@ -158,9 +158,8 @@ impl<'a> Job<'a> {
     fn states(&self, instances: &[Vec<Tube>], work: &mut BatchWorkspace<LANES>) -> Result<Vec<State>> {
         let each: Vec<Vec<f64>> = instances.iter().map(|tubes| conductances(self.network, tubes)).collect::<Result<_>>()?;
         let lanes = |vessel| Lanes(std::array::from_fn(|lane| each.get(lane).map_or(0.0, |conductance| conductance[vessel])));
-        work.conductance.clear();
-        work.conductance.extend((0..self.tubes.len()).map(lanes));
-        self.instructions.run(SideBySide { solver: &self.solver, stranded: &self.stranded, work });
+        let rows: Vec<Lanes<LANES>> = (0..self.tubes.len()).map(lanes).collect();
+        self.instructions.run(SideBySide { solver: &self.solver, rows: &rows, stranded: &self.stranded, work });
         let pressure = |node: usize, lane: usize| work.pressure()[self.solver.slot(node)][lane];
         if self.solver.core().is_some() {
             for (lane, own) in each.iter().enumerate() {
@@ -205,6 +204,7 @@ fn check_memory(network: &Network, params: &ModulationOptions) -> Result<()> {
 /// A group of instances for the vector kernel.
 struct SideBySide<'a> {
     solver: &'a BatchSolver,
+    rows: &'a Vec<Lanes<LANES>>,
     stranded: &'a [(usize, u64)],
     work: &'a mut BatchWorkspace<LANES>,
 }
@@ -214,6 +214,6 @@ impl Kernel for SideBySide<'_> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.solver.solve_with(simd, 0, self.stranded, self.work);
+        self.solver.solve(simd, self.rows, 0, self.stranded, self.work);
     }
 }

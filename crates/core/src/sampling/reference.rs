@@ -127,7 +127,8 @@ impl Reference {
                 rho = (0..rho.len()).map(|vessel| [drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))]).collect();
             }
         }
-        self.ties.equalise(&mut rho, &mut TiesWorkspace::default());
+        let flowing: Vec<u64> = rho.iter().map(|[rho]| u64::from(*rho > 0.0)).collect();
+        self.ties.equalise(&mut rho, &flowing, &mut TiesWorkspace::default());
         rho.concat()
     }
 }

@@ -25,7 +25,7 @@ use crate::flow::residual::{Check, Residual};
 use crate::flow::resilience::{MOST_RESILIENCE, diffused_resilience};
 use crate::flow::{BatchSolver, Circuit};
 use crate::support::random::BLOCK;
-use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
+use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, positive, product, splat, zip};
 
 /// A graph with all that its samples share.
 #[derive(Debug)]
@@ -129,6 +129,8 @@ pub struct GraphWorkspace<const B: usize> {
     kruskal: Kruskal,
     expected: ExpectedForest,
     diffused: Vec<ForestEdge>,
+    /// Per row the samples of a group in which it flows, as bits.
+    flowing: Vec<u64>,
     ties: TiesWorkspace,
     drops: DropsWorkspace,
     check: Check,
@@ -160,6 +162,7 @@ impl SampledGraph {
             kruskal: Kruskal::default(),
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
+            flowing: Vec::new(),
             ties: TiesWorkspace::default(),
             drops: DropsWorkspace::default(),
             check: Check::default(),
@@ -221,7 +224,7 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
         let masks = graph.masks_of_rows(masks);
         let stranded = &stranded(&graph.circuit, masks, samples);
         let GraphWorkspace { flow, resilience, key: keys, in_forest, is_last, share, eighths, .. } = work;
-        let GraphWorkspace { kruskal, expected, diffused, ties, drops, check, .. } = work;
+        let GraphWorkspace { kruskal, expected, diffused, flowing, ties, drops, check, .. } = work;
         let order = match (graph.is_reduced, &graph.forest) {
             (false, _) if probability.is_none() => SumOrder::EveryEighth,
             (true, Some(_)) => SumOrder::Eights,
@@ -231,7 +234,7 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
         eighths.fill([Lanes::ZERO; 3]);
         for first in (0..samples).step_by(B) {
             let here = (samples - first).min(B);
-            graph.solver.solve(simd, masks, first, stranded, flow);
+            graph.solver.solve(simd, &graph.solver.masked(masks, first), first, stranded, flow);
             let group = SampleGroup { graph, pressure: flow.pressure(), masks, first, order };
             if first == 0 {
                 let pressure = |node| group.pressure[graph.solver.slot(node)][0];
@@ -241,7 +244,13 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
             if let Some(of_drops) = &graph.drops {
                 group.refine(of_drops, here, drops, resilience);
             }
-            graph.ties.equalise(resilience, ties);
+            if !graph.ties.is_empty() {
+                flowing.clear();
+                for rho in &*resilience {
+                    flowing.push(positive(simd, rho));
+                }
+                graph.ties.equalise(resilience, flowing, ties);
+            }
             let mut total = Lanes::ZERO;
             for (row, rho) in graph.rows.iter().zip(&*resilience) {
                 total = plus_product(simd, &total, &splat(simd, row.total_share), rho);

@@ -32,8 +32,6 @@ struct Tie {
 #[derive(Debug, Default)]
 pub struct TiesWorkspace {
     ties: Vec<Tie>,
-    /// Per vessel of a node the samples in which it flows, as bits.
-    flowing: Vec<u64>,
 }
 
 impl Ties {
@@ -89,21 +87,25 @@ impl Ties {
         }
     }
 
-    /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group.
-    pub fn equalise<G: AsRef<[f64]> + AsMut<[f64]>>(&self, resilience: &mut [G], work: &mut TiesWorkspace) {
-        let TiesWorkspace { ties, flowing } = work;
+    /// Whether no vessel can tie.
+    pub fn is_empty(&self) -> bool {
+        self.nodes.is_empty()
+    }
+
+    /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group. `flowing` has the samples in which
+    /// each vessel has any, as bits.
+    pub fn equalise<G: AsRef<[f64]> + AsMut<[f64]>>(&self, resilience: &mut [G], flowing: &[u64], work: &mut TiesWorkspace) {
+        let TiesWorkspace { ties } = work;
         ties.clear();
         for node in &self.nodes {
             let vessels = &self.vessels[range(&node.vessels)];
-            flowing.clear();
             // The samples in which one vessel at least flows, two, and more.
             let (mut one, mut two, mut more) = (0, 0, 0);
             for vessel in vessels {
-                let flows = flows(resilience[*vessel as usize].as_ref());
+                let flows = flowing[*vessel as usize];
                 more |= two & flows;
                 two |= one & flows;
                 one |= flows;
-                flowing.push(flows);
             }
             let in_series = two & !more;
             if in_series == 0 {
@@ -111,10 +113,10 @@ impl Ties {
             }
             for alike in &self.alike[range(&node.alike)] {
                 for a in range(alike) {
-                    let mut lanes = in_series & flowing[a];
+                    let mut lanes = in_series & flowing[vessels[a] as usize];
                     let mut b = a + 1;
                     while lanes != 0 && b < alike.end as usize {
-                        let both = lanes & flowing[b];
+                        let both = lanes & flowing[vessels[b] as usize];
                         if both != 0 {
                             ties.push(Tie { vessels: [vessels[a], vessels[b]], lanes: both });
                             lanes &= !both;
@@ -141,11 +143,6 @@ impl Ties {
             ties.iter().for_each(&mut level);
         }
     }
-}
-
-/// The samples in which a vessel has resilience, as bits.
-fn flows(resilience: &[f64]) -> u64 {
-    resilience.iter().rev().fold(0, |bits, rho| bits << 1 | u64::from(*rho > 0.0))
 }
 
 fn range(range: &Range<u32>) -> Range<usize> {

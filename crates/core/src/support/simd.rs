@@ -196,3 +196,15 @@ pub fn masked<S: Simd, const B: usize>(simd: S, value: &Lanes<B>, word: u64, fir
     }
     out
 }
+
+/// The lanes of a group of 64 at most that are above zero, as bits: lane i is bit i.
+#[inline(always)]
+pub fn positive<S: Simd, const B: usize>(simd: S, values: &Lanes<B>) -> u64 {
+    let mut any = SampleBits([0; 64]);
+    let sum = &mut S::as_mut_simd_u64s(&mut any.0).0[0];
+    for (value, bits) in values.vectors::<S>().iter().zip(S::as_simd_u64s(&SAMPLE_BITS.0).0) {
+        let set = simd.greater_than_f64s(*value, simd.splat_f64s(0.0));
+        *sum = simd.or_u64s(*sum, simd.select_u64s(set, *bits, simd.splat_u64s(0)));
+    }
+    any.0[..S::F64_LANES].iter().fold(0, |all, bits| all | bits)
+}

@@ -7,6 +7,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
+use super::solver::Conductances;
 use super::star_mesh::{StarMesh, StarMeshWorkspace, inverse};
 use crate::flow::circuit::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
@@ -93,15 +94,14 @@ impl ConjugateGradients {
         mesh: &StarMesh,
         of_mesh: &mut StarMeshWorkspace<B>,
         work: &mut GradientsWorkspace<B>,
-        conductance: &[Lanes<B>],
+        rows: &impl Conductances<B>,
     ) {
         let GradientsWorkspace { pressure, dead_ends, .. } = work;
-        let is_open = |vessel: usize, lane: usize| conductance[vessel][lane] > 0.0;
         for lane in 0..B {
             for (node, p) in pressure.iter_mut().enumerate() {
                 *p = of_mesh.pressure[mesh.slot(node)][lane];
             }
-            self.dead_ends.level(|vessel| is_open(vessel, lane), dead_ends, pressure, &self.fixed);
+            self.dead_ends.level(|vessel| rows.is_open(vessel, lane), dead_ends, pressure, &self.fixed);
             for (node, p) in pressure.iter().enumerate() {
                 of_mesh.pressure[mesh.slot(node)][lane] = *p;
             }

@@ -21,11 +21,48 @@ pub struct BatchSolver {
     core: Option<ConjugateGradients>,
 }
 
+/// The conductance of each row of a circuit in each of `B` samples, m³/(Pa s); zero where the row is closed.
+pub trait Conductances<const B: usize> {
+    /// Those of a row.
+    fn of_row<S: Simd>(&self, simd: S, row: usize) -> Lanes<B>;
+
+    /// Whether a row is open in a sample.
+    fn is_open(&self, row: usize, lane: usize) -> bool;
+}
+
+impl<const B: usize> Conductances<B> for Vec<Lanes<B>> {
+    #[inline(always)]
+    fn of_row<S: Simd>(&self, _: S, row: usize) -> Lanes<B> {
+        self[row]
+    }
+
+    fn is_open(&self, row: usize, lane: usize) -> bool {
+        self[row][lane] > 0.0
+    }
+}
+
+/// The rows of a circuit in the samples of a block from `first` on: bit i of a row's mask says whether it is open in sample i.
+#[derive(Debug, Clone, Copy)]
+pub struct MaskedRows<'a> {
+    conductance: &'a [f64],
+    masks: &'a [u64],
+    first: usize,
+}
+
+impl<const B: usize> Conductances<B> for MaskedRows<'_> {
+    #[inline(always)]
+    fn of_row<S: Simd>(&self, simd: S, row: usize) -> Lanes<B> {
+        masked(simd, &splat(simd, self.conductance[row]), self.masks[row], self.first)
+    }
+
+    fn is_open(&self, row: usize, lane: usize) -> bool {
+        self.conductance[row] > 0.0 && self.masks[row] >> (self.first + lane) & 1 == 1
+    }
+}
+
 /// The memory of one worker that solves `B` samples side by side.
 #[derive(Debug, Clone)]
 pub struct BatchWorkspace<const B: usize> {
-    /// The conductance of each row in each sample, m³/(Pa s); zero where it is closed.
-    pub conductance: Vec<Lanes<B>>,
     mesh: StarMeshWorkspace<B>,
     core: Option<GradientsWorkspace<B>>,
 }
@@ -91,43 +128,27 @@ impl BatchSolver {
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> BatchWorkspace<B> {
-        BatchWorkspace {
-            conductance: vec![Lanes::ZERO; self.conductance.len()],
-            mesh: self.mesh.workspace(),
-            core: self.core.as_ref().map(ConjugateGradients::workspace),
-        }
+        BatchWorkspace { mesh: self.mesh.workspace(), core: self.core.as_ref().map(ConjugateGradients::workspace) }
     }
 
-    /// Solves the samples `first .. first + B` of a block.
-    ///
-    /// Bit i of `masks[e]` says whether row e is open in sample i; `stranded` lists the nodes whose injected flow has nowhere to go, with the
-    /// samples in which that is so.
+    /// The rows in the samples of a block from `first` on, as their masks open them.
+    pub fn masked<'a>(&'a self, masks: &'a [u64], first: usize) -> MaskedRows<'a> {
+        MaskedRows { conductance: &self.conductance, masks, first }
+    }
+
+    /// Solves the samples `first .. first + B` of a block; `stranded` lists the nodes whose injected flow has nowhere to go, with the samples in
+    /// which that is so.
     #[inline(always)]
     pub fn solve<S: Simd, const B: usize>(
         &self,
         simd: S,
-        masks: &[u64],
+        rows: &impl Conductances<B>,
         first: usize,
         stranded: &[(usize, u64)],
         work: &mut BatchWorkspace<B>,
     ) {
-        for ((here, open), mask) in work.conductance.iter_mut().zip(&self.conductance).zip(masks) {
-            *here = masked(simd, &splat(simd, *open), *mask, first);
-        }
-        self.solve_with(simd, first, stranded, work);
-    }
-
-    /// Solves the samples `first .. first + B` of a block at the conductances in the workspace; `stranded` as in [`BatchSolver::solve`].
-    #[inline(always)]
-    pub fn solve_with<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        first: usize,
-        stranded: &[(usize, u64)],
-        work: &mut BatchWorkspace<B>,
-    ) {
-        let BatchWorkspace { conductance, mesh, core } = work;
-        self.mesh.assemble(simd, conductance, first, stranded, mesh);
+        let BatchWorkspace { mesh, core } = work;
+        self.mesh.assemble(simd, rows, first, stranded, mesh);
         self.mesh.eliminate(simd, mesh);
         let mut core = self.core.as_ref().zip(core.as_mut());
         if let Some((core, work)) = &mut core {
@@ -135,7 +156,7 @@ impl BatchSolver {
         }
         self.mesh.substitute_back(simd, mesh);
         if let Some((core, work)) = &mut core {
-            core.level_dead_ends(&self.mesh, mesh, work, conductance);
+            core.level_dead_ends(&self.mesh, mesh, work, rows);
         }
     }
 }

@@ -9,6 +9,7 @@
 
 use std::collections::HashMap;
 
+use super::solver::Conductances;
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
@@ -123,7 +124,7 @@ impl StarMesh {
     pub(super) fn assemble<S: Simd, const B: usize>(
         &self,
         simd: S,
-        conductance: &[Lanes<B>],
+        rows: &impl Conductances<B>,
         first: usize,
         stranded: &[(usize, u64)],
         work: &mut StarMeshWorkspace<B>,
@@ -139,18 +140,18 @@ impl StarMesh {
         for (sum, vessels) in work.conductance.iter_mut().zip(&self.vessels_of) {
             let mut all = Lanes::ZERO;
             for vessel in vessels {
-                all = plus(simd, &all, &conductance[*vessel as usize]);
+                all = plus(simd, &all, &rows.of_row(simd, *vessel as usize));
             }
             *sum = all;
         }
         for stamp in &self.grounds {
-            let own = &conductance[stamp.vessel as usize];
+            let own = &rows.of_row(simd, stamp.vessel as usize);
             let (place, pressure) = (stamp.place as usize, work.pressure[stamp.fixed as usize]);
             work.ground[place] = plus(simd, &work.ground[place], own);
             work.pressure[place] = plus_product(simd, &work.pressure[place], own, &pressure);
         }
         for (at, hold) in self.holds.iter().enumerate() {
-            let held = conductance[hold.terminal as usize];
+            let held = rows.of_row(simd, hold.terminal as usize);
             work.held[at] = held;
             // Products with zero and one are exact.
             let (held_at, place) = (splat(simd, hold.pressure), hold.place as usize);
