@@ -140,7 +140,7 @@ fn label_and_classify_say_the_same_of_each_segment() {
     for circle in circles {
         run(&[&["phantom", "cerebral", "-o", "a.swc", "--force"], circle].concat());
         run(&["label", "a.swc", "-o", "named.graphml", "--force"]);
-        run(&["classify", "a.swc", "-o", "classified", "--force"]);
+        run(&["classify", "a.swc", "--landmarks", "auto", "-o", "classified", "--force"]);
         let told = fs::read_to_string(here.path().join("classified/phenotype.json")).expect("a phenotype");
         let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
         let table = fs::read_to_string(here.path().join("named.segments.csv")).expect("segments");

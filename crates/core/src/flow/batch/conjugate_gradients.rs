@@ -7,7 +7,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::solver::Conductances;
+use super::conductances::Conductances;
 use super::star_mesh::{StarMesh, StarMeshWorkspace, inverse};
 use crate::flow::circuit::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};

@@ -2,12 +2,13 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
+use super::conductances::{Conductances, MaskedRows};
 use super::conjugate_gradients::{ConjugateGradients, GradientsWorkspace};
 use super::star_mesh::{StarMesh, StarMeshWorkspace};
 use crate::error::{Error, Result};
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::Elimination;
-use crate::support::simd::{Lanes, Simd, masked, splat};
+use crate::support::simd::{Lanes, Simd};
 
 /// Joins of star-mesh elimination above which conjugate gradients solve a network that is solved few times.
 const MOST_JOINS_ONCE: usize = 2_000_000;
@@ -19,45 +20,6 @@ pub struct BatchSolver {
     conductance: Vec<f64>,
     mesh: StarMesh,
     core: Option<ConjugateGradients>,
-}
-
-/// The conductance of each row of a circuit in each of `B` samples, m³/(Pa s); zero where the row is closed.
-pub trait Conductances<const B: usize> {
-    /// Those of a row.
-    fn of_row<S: Simd>(&self, simd: S, row: usize) -> Lanes<B>;
-
-    /// Whether a row is open in a sample.
-    fn is_open(&self, row: usize, lane: usize) -> bool;
-}
-
-impl<const B: usize> Conductances<B> for Vec<Lanes<B>> {
-    #[inline(always)]
-    fn of_row<S: Simd>(&self, _: S, row: usize) -> Lanes<B> {
-        self[row]
-    }
-
-    fn is_open(&self, row: usize, lane: usize) -> bool {
-        self[row][lane] > 0.0
-    }
-}
-
-/// The rows of a circuit in the samples of a block from `first` on: bit i of a row's mask says whether it is open in sample i.
-#[derive(Debug, Clone, Copy)]
-pub struct MaskedRows<'a> {
-    conductance: &'a [f64],
-    masks: &'a [u64],
-    first: usize,
-}
-
-impl<const B: usize> Conductances<B> for MaskedRows<'_> {
-    #[inline(always)]
-    fn of_row<S: Simd>(&self, simd: S, row: usize) -> Lanes<B> {
-        masked(simd, &splat(simd, self.conductance[row]), self.masks[row], self.first)
-    }
-
-    fn is_open(&self, row: usize, lane: usize) -> bool {
-        self.conductance[row] > 0.0 && self.masks[row] >> (self.first + lane) & 1 == 1
-    }
 }
 
 /// The memory of one worker that solves `B` samples side by side.

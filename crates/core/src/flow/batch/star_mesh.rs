@@ -9,7 +9,7 @@
 
 use std::collections::HashMap;
 
-use super::solver::Conductances;
+use super::conductances::Conductances;
 use crate::flow::circuit::Circuit;
 use crate::support::elimination::{Elimination, NOWHERE};
 use crate::support::simd::{Lanes, Simd, map, masked, plus, plus_product, product, splat, zip};
