@@ -9,9 +9,8 @@ use std::path::Path;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::write_csv;
-use willis_io::output::StagedFiles;
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
-use willis_io::output::write_file;
+use willis_io::output::{StagedFiles, write_file};
 
 pub use columns::describe;
 pub use figures::{Figures, WALL_TIME, infer_figures, label_figures, needs_person, phenotype_figures};

@@ -123,17 +123,16 @@ pub fn count_ticks(last: u64, most: usize) -> Vec<Tick> {
     ticks.into_iter().filter(|tick| tick.at <= last as f64).collect()
 }
 
-/// A whole number with commas between thousands from five digits on.
-pub fn grouped(n: u64) -> String {
+/// A whole number with commas between its thousands.
+pub fn with_commas(n: u64) -> String {
     let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join(",")
+}
+
+/// The same from five digits on.
+pub fn grouped(n: u64) -> String {
+    if n < 10_000 { n.to_string() } else { with_commas(n) }
 }
 
 /// A range of real numbers.

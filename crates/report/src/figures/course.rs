@@ -39,14 +39,11 @@ pub fn smoothed(course: &[CoursePoint]) -> Vec<CoursePoint> {
     (0..=last)
         .map(|at| {
             let radius = radius(along[at]);
-            let [x, y, z] = if at == 0 || at == last { inner(&course[at]) } else { calmed(course, &along, at, MOST * radius) };
+            let [x, y, z, _] = course[at];
+            let [x, y, z] = if at == 0 || at == last { [x, y, z] } else { calmed(course, &along, at, MOST * radius) };
             [x, y, z, radius]
         })
         .collect()
-}
-
-fn inner(place: &CoursePoint) -> [f64; 3] {
-    [place[0], place[1], place[2]]
 }
 
 /// The inner point `at`, moved by at most `most`.

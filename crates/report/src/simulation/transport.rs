@@ -49,12 +49,7 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     let text = |name: &'static str, of: &dyn Fn(&(Drain, usize)) -> String| Column::text(name, rows.iter().map(of));
     let mut columns = vec![
         text("kind", &|(place, _)| if matches!(place, Drain::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
-        Column::whole(
-            "row",
-            rows.iter().map(|(place, _)| match place {
-                Drain::Vessel(row) | Drain::Outlet(row) => *row,
-            }),
-        ),
+        Column::whole("row", rows.iter().map(|(Drain::Vessel(row) | Drain::Outlet(row), _)| *row)),
         text("label", &|(place, _)| match place {
             Drain::Vessel(row) => network.vessel(*row).label.clone(),
             Drain::Outlet(node) => end_name(network, *node),
@@ -64,10 +59,9 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     ];
     for (state, suffix) in transports.states() {
         let share = |(place, source): &(Drain, usize)| {
+            let through = |row: usize| simulated.state(suffix).map_or(0.0, |state| state.vessels[row].flow.abs());
             let (blood, flow) = match place {
-                Drain::Vessel(row) => {
-                    (state.of_vessel(*row), simulated.state(suffix).map_or(0.0, |state| state.vessels[*row].flow.abs()))
-                }
+                Drain::Vessel(row) => (state.of_vessel(*row), through(*row)),
                 Drain::Outlet(node) => (state.nodes[*node].as_ref(), state.leaving(*node)),
             };
             blood.map(|blood| (state.of_source(blood, *source), flow))
