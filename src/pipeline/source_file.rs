@@ -49,7 +49,7 @@ pub enum ModelSource {
 }
 
 /// The choice that serde writes as this word, or that a file of this name is.
-pub(crate) fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
+pub fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
     let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
     T::deserialize(word).ok()
 }
