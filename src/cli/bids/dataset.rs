@@ -283,10 +283,8 @@ impl Dataset {
     /// Whether the dataset itself has an angiogram with the entities of a mask, and no other image with them.
     fn is_of_angiogram(&self, mask: &DatasetMask) -> bool {
         let folder = anatomy(&self.root, &mask.participant, mask.session.as_deref());
-        let mut alike = images(&folder)
-            .into_iter()
-            .map(|(_, named)| named)
-            .filter(|named| named.entities == mask.named.entities && !SUFFIXES.contains(&named.suffix.as_str()));
+        let is_alike = |of: &BidsName| of.entities == mask.named.entities && !SUFFIXES.contains(&of.suffix.as_str());
+        let mut alike = images(&folder).into_iter().map(|(_, named)| named).filter(is_alike);
         alike.next().is_some_and(|named| named.suffix == ANGIOGRAM) && alike.next().is_none()
     }
 

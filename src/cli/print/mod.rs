@@ -296,11 +296,8 @@ fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) 
         [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
     {
         let rows: Vec<usize> = (0..network.node_count()).filter(|n| boundary.roles[*n] == role).collect();
-        let words: Vec<String> = rows
-            .iter()
-            .filter_map(|n| Some((*n, words(boundary.condition(*n)?))))
-            .map(|(n, w)| format!("{} ({w})", network.node(n).id))
-            .collect();
+        let word = |n: &usize| Some(format!("{} ({})", network.node(*n).id, words(boundary.condition(*n)?)));
+        let words: Vec<String> = rows.iter().filter_map(word).collect();
         let how = match found.len() {
             0 => String::new(),
             n if n == rows.len() => match role {

@@ -27,7 +27,7 @@ pub fn write_cohort(folder: &Path, rows: &[CohortRow], about: &CohortRun<'_>) ->
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<CohortRow> = rows.to_vec();
     first.sort_by(|a, b| uncertainty(b).total_cmp(&uncertainty(a)));
-    write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about, folder))?;
+    write_file(&page.path(), |out| write_cohort_page(out, &first, about, folder))?;
     table.commit()?;
     page.commit().map(drop)
 }

@@ -19,7 +19,7 @@ use crate::run_record::ConditionRecord;
 use willis_core::error::Result;
 use willis_core::network::Role;
 use willis_core::network::units::millimetres;
-use willis_io::formats::{Column, Values};
+use willis_io::formats::Column;
 use willis_io::masks::cubes::{SIDE, STEP};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
@@ -232,13 +232,9 @@ pub fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Page
     let items = items.as_array().filter(|items| !items.is_empty())?;
     let column = |&name: &&'static str| {
         let values = || items.iter().map(|item| &item[name]);
-        let numbers = values().all(|v| v.is_null() || v.is_number());
-        let values = if numbers {
-            Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
-        } else {
-            Values::Text(values().map(word).collect())
-        };
-        Column { name: name.into(), values }
+        let are_numbers = values().all(|v| v.is_null() || v.is_number());
+        let reals = || values().map(|v| v.as_f64().unwrap_or(f64::NAN));
+        if are_numbers { Column::real(name, reals()) } else { Column::text(name, values().map(word)) }
     };
     Some(PageTable::new(title, columns.iter().map(column).collect(), false))
 }

@@ -53,9 +53,8 @@ pub fn page(
     // The page draws the positions.
     columns.retain(|column| !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     // What a person decided is certain to the run, and can be taken back on the page.
-    let by_person: HashSet<usize> = record["parameters"]["decisions"]["made"]
-        .as_array()
-        .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
+    let made = record["parameters"]["decisions"]["made"].as_array().into_iter().flatten();
+    let by_person: HashSet<usize> = made.filter_map(|d| Some(d["edge"].as_u64()? as usize)).collect();
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
     let mut names = vec![String::new(); outcome.network.vessel_count()];
@@ -97,7 +96,8 @@ pub fn page(
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
-    if !outcome.suggested_cuts.is_empty() {
+    let are_suggested = !outcome.suggested_cuts.is_empty();
+    if are_suggested {
         names.push(("suggested cuts", "/counts/suggested_cuts", ""));
     }
     if outcome.contacts() > 0 {
@@ -113,9 +113,9 @@ pub fn page(
         scene.markers.extend(outcome.cuts().map(|row| cut_at(outcome.network, row)).chain(suggested));
         scene
     });
-    let suggested = (!outcome.suggested_cuts.is_empty())
-        .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
+    let suggested = are_suggested.then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
     let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
+    let (vessels, nodes) = (Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)));
     Page {
         warnings,
         facts: facts(&record, &names),
@@ -123,10 +123,7 @@ pub fn page(
         colourings: colourings(unit, evidence),
         segmentation: json!(outcome.segmentation),
         threshold: threshold(outcome, unit),
-        tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
-            .into_iter()
-            .flatten()
-            .collect(),
+        tables: [vessels, suggested, pairings, nodes, conditions].into_iter().flatten().collect(),
         ..Page::new("infer", record, scene, outcome.image_places, figures)
     }
 }

@@ -176,17 +176,15 @@ pub fn supply_columns(simulated: &SimulationRun<'_>, transports: &Transports) ->
 /// Whose blood every outlet gets, as a picture.
 fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) -> Figure {
     let sources = transports.sources();
-    let supply = |exit: &usize| OutletSupply {
-        name: end_name(&simulated.network, *exit),
-        flow: transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max),
-        states: transports
-            .states()
-            .map(|(state, _)| {
-                let blood = state.nodes[*exit].as_ref()?;
-                let shares = sources.iter().map(|source| state.of_source(blood, *source).0);
-                Some((shares.collect(), milliseconds(blood.mean)))
-            })
-            .collect(),
+    let supply = |exit: &usize| {
+        let state = |(state, _): (&Transport, &str)| {
+            let blood = state.nodes[*exit].as_ref()?;
+            let shares = sources.iter().map(|source| state.of_source(blood, *source).0);
+            Some((shares.collect(), milliseconds(blood.mean)))
+        };
+        let flow = transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max);
+        let (name, states) = (end_name(&simulated.network, *exit), transports.states().map(state).collect());
+        OutletSupply { name, flow, states }
     };
     let outlets: Vec<OutletSupply> = transports.exits().iter().map(supply).collect();
     supply_bars(&outlets, &inlet_colours(simulated, transports))
