@@ -73,15 +73,14 @@ impl ImageRecord {
             }
         };
         let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
-        const READY: &str =
-            "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
-        const OTHER: &str =
+        let ready = "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
+        let other =
             "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
         if !is_fragments {
-            return refused(READY);
+            return refused(ready);
         }
         if prior.noise_of_images().is_none() {
-            return refused(OTHER);
+            return refused(other);
         }
         let (image, sha256) = read_image(path, input)?;
         let probabilities = options.probability.is_some();
