@@ -74,9 +74,8 @@ pub struct ModulateArgs {
 impl ModulateArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let path = &self.input.input;
-        let mut options = self.options()?;
-        let threshold = self.threshold()?;
-        let boundary = boundary_for(&self.boundary, path);
+        // Before the input is read.
+        self.options().and_then(|_| self.threshold())?;
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("modulate")?;
@@ -84,7 +83,7 @@ impl ModulateArgs {
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let network = &input.network;
-        options.vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
+        let (boundary, options, threshold) = self.meaning(path, network)?;
         let folder = StagedFolder::new(&self.output, force)?;
 
         let modulated = options.vessels.as_ref().map_or(network.vessel_count(), |v| v.iter().filter(|v| **v).count());
