@@ -6,8 +6,7 @@ use std::{fs, io};
 
 use crate::error::Error;
 use crate::internals::formats::{is_there, regular_bytes_of};
-use crate::internals::output::atomic::StagedFolder;
-use crate::internals::output::{read_part, replace_file, write_part};
+use crate::internals::output::{StagedFolder, read_part, replace_file, write_part};
 use crate::internals::sampling::PartialRun;
 use crate::{Follow, Progress, Step};
 use serde::{Deserialize, Serialize};
@@ -21,18 +20,16 @@ const BETWEEN: Duration = Duration::from_secs(45);
 const SHARE: u32 = 100;
 
 /// How often what is finished is kept: from when on, and at least how long between two; never where there is none.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Interval(Option<[Duration; 2]>);
+pub type Interval = Option<[Duration; 2]>;
 
 /// The interval that a word means: `auto`, once a run takes over a minute; `off`; or so many seconds, from the start.
 pub fn parse_interval(text: &str) -> Result<Interval, String> {
+    let seconds = || text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
     match text {
-        "auto" => return Ok(Interval(Some([FIRST, BETWEEN]))),
-        "off" => return Ok(Interval(None)),
-        _ => {}
+        "auto" => Ok(Some([FIRST, BETWEEN])),
+        "off" => Ok(None),
+        _ => seconds().map(|time| Some([time; 2])).ok_or_else(|| "expected auto, off or a number of seconds".into()),
     }
-    let seconds = text.parse().ok().and_then(|s| Duration::try_from_secs_f64(s).ok());
-    seconds.map(|time| Interval(Some([time; 2]))).ok_or_else(|| "expected auto, off or a number of seconds".into())
 }
 
 /// What is kept, for people.
@@ -97,8 +94,22 @@ impl<'a> Follower<'a> {
 
     /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
     pub fn rescue(&mut self, error: Error) -> Error {
-        match (&mut self.keeper, &self.part) {
-            (Some(keeper), Some(part)) => keeper.rescue(part, error),
+        let (Some(keeper), Some(part)) = (&mut self.keeper, &self.part) else { return error };
+        let (folder, place) = (keeper.folder, keeper.folder.checkpoint_folder());
+        match error {
+            Error::Stopped { done, total } => {
+                keeper.keep(part);
+                let kept = Error::StoppedAndKept { done, total, path: place.to_owned() };
+                if keeper.kept > 0 { kept } else { error }
+            }
+            Error::Write { path, source } => {
+                // What was written is of no use, and may be what fills the disk.
+                let _ = fs::remove_dir_all(folder.path());
+                keeper.keep(part);
+                let (place, samples) = (place.display(), count(keeper.kept));
+                let kept = format!("{source}; {samples} samples are kept in {place}, and the same command goes on from there");
+                Error::Write { path, source: if keeper.kept > 0 { io::Error::other(kept) } else { source } }
+            }
             _ => error,
         }
     }
@@ -134,7 +145,8 @@ impl Follow for Follower<'_> {
         if let Some(keeper) = &mut self.keeper {
             self.samples = (part.done(), part.samples());
             self.part = Some(part.clone());
-            if is_complete && keeper.is_long() {
+            // Of a run that has come so far that its samples are worth keeping.
+            if is_complete && (keeper.last.is_some() || keeper.is_due()) {
                 keeper.keep(part);
             }
         }
@@ -162,7 +174,7 @@ impl Keeper<'_> {
     /// The part that an earlier run of the same command left, if it left one that `fits`; what other runs left is only noted.
     fn take_up(&mut self, uncertain: &[bool], fits: &dyn Fn(&PartialRun) -> bool) -> Option<PartialRun> {
         self.note_others();
-        if self.interval.0.is_none() || !is_there(&self.file) {
+        if self.interval.is_none() || !is_there(&self.file) {
             return None;
         }
         let read = regular_bytes_of(&self.file)
@@ -196,22 +208,15 @@ impl Keeper<'_> {
 
     /// Whether it is time to keep what is finished.
     fn is_due(&self) -> bool {
-        let Interval(Some([first, between])) = self.interval else { return false };
-        match self.last {
-            None => self.start.elapsed() >= first,
-            Some(last) => last.elapsed() >= between.max(SHARE * self.cost),
-        }
-    }
-
-    /// Whether a run has come so far that its samples are worth keeping.
-    fn is_long(&self) -> bool {
-        self.last.is_some() || self.is_due()
+        let Some([first, between]) = self.interval else { return false };
+        let again = |last: Instant| last.elapsed() >= between.max(SHARE * self.cost);
+        self.last.map_or_else(|| self.start.elapsed() >= first, again)
     }
 
     /// Keeps what is finished; a run goes on when that cannot be done.
     fn keep(&mut self, part: &PartialRun) {
         let done = part.done();
-        if self.interval.0.is_none() || done <= self.kept {
+        if self.interval.is_none() || done <= self.kept {
             return;
         }
         let begun = Instant::now();
@@ -235,23 +240,5 @@ impl Keeper<'_> {
             let about = CheckpointNote { willis: env!("CARGO_PKG_VERSION").to_owned(), command: self.command.clone() };
             let _ = replace_file(&file, |out| Ok(serde_json::to_writer(out, &about)?));
         }
-    }
-
-    /// Keeps what is finished of a run that ends before its output stands, and says so in its error.
-    fn rescue(&mut self, part: &PartialRun, error: Error) -> Error {
-        let Error::Stopped { done, total } = error else {
-            let Error::Write { path, source } = error else { return error };
-            // What was written is of no use, and may be what fills the disk.
-            let _ = fs::remove_dir_all(self.folder.path());
-            self.keep(part);
-            let (place, samples) = (self.folder.checkpoint_folder().display(), count(self.kept));
-            let kept = format!("{source}; {samples} samples are kept in {place}, and the same command goes on from there");
-            return Error::Write { path, source: if self.kept > 0 { io::Error::other(kept) } else { source } };
-        };
-        self.keep(part);
-        if self.kept == 0 {
-            return Error::Stopped { done, total };
-        }
-        Error::StoppedAndKept { done, total, path: self.folder.checkpoint_folder().to_owned() }
     }
 }

@@ -9,9 +9,9 @@ use std::{fs, thread};
 use crate::error::{Error, Fault, Result};
 use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
-use crate::internals::output::atomic::{StagedFiles, StagedFolder, clear_leftovers};
+use crate::internals::output::atomic::clear_leftovers;
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
-use crate::internals::output::{InProgress, read_json, relative, write_json};
+use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, row_records, write_cohort};
 use serde::{Deserialize, Serialize};
@@ -203,13 +203,12 @@ impl Cohort<'_> {
         let covariates = |subject: &Subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone());
         let columns: Vec<String> = subjects.first().map(covariates).into_iter().flatten().map(|(column, _)| column).collect();
         if !columns.is_empty() {
-            terminal
-                .say("note", format!("columns of the manifest that are no options go into cohort.csv: {}", columns.join(", ")));
+            let columns = columns.join(", ");
+            terminal.say("note", format!("columns of the manifest that are no options go into cohort.csv: {columns}"));
         }
         listen(2);
-        let entries =
-            subjects.iter().enumerate().map(|(at, subject)| LedgerEntry::of(subject, work_of(at).files(&subject.input)));
-        let ledger = Ledger::new(self.command, &self.parameters, entries.collect());
+        let entry = |(at, subject): (usize, &Subject)| LedgerEntry::of(subject, work_of(at).files(&subject.input));
+        let ledger = Ledger::new(self.command, &self.parameters, subjects.iter().enumerate().map(entry).collect());
         let earlier = self.earlier(&ledger)?;
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
@@ -225,14 +224,10 @@ impl Cohort<'_> {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
             let failure = made[at].clone().and_then(Result::err);
             let record = || records[at].as_ref().ok_or_else(|| format!("{name}: run.json is not there any more"));
-            CohortRow {
-                subject: name.clone(),
-                input: entry.input.clone(),
-                sha256: entry.sha256().unwrap_or_default().to_owned(),
-                covariates: covariates(&subjects[at]),
-                page: (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}")),
-                figures: failure.map_or_else(|| record().map(W::FIGURES), Err),
-            }
+            let page = (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}"));
+            let figures = failure.map_or_else(|| record().map(W::FIGURES), Err);
+            let (input, sha256) = (entry.input.clone(), entry.sha256().unwrap_or_default().to_owned());
+            CohortRow { subject: name.clone(), input, sha256, covariates: covariates(&subjects[at]), page, figures }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();
         say_notes_of(records.iter().flatten(), terminal);
@@ -356,9 +351,7 @@ impl Each<'_> {
             return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
         let mut all: Vec<_> = (0..total).map(|_| None).collect();
-        for (at, made) in ended {
-            all[at] = Some(made);
-        }
+        ended.into_iter().for_each(|(at, made)| all[at] = Some(made));
         Ok(all)
     }
 }
@@ -459,24 +452,18 @@ pub fn gather(
     let output = cohort.output;
     let runs = folders.iter().map(|folder| SeparateRun::read(folder)).collect::<Result<Vec<_>>>()?;
     let Some(first) = runs.iter().find(|run| run.record.is_ok()).or(runs.first()) else { return Ok(Vec::new()) };
-    for (at, run) in runs.iter().enumerate() {
-        run.check(first, &runs[..at])?;
-    }
+    runs.iter().enumerate().try_for_each(|(at, run)| run.check(first, &runs[..at]))?;
     let names = name(&runs.iter().map(|run| PathBuf::from(&run.input.path)).collect::<Vec<_>>());
-    let rows = runs.iter().zip(&names).map(|(run, name)| CohortRow {
-        subject: name.clone(),
-        input: run.input.path.clone(),
-        sha256: run.input.sha256.clone().unwrap_or_default(),
-        covariates: covariates(name),
-        page: run.record.is_ok().then(|| run.page(output)).flatten(),
-        figures: run.record.as_ref().map(infer_figures).map_err(String::clone),
-    });
-    let rows: Vec<CohortRow> = rows.collect();
-    let entries = runs.iter().zip(&names).map(|(run, name)| LedgerEntry {
-        subject: name.clone(),
-        input: run.input.path.clone(),
-        files: BTreeMap::from([(run.input.path.clone(), run.input.sha256.clone())]),
-        options: Vec::new(),
+    let row = |(run, name): (&SeparateRun<'_>, &String)| {
+        let (input, sha256) = (run.input.path.clone(), run.input.sha256.clone().unwrap_or_default());
+        let page = run.record.is_ok().then(|| run.page(output)).flatten();
+        let figures = run.record.as_ref().map(infer_figures).map_err(String::clone);
+        CohortRow { subject: name.clone(), input, sha256, covariates: covariates(name), page, figures }
+    };
+    let rows: Vec<CohortRow> = runs.iter().zip(&names).map(row).collect();
+    let entries = runs.iter().zip(&names).map(|(run, name)| {
+        let FailedInput { path, sha256 } = run.input.clone();
+        LedgerEntry { subject: name.clone(), input: path.clone(), files: [(path, sha256)].into(), options: Vec::new() }
     });
     let mut parameters = first.parameters.clone();
     if let Some(option) = OF_SUBJECT.iter().find(|option| runs.iter().any(|run| run.parameters[*option] != parameters[*option])) {
@@ -509,10 +496,8 @@ impl<'a> SeparateRun<'a> {
             }
             let record: Value = read_json(&folder.join(RECORD), RUN)?;
             let text = |value: &Value| value.as_str().map(str::to_owned);
-            let input = FailedInput {
-                path: text(&record["input"]["path"]).unwrap_or_default(),
-                sha256: text(&record["input"]["sha256"]),
-            };
+            let (path, sha256) = (text(&record["input"]["path"]).unwrap_or_default(), text(&record["input"]["sha256"]));
+            let input = FailedInput { path, sha256 };
             let (options, prior) = (record["options"].clone(), record["parameters"]["prior"].clone());
             (text(&record["willis"]).unwrap_or_default(), input, options, prior, Ok(record))
         };

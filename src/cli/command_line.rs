@@ -4,24 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::at_work;
 
-/// Options that change no result, with whether a value follows.
-const IMMATERIAL: [(&str, bool); 15] = [
-    ("-o", true),
-    ("--output", true),
-    ("--threads", true),
-    ("--checkpoint", true),
-    ("-q", false),
-    ("--quiet", false),
-    ("-v", false),
-    ("--verbose", false),
-    ("--force", false),
-    ("--json", false),
-    ("--record-failure", false),
-    ("--n-cpus", true),
-    ("--n_cpus", true),
-    ("--skip-bids-validator", false),
-    ("--skip_bids_validator", false),
-];
+/// Options that change no result: those that a value follows, and the others.
+const VALUED: [&str; 6] = ["-o", "--output", "--threads", "--checkpoint", "--n-cpus", "--n_cpus"];
+const IMMATERIAL: [&str; 7] = ["-q", "--quiet", "-v", "--verbose", "--force", "--json", "--record-failure"];
+const NO_VALIDATOR: [&str; 2] = ["--skip-bids-validator", "--skip_bids_validator"];
 
 /// Options of `willis bids` that choose the masks.
 const CHOICES: [&str; 5] = ["--participant-label", "--participant_label", "--session-label", "--session_label", "--filter"];
@@ -83,10 +69,11 @@ pub fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[S
 pub fn line_of_words(mut rest: impl Iterator<Item = String>, again: &str) -> String {
     let mut words = vec!["willis".to_owned()];
     while let Some(word) = rest.next() {
-        match IMMATERIAL.iter().find(|(name, value)| word == *name || (*value && is_joined(&word, name))) {
-            Some((name, true)) if word == *name => drop(rest.next()),
-            Some(_) => {}
-            None => words.push(quoted(&word)),
+        let has_value = VALUED.iter().any(|name| is_joined(&word, name));
+        if VALUED.contains(&&*word) {
+            rest.next();
+        } else if !has_value && IMMATERIAL.iter().chain(&NO_VALIDATOR).all(|name| word != *name) {
+            words.push(quoted(&word));
         }
     }
     if !again.is_empty() {

@@ -163,8 +163,6 @@ pub fn put_into(
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
     terminal.notes(&written.notes);
-    for what in &written.lost {
-        terminal.say("lost", what);
-    }
+    written.lost.iter().for_each(|what| terminal.say("lost", what));
     Ok((files.iter().map(|path| path.display().to_string()).collect(), written))
 }

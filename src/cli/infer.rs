@@ -6,9 +6,8 @@ use std::time::Instant;
 
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::write_csv;
-use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::AGREEMENT;
-use crate::internals::output::{write_error, write_file};
+use crate::internals::output::{StagedFolder, write_error, write_file};
 use crate::internals::pipeline::RunOptions;
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::figures::DEFAULT_DPI;
@@ -126,9 +125,7 @@ impl InferArgs {
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
-}
 
-impl InferArgs {
     /// The options of the library for an input, of one run.
     pub(super) fn meaning(self, input: &Path) -> Result<InferOptions> {
         let work = Inferences::new(self.inference)?;
@@ -140,10 +137,8 @@ impl InferArgs {
 impl InferenceArgs {
     /// The options of the library, and those of sampling for each occlusion probability.
     fn options(&self) -> Result<(InferOptions, Vec<SamplingOptions>)> {
-        let mut options = match self.sampling.preset {
-            Some(Preset::Paper) => InferOptions::paper(),
-            _ => InferOptions::default(),
-        };
+        let is_paper = self.sampling.preset == Some(Preset::Paper);
+        let mut options = if is_paper { InferOptions::paper() } else { InferOptions::default() };
         options.keep = self.keep.or(options.keep);
         let runs = self.sampling.put(&options.sampling)?;
         options.sampling.clone_from(&runs[0]);
@@ -245,11 +240,8 @@ impl Inferences {
                 }
                 let (done, total) = follower.samples();
                 // Nothing is written after a stop.
-                if terminal.is_stopped() {
-                    Err(Error::Stopped { done, total })
-                } else {
-                    Ok((inference.decision().clone(), record))
-                }
+                let stopped = terminal.is_stopped().then_some(Error::Stopped { done, total });
+                stopped.map_or_else(|| Ok((inference.decision().clone(), record)), Err)
             });
             let (done, total) = follower.samples();
             let stopped = |error| terminal.stopped(error, done, total);
@@ -296,14 +288,9 @@ impl Work for Inferences {
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let options = self.for_input(input);
         let landmarks = options.arteries.as_ref().and_then(ArterySource::file).map(Path::to_owned);
-        let prior = match options.prior {
-            Some(Prior::File(path)) => Some(path),
-            _ => None,
-        };
-        [self.args.reading.loops(input), options.boundary.conditions, prior, landmarks, options.decisions]
-            .into_iter()
-            .flatten()
-            .collect()
+        let prior = if let Some(Prior::File(path)) = options.prior { Some(path) } else { None };
+        let loops = self.args.reading.loops(input);
+        [loops, options.boundary.conditions, prior, landmarks, options.decisions].into_iter().flatten().collect()
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {

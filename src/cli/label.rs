@@ -6,9 +6,8 @@ use crate::error::{Error, Result};
 use crate::internals::circle_of_willis::RING;
 use crate::internals::formats::Format;
 use crate::internals::formats::convert::Target;
-use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::LABELLED;
-use crate::internals::output::write_record;
+use crate::internals::output::{StagedFolder, write_record};
 use crate::internals::report::cohort::{Figures, label_figures};
 use crate::{InferOptions, Labelled, label};
 use clap::Args;
@@ -94,16 +93,9 @@ impl LabelArgs {
         let input = self.reading.read(input, command, terminal)?;
         let found = label(input, &self.options(), &mut Follower::new(terminal))?;
         terminal.notes(&found.notes());
-        terminal.say(
-            "named",
-            format!(
-                "{} of {}, {}, {} of them to be looked at",
-                found.named(),
-                plural(found.network.vessel_count(), "vessel"),
-                plural(found.landmarks.len(), "landmark"),
-                found.doubtful()
-            ),
-        );
+        let (vessels, marks) = (plural(found.network.vessel_count(), "vessel"), plural(found.landmarks.len(), "landmark"));
+        let doubtful = found.doubtful();
+        terminal.say("named", format!("{} of {vessels}, {marks}, {doubtful} of them to be looked at", found.named()));
         let segments = RING.iter().zip(&found.segments).map(|(artery, p)| format!("{artery} {p:.2}"));
         terminal.say("segments", segments.collect::<Vec<_>>().join(", "));
         Ok(found)

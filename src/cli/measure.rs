@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
 use crate::internals::network::units::millimetres;
-use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
-use crate::internals::output::{write_file, write_record};
+use crate::internals::output::{StagedFolder, write_file, write_record};
 use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
 use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
@@ -107,10 +106,8 @@ impl MeasureArgs {
             let each = Each { subjects: &subjects, done: &done, heading: "measured", noun: "subject", place: &self.output };
             each.make(|at| self.measure(&subjects[at], terminal.of_many()), terminal)?.into_iter().flatten().collect()
         };
-        let (measured, read): (Vec<Result<Measurement, String>>, Vec<Vec<TwiceRead>>) = measured
-            .into_iter()
-            .map(|made| made.map_or_else(|why| (Err(why), Vec::new()), |(found, read)| (Ok(found), read)))
-            .unzip();
+        let apart = |made: Result<_, String>| made.map_or_else(|why| (Err(why), Vec::new()), |(found, read)| (Ok(found), read));
+        let (measured, read): (Vec<Result<Measurement, String>>, Vec<Vec<TwiceRead>>) = measured.into_iter().map(apart).unzip();
         let read = (!self.reader.is_empty()).then(|| read.concat());
         let rows = subjects.iter().zip(&known).zip(&measured);
         let rows: Vec<CohortRow> = rows.map(|((subject, known), made)| row_of(subject, known, made)).collect();
@@ -187,15 +184,8 @@ impl MeasureArgs {
         let columns = compare_groups(names, &subjects, &options)?;
         let left_out = measured.len() - subjects.len();
         let [a, b] = [true, false].map(|group| subjects.iter().filter(|(_, first)| *first == group).count());
-        terminal.say(
-            "compared",
-            format!(
-                "{}: {a} of {}, {b} of {}, {left_out} left out",
-                plural(columns[0].values.len(), "measure"),
-                names[0],
-                names[1]
-            ),
-        );
+        let ([first, second], compared) = (names, plural(columns[0].values.len(), "measure"));
+        terminal.say("compared", format!("{compared}: {a} of {first}, {b} of {second}, {left_out} left out"));
         Ok(columns)
     }
 
@@ -268,12 +258,7 @@ fn groups(column: &str, known: &[Covariates]) -> Result<([String; 2], Vec<Option
 fn row_of(subject: &Subject, known: &Covariates, made: &Result<Measurement, String>) -> CohortRow {
     let sha256 =
         made.as_ref().map_or_else(|_| checksum_of_file(&subject.input).unwrap_or_default(), |found| found.sha256.clone());
-    CohortRow {
-        subject: subject.name.clone(),
-        input: subject.input.display().to_string(),
-        sha256,
-        covariates: known.clone(),
-        page: None,
-        figures: made.as_ref().map(Measurement::row).map_err(String::clone),
-    }
+    let (name, input) = (subject.name.clone(), subject.input.display().to_string());
+    let figures = made.as_ref().map(Measurement::row).map_err(String::clone);
+    CohortRow { subject: name, input, sha256, covariates: known.clone(), page: None, figures }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Result;
 use crate::internals::formats::is_there;
-use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::StagedFolder;
 use crate::internals::output::names::RECORD;
 use clap::Args;
 use serde_json::Value;

@@ -6,7 +6,7 @@ use crate::error::{Error, Result};
 use crate::internals::modulation::{Class, Reading};
 use crate::internals::network::units::pascals_per_square_metre;
 use crate::internals::network::vessels_called;
-use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::{BoundaryOptions, ModulationOptions, ModulationRun, Network, SaveOptions, Unfed, modulate_with};
 use clap::Args;
@@ -32,15 +32,8 @@ pub struct ModulateArgs {
     #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
     output: PathBuf,
     /// The classes of u, each drawn uniformly in [LOW, HIGH)
-    #[arg(
-        long,
-        value_name = "LOW:HIGH,...",
-        value_delimiter = ',',
-        default_value = "0:0.2,0.2:0.3,0.3:0.5",
-        help_heading = "Modulation",
-        value_parser = parse_class,
-        allow_hyphen_values = true
-    )]
+    #[arg(long, value_name = "LOW:HIGH,...", value_delimiter = ',', default_value = "0:0.2,0.2:0.3,0.3:0.5",
+        help_heading = "Modulation", value_parser = parse_class, allow_hyphen_values = true)]
     classes: Vec<Class>,
     /// How many instances of each class to draw
     #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true, help_heading = "Modulation")]
@@ -81,9 +74,8 @@ pub struct ModulateArgs {
 impl ModulateArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let path = &self.input.input;
-        let mut options = self.options()?;
-        let threshold = self.threshold()?;
-        let boundary = boundary_for(&self.boundary, path);
+        // Before the input is read.
+        self.options().and_then(|_| self.threshold())?;
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("modulate")?;
@@ -91,14 +83,13 @@ impl ModulateArgs {
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let network = &input.network;
-        options.vessels = self.vessels.as_ref().map(|names| called(network, names)).transpose()?;
+        let (boundary, options, threshold) = self.meaning(path, network)?;
         let folder = StagedFolder::new(&self.output, force)?;
 
         let modulated = options.vessels.as_ref().map_or(network.vessel_count(), |v| v.iter().filter(|v| **v).count());
         let how = format!("{} each, seed {}", plural(options.samples as usize, "instance"), options.seed);
-        let classes =
-            if options.classes.len() == 1 { "1 class".to_owned() } else { format!("{} classes", options.classes.len()) };
-        let reading = options.reading.name();
+        let (count, reading) = (options.classes.len(), options.reading.name());
+        let classes = if count == 1 { "1 class".to_owned() } else { format!("{count} classes") };
         terminal.say("modulating", format!("{} in {classes}, {how}, reading {reading}", plural(modulated, "vessel")));
         let total = options.samples * options.classes.len() as u64;
         let mut follower = Follower::counting(terminal, "solving", "instances", total);
@@ -126,15 +117,9 @@ impl ModulateArgs {
     }
 
     fn options(&self) -> Result<ModulationOptions> {
-        let options = ModulationOptions {
-            classes: self.classes.clone(),
-            samples: self.samples,
-            seed: self.seed,
-            reading: self.reading,
-            vessels: None,
-            viscosity: self.viscosity,
-            unfed: self.unfed,
-        };
+        let Self { samples, seed, reading, viscosity, unfed, .. } = *self;
+        let classes = self.classes.clone();
+        let options = ModulationOptions { classes, samples, seed, reading, vessels: None, viscosity, unfed };
         options.validate()?;
         Ok(options)
     }
@@ -162,9 +147,7 @@ fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
     let mut called = vec![false; network.vessel_count()];
     for name in names {
         let rows = vessels_called(network, name).map_err(|why| Error::parameter("vessels", format!("\"{name}\""), why))?;
-        for row in rows {
-            called[row] = true;
-        }
+        rows.into_iter().for_each(|row| called[row] = true);
     }
     Ok(called)
 }
@@ -183,10 +166,7 @@ fn say_outcome(terminal: TextTerminal, outcome: &ModulationRun<'_>) {
     for ((class, instances), hypertension) in outcome.result.classes.iter().zip(&outcome.hypertension.classes) {
         let resilience = change(&instances.network_resilience, &rest.network_resilience);
         let inflow = change(&instances.inflow, &rest.inflow);
-        let risk = brief(100.0 * hypertension.above);
-        terminal.say(
-            &class.to_string(),
-            format!("resilience x {resilience}, inflow x {inflow}, {risk} % of vessels above the threshold of hypertension"),
-        );
+        let risk = format!("{} % of vessels above the threshold of hypertension", brief(100.0 * hypertension.above));
+        terminal.say(&class.to_string(), format!("resilience x {resilience}, inflow x {inflow}, {risk}"));
     }
 }

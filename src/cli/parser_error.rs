@@ -32,10 +32,8 @@ pub fn as_error(error: &clap::Error) -> Error {
     let value = text(ContextKind::InvalidValue).unwrap_or_default();
     let accepted = match error.kind() {
         ErrorKind::ArgumentConflict => {
-            format!(
-                "does not go with {}",
-                text(ContextKind::PriorArg).map_or_else(|| "another option".to_owned(), |arg| field(&arg))
-            )
+            let other = text(ContextKind::PriorArg).map_or_else(|| "another option".to_owned(), |arg| field(&arg));
+            format!("does not go with {other}")
         }
         ErrorKind::UnknownArgument => "is no option of this command".to_owned(),
         _ => match (std::error::Error::source(error), text(ContextKind::ValidValue)) {

@@ -160,9 +160,10 @@ impl PhantomArgs {
         self.print(json!({ "counts": counts }))
     }
 
-    /// The file that goes with the output.
+    /// The file that goes with the output: `circle.swc` -> `circle.truth.json`, `scan.nii.gz` -> `scan.truth.json`.
     fn sibling(&self, ending: &str) -> PathBuf {
-        sibling(&self.output, ending)
+        let path = &self.output;
+        if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
     }
 
     /// Whether there are landmarks beside the output.
@@ -192,12 +193,9 @@ impl PhantomArgs {
         let network = self.anatomy(kind, &Recipe { spacing: None, ..recipe.clone() }, terminal)?;
         let scan = self.broken.then(|| kind.scan(recipe));
         let spacing = recipe.spacing.unwrap_or(VOXEL);
-        let (mask, truth, image) = if self.image.is_some() {
-            let (mask, truth, image) = draw_scan(&network, spacing, scan.as_ref())?;
-            (mask, truth, Some(image))
-        } else {
-            let (mask, truth) = draw_mask(&network, spacing, scan.as_ref())?;
-            (mask, truth, None)
+        let (mask, truth, image) = match self.image {
+            Some(_) => draw_scan(&network, spacing, scan.as_ref()).map(|(mask, truth, image)| (mask, truth, Some(image)))?,
+            None => draw_mask(&network, spacing, scan.as_ref()).map(|(mask, truth)| (mask, truth, None))?,
         };
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write_main(|out| write_nifti(out, &mask, has_ending(&self.output, ".gz")))?;
@@ -239,10 +237,10 @@ impl PhantomArgs {
         let (files, _) = put_into(staged, &graph, target, terminal)?;
         let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
-        let size = format!("{}, {}", plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
+        let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
+        let size = format!("{}, {}", plural(nodes, "node"), plural(vessels, "vessel"));
         let made = format!("{} of them candidates, {}", count(candidates as u64), plural(truth.breaks.len(), "gap"));
         let written = format!("{}: {size}, {made}", names.join(", "));
-        let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
         let counts = json!({ "nodes": nodes, "vessels": vessels, "candidates": candidates, "gaps": truth.breaks.len() });
         self.say_truth(terminal, written, json!({ "counts": counts }))
     }
@@ -251,10 +249,7 @@ impl PhantomArgs {
     fn write_broken(&self, lines: &Centerlines, truth: &Truth, mut staged: StagedFiles, terminal: TextTerminal) -> Result<()> {
         staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
         let mut links = Vec::new();
-        staged.write_main(|out| {
-            links = write_centerlines_swc(out, lines)?;
-            Ok(())
-        })?;
+        staged.write_main(|out| write_centerlines_swc(out, lines).map(|found| links = found))?;
         let loops = Some(self.sibling("loops.csv")).filter(|_| !links.is_empty());
         if let Some(path) = &loops {
             staged.write(path, |out| write_loops(out, &links))?;
@@ -309,11 +304,6 @@ fn has_ending(path: &Path, ending: &str) -> bool {
 /// Whether the ending of a file name means a mask.
 fn is_mask(path: &Path) -> bool {
     has_ending(path, ".nii") || has_ending(path, ".nii.gz")
-}
-
-/// The file that goes with another: `circle.swc` -> `circle.truth.json`, `scan.nii.gz` -> `scan.truth.json`.
-fn sibling(path: &Path, ending: &str) -> PathBuf {
-    if has_ending(path, ".nii.gz") { path.with_extension("").with_extension(ending) } else { path.with_extension(ending) }
 }
 
 /// A network with its conditions.

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
-use crate::internals::output::atomic::StagedFolder;
+use crate::internals::output::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 use clap::Args;
@@ -96,26 +96,15 @@ impl SimulateArgs {
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
-}
 
-impl SimulateArgs {
     /// The options of the library for an input, and what is to be done to which vessels.
     pub(super) fn meaning(&self, input: &Path) -> Result<(FlowOptions, Vec<(String, Change)>)> {
         let ChangeArgs { stenosis, occlude, tortuosity } = &self.changes;
         let occlusions = occlude.iter().map(|name| (name.clone(), Change::Occlusion));
         let changes = stenosis.iter().cloned().chain(occlusions).chain(tortuosity.iter().cloned()).collect();
         let (boundary, pulse) = (boundary_for(&self.boundary, input), self.pulse.options()?);
-        Ok((
-            FlowOptions {
-                boundary,
-                viscosity: self.viscosity,
-                transport: self.transport,
-                occlude_each: self.occlude_each,
-                pulse,
-                unfed: self.unfed,
-            },
-            changes,
-        ))
+        let Self { viscosity, transport, occlude_each, unfed, .. } = *self;
+        Ok((FlowOptions { boundary, viscosity, transport, occlude_each, pulse, unfed }, changes))
     }
 }
 
@@ -124,9 +113,9 @@ fn change(
     option: &'static str,
     parse: fn(&str) -> Result<(&str, Change), String>,
 ) -> impl Fn(&str) -> Result<(String, Change)> + Clone + Send + Sync + 'static {
-    move |text| match parse(text) {
-        Ok((name, change)) => Ok((name.to_owned(), change)),
-        Err(why) => Err(Error::parameter(option, format!("\"{text}\""), why)),
+    move |text| {
+        let (name, change) = parse(text).map_err(|why| Error::parameter(option, format!("\"{text}\""), why))?;
+        Ok((name.to_owned(), change))
     }
 }
 
@@ -156,11 +145,8 @@ fn stretch(place: &str) -> Result<(StretchPlace, f64), String> {
     let found = words.iter().find_map(|(word, at)| Some((*at, place.trim().strip_prefix(word)?)));
     let (at, length) = found.ok_or(SEVERITY)?;
     let length = Dimension::Length.parse(length)?;
-    if length > 0.0 {
-        Ok((at, length))
-    } else {
-        Err("expected a positive length of the narrowed stretch, such as @mid:10mm".into())
-    }
+    let accepted = "expected a positive length of the narrowed stretch, such as @mid:10mm";
+    if length > 0.0 { Ok((at, length)) } else { Err(accepted.into()) }
 }
 
 /// `VESSEL=FACTOR`.

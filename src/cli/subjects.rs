@@ -178,10 +178,8 @@ fn check_word(path: &Path) -> Result<()> {
     if is_option(word) {
         return refused(format!("no such file; did you mean --{word}?"));
     }
-    match word.parse::<f64>() {
-        Ok(_) => refused("no such file; several values of an option go with commas, as in --epsilon 0.2,0.5".into()),
-        Err(_) => Ok(()),
-    }
+    let with_commas = "no such file; several values of an option go with commas, as in --epsilon 0.2,0.5";
+    word.parse::<f64>().map_or(Ok(()), |_| refused(with_commas.into()))
 }
 
 /// The paths that the arguments mean, as often as they do; of what a pattern matches those that fit, a `kind` of file.
@@ -241,9 +239,7 @@ pub fn named(inputs: &[PathBuf]) -> Vec<String> {
 /// The same where a person may have said what an input is called.
 fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
-    for (path, _) in inputs {
-        *times.entry(stem(path).to_lowercase()).or_default() += 1;
-    }
+    inputs.iter().for_each(|(path, _)| *times.entry(stem(path).to_lowercase()).or_default() += 1);
     let word = |path: &Path| {
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         match (times[&stem(path).to_lowercase()], folder) {

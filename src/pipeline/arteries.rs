@@ -59,15 +59,7 @@ impl ArterySource {
             }
         };
         let (circle, notes) = Circle::labelled(network, scheme).map_err(|fault| fault.in_file(input))?;
-        Ok(FoundArteries {
-            circle,
-            known_by: scheme.name().to_owned(),
-            landmarks: None,
-            copy: None,
-            notes,
-            named: None,
-            names: None,
-        })
+        Ok(FoundArteries::of(circle, scheme.name(), notes))
     }
 }
 
@@ -80,9 +72,8 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
     let landmarks = identify_landmarks(listed).map_err(here)?;
     let (circle, found) = Circle::at(network, &landmarks).map_err(here)?;
     notes.extend(found);
-    let landmarks = Some(source);
     let copy = String::from_utf8(bytes).ok().map(|text| (format, text));
-    Ok(FoundArteries { circle, known_by: "landmarks".to_owned(), landmarks, copy, notes, named: None, names: None })
+    Ok(FoundArteries { landmarks: Some(source), copy, ..FoundArteries::of(circle, "landmarks", notes) })
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
@@ -92,25 +83,20 @@ pub(crate) fn by_geometry(
     like: Option<&Bearings>,
     models: &NamingModels,
 ) -> Result<FoundArteries> {
-    let names = match like {
-        Some(bearings) => models.name_again(network, bearings),
-        None => models.name(network),
-    };
+    let names = like.map_or_else(|| models.name(network), |bearings| models.name_again(network, bearings));
     let here = |fault: Fault| fault.in_file(input);
     let names = names.ok_or_else(no_vessel).map_err(here)?;
     let model = models.of(&names);
     let (circle, notes) = names.located(network, model).map_err(here)?;
     let named = Some(names.circle(model));
-    let names = Some(Arc::new(names));
-    Ok(FoundArteries { circle, known_by: "geometry".to_owned(), landmarks: None, copy: None, notes, named, names })
+    Ok(FoundArteries { named, names: Some(Arc::new(names)), ..FoundArteries::of(circle, "geometry", notes) })
 }
 
 /// That no vessel of a network has a position, where geometry is to name them.
 pub(crate) fn no_vessel() -> Fault {
-    Fault::file(
-        "no vessel with positions",
-        "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral artery, or `landmarks=FILE`",
-    )
+    const ACCEPTED: &str = "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral \
+                            artery, or `landmarks=FILE`";
+    Fault::file("no vessel with positions", ACCEPTED)
 }
 
 /// Where the arteries are, and how that is known.
@@ -131,6 +117,10 @@ pub(crate) struct FoundArteries {
 }
 
 impl FoundArteries {
+    fn of(circle: Circle, known_by: &str, notes: Vec<String>) -> Self {
+        Self { circle, known_by: known_by.to_owned(), landmarks: None, copy: None, notes, named: None, names: None }
+    }
+
     /// The same with what names by geometry say of the segments, where the arteries are known by landmarks: a person says where arteries
     /// enter and leave, and which side is which; names say what lies between.
     pub(crate) fn with_names(self, graph: &Network, phenotypes: &PhenotypeOptions) -> Result<Self> {
@@ -223,9 +213,7 @@ impl FoundArteries {
         let network = weighed.as_ref().unwrap_or(network);
         let mut known = vec![false; network.node_count()];
         let rows = self.circle.ends(network).into_iter().chain(given.iter().copied());
-        for node in rows.filter(|node| *node < network.node_count()) {
-            known[node] = true;
-        }
+        rows.filter(|node| *node < network.node_count()).for_each(|node| known[node] = true);
         let mut inlets = self.circle.inlets();
         if !inlets.is_empty() {
             inlets.extend(given.iter().filter(|node| boundary.roles.get(**node) == Some(&Role::Inlet)));

@@ -103,13 +103,8 @@ impl PhenotypeOptions {
     ///
     /// A file that cannot be read, or is not what it should be.
     pub(crate) fn check_files(&self) -> Result<()> {
-        if self.frequencies.is_some() {
-            self.prior()?;
-        }
-        if self.arteries.is_some() {
-            self.models()?;
-        }
-        Ok(())
+        self.frequencies.is_some().then(|| self.prior()).transpose()?;
+        self.arteries.is_some().then(|| self.models()).transpose().map(drop)
     }
 
     /// The models that name arteries.
@@ -118,7 +113,9 @@ impl PhenotypeOptions {
     ///
     /// A file that cannot be read or is no model.
     pub(crate) fn models(&self) -> Result<NamingModels> {
-        load_models(self.arteries.as_deref())
+        let Some(path) = &self.arteries else { return NamingModels::shipped() };
+        let expected = "expected a model as `willis train --model labels` writes it";
+        Ok(NamingModels::one(SourceFile::read_text(path, expected, NamingModel::read)?.0))
     }
 
     /// The prior that they mean.
@@ -129,15 +126,4 @@ impl PhenotypeOptions {
         };
         Ok(naming::CirclePrior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
     }
-}
-
-/// The model of a file, or those that ship.
-///
-/// # Errors
-///
-/// A file that cannot be read or is no model.
-pub(crate) fn load_models(path: Option<&Path>) -> Result<NamingModels> {
-    let Some(path) = path else { return NamingModels::shipped() };
-    let expected = "expected a model as `willis train --model labels` writes it";
-    Ok(NamingModels::one(SourceFile::read_text(path, expected, NamingModel::read)?.0))
 }

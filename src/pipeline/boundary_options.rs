@@ -113,9 +113,7 @@ impl BoundaryOptions {
         }
         Ok(given)
     }
-}
 
-impl BoundaryOptions {
     /// By node the parts of a Windkessel: those of the options (`NODE=rcr:R1,C,R2`), else those that the nodes state.
     pub(crate) fn windkessels(&self, network: &Network) -> Result<Vec<Windkessel>> {
         let mut all: Vec<Windkessel> = network.nodes().map(Node::windkessel).collect();

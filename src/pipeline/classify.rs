@@ -190,10 +190,8 @@ fn phenotype(
     phenotypes: &PhenotypeOptions,
 ) -> Phenotype {
     let Answer { found, topologies, variant, posterior, boundary, mut notes } = answer;
-    let kept = match &posterior {
-        Some(posterior) => posterior.topology.clone(),
-        None => topologies.first().map_or_else(Vec::new, |(kept, _)| kept.clone()),
-    };
+    let first = || topologies.first().map(|(kept, _)| kept.clone());
+    let kept = posterior.as_ref().map(|posterior| posterior.topology.clone()).or_else(first).unwrap_or_default();
     let collaterals = found.collaterals(network, &kept, outlets, viscosity).unwrap_or_else(|why| {
         notes.push(format!("nothing is told of the loss of a feeder: {why}"));
         Vec::new()

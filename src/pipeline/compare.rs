@@ -116,11 +116,8 @@ fn measures<'a>(subjects: &[(&'a Measurement, bool)], wanted: &[String]) -> Resu
     let all: Vec<Cow<'a, str>> = all.filter(|name| known.insert(name.clone())).collect();
     if let Some(missing) = wanted.iter().find(|name| !all.iter().any(|known| *known == **name)) {
         let meant = did_you_mean(missing, all.iter().map(|name| &**name));
-        return Err(Error::parameter(
-            "measures",
-            format!("\"{missing}\""),
-            format!("{meant}expected columns of subjects.csv that are measured"),
-        ));
+        let accepted = format!("{meant}expected columns of subjects.csv that are measured");
+        return Err(Error::parameter("measures", format!("\"{missing}\""), accepted));
     }
     Ok(all.into_iter().filter(|name| wanted.is_empty() || wanted.iter().any(|wanted| **wanted == **name)).collect())
 }

@@ -98,12 +98,8 @@ impl Cuts {
         lumen: Option<&Foreground>,
         kind: CenterlineKind,
     ) -> Result<Option<Self>> {
-        let wanted = match cut {
-            Cut::Never => false,
-            Cut::Auto => kind == CenterlineKind::Skeleton,
-            Cut::Always | Cut::File(_) => true,
-        };
-        if !wanted || !network.has_positions() {
+        let is_skeleton = kind == CenterlineKind::Skeleton;
+        if *cut == Cut::Never || (*cut == Cut::Auto && !is_skeleton) || !network.has_positions() {
             return Ok(None);
         }
         let field = match mask {

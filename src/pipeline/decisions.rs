@@ -10,49 +10,14 @@ use super::source_file::SourceFile;
 use willis_core::decision::{beside_accepted, knows_fragments};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::units::millimetres;
-use willis_core::network::{Edit, Evidence, GraphEditor, Network, Origin};
+use willis_core::network::{Evidence, GraphEditor, Network, Origin};
 use willis_core::support::geometry::distance;
-use willis_io::formats::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
+use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
+
+pub use willis_io::formats::{ConnectionDecision, GraphEdit};
 
 /// A connection whose row moved is found again if both its nodes are so near to where they were, mm.
 const MOVED: f64 = 0.5;
-
-/// A decision on one connection.
-#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
-pub struct ConnectionDecision {
-    /// The row of the vessel in edges.csv.
-    pub edge: usize,
-    /// Whether the connection is there; none where the reader was unsure, which changes nothing.
-    pub accepted: Option<bool>,
-    /// Who decided; may be empty.
-    #[serde(default)]
-    pub who: String,
-    /// When; may be empty.
-    #[serde(default)]
-    pub when: String,
-    /// What was said of it; may be empty.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub comment: String,
-}
-
-/// An edit of the graph by a person.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct GraphEdit {
-    /// What is changed.
-    pub edit: Edit,
-    /// Who decided; may be empty.
-    #[serde(default)]
-    pub who: String,
-    /// When; may be empty.
-    #[serde(default)]
-    pub when: String,
-    /// What was said of it; may be empty.
-    #[serde(default, skip_serializing_if = "String::is_empty")]
-    pub comment: String,
-    /// The line of the file that it is on; 0 where it is from a program.
-    #[serde(skip)]
-    pub line: usize,
-}
 
 /// What a person decided, as run.json has it.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
@@ -90,21 +55,16 @@ impl DecisionList {
         let (mut made, mut decided) = (Vec::new(), BTreeSet::new());
         for decision in listed.connections {
             let places = decision.places.filter(|_| decision.input.is_empty() || decision.input == input_sha256);
-            let row = check(&decision, graph, input_sha256).map(|()| decision.edge);
+            let row = check(&decision, graph, input_sha256).map(|()| decision.made.edge);
             let row = row.or_else(|fault| places.and_then(|at| moved(graph, at)).ok_or(fault));
             let edge = row.map_err(|fault| fault.in_file(&source.path))?;
-            let ListedDecision { line, accepted, who, when, comment, .. } = decision;
             if !decided.insert(edge) {
-                let fault = Fault::line(line, format!("edge {edge} comes again, by its places"), "expected one decision an edge");
-                return Err(fault.in_file(&source.path));
+                let found = format!("edge {edge} comes again, by its places");
+                return Err(Fault::line(decision.line, found, "expected one decision an edge").in_file(&source.path));
             }
-            made.push(ConnectionDecision { edge, accepted, who, when, comment });
+            made.push(ConnectionDecision { edge, ..decision.made });
         }
-        let edit = |listed: ListedEdit| {
-            let ListedEdit { line, edit, who, when, comment } = listed;
-            GraphEdit { edit, who, when, comment, line }
-        };
-        Ok(Decided { made, edits: listed.edits.into_iter().map(edit).collect(), source: Some(source) })
+        Ok(Decided { made, edits: listed.edits, source: Some(source) })
     }
 }
 
@@ -120,7 +80,7 @@ fn moved(graph: &Network, places: [[f64; 3]; 2]) -> Option<usize> {
 
 /// Refuses a decision on another graph than this.
 fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Result<(), Fault> {
-    let ListedDecision { line, edge, ids: [a, b], input, .. } = decision;
+    let ListedDecision { made: ConnectionDecision { edge, .. }, line, ids: [a, b], input, .. } = decision;
     if !input.is_empty() && input != input_sha256 {
         let found = format!("edge {edge} was decided on for an input with SHA-256 {input}; this one has {input_sha256}");
         return Err(Fault::line(*line, found, "expected the input of the run that was looked at, unedited"));
@@ -175,15 +135,10 @@ pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()
         let ends = graph.ends(row);
         let vessel = graph.vessel_mut(row);
         match decided.get(&row) {
-            Some(true) => {
-                vessel.certain = true;
-                vessel.prior = 1.0;
-                vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, 1.0)));
-            }
-            Some(false) => {
-                vessel.certain = false;
-                vessel.prior = 0.0;
-                vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, 0.0)));
+            Some(accepted) => {
+                let probability = f64::from(u8::from(*accepted));
+                (vessel.certain, vessel.prior) = (*accepted, probability);
+                vessel.evidence = vessel.evidence().map(|e| Box::new(with_probability(e, probability)));
             }
             None if vessel.origin == Origin::Candidate && !vessel.certain => {
                 let Some(evidence) = vessel.evidence() else { continue };

@@ -17,9 +17,8 @@ use willis_core::network::Network;
 use willis_core::sampling::{FIRST_STABLE, Likelihood, PartialRun, Sampling, SamplingOptions};
 use willis_core::support::endings::stem;
 use willis_io::formats::{Column, write_csv};
-use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::SUPPLY;
-use willis_io::output::{write_file, write_record};
+use willis_io::output::{StagedFolder, write_file, write_record};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::figures::SaveOptions;
 use willis_report::{
@@ -30,10 +29,7 @@ use willis_report::{
 /// What a run found.
 #[derive(Debug)]
 pub struct Inference {
-    prepared: Arc<Prepared>,
-    sampling: SamplingOptions,
-    likelihood: Likelihood,
-    solver: SolverRecord,
+    sampled: Sampled,
     decision: Decision,
     /// Whether every decision on L is clear, where the run was to go on until it is.
     stable: Option<bool>,
@@ -42,17 +38,16 @@ pub struct Inference {
     circle: Option<CircleFigures>,
     /// Who feeds each territory and outlet, where the arteries are known.
     supplies: Vec<Supply>,
-    /// How long sampling took, on what; for run.json.
-    time: Value,
 }
 
-/// What a run is made of again.
-#[derive(Serialize, Deserialize)]
-struct Stored {
+/// A graph and what its samples say: what a run is made of again.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+struct Sampled {
     prepared: Arc<Prepared>,
     sampling: SamplingOptions,
     likelihood: Likelihood,
     solver: SolverRecord,
+    /// How long sampling took, on what; for run.json.
     time: Value,
 }
 
@@ -98,7 +93,8 @@ impl Prepared {
         let rate = (part.done() - before) as f64 / seconds;
         let (threads, instructions) = (rayon::current_num_threads(), method.instructions);
         let time = json!({ "sampling_s": seconds, "samples_per_s": rate, "threads": threads, "instructions": instructions });
-        self.decide(options, sampled?, method.into(), time)
+        let (prepared, sampling, solver) = (self.clone(), options.clone(), method.into());
+        Sampled { prepared, sampling, likelihood: sampled?, solver, time }.decide()
     }
 
     /// What there is to see of a run while it is at work: the answer of the samples that are finished, as if they were all. Which these are
@@ -112,52 +108,48 @@ impl Prepared {
         if samples == 0 {
             return Err(Error::parameter("samples", samples, "expected finished ones"));
         }
-        let options = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
-        let sampling = Sampling::new(&self.graph, &self.boundary, &options)?;
+        let sampling = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
+        let again = Sampling::new(&self.graph, &self.boundary, &sampling)?;
         let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
-        self.decide(&options, sampling.likelihood(part), sampling.method().into(), time)
+        let (likelihood, solver) = (again.likelihood(part), again.method().into());
+        Sampled { prepared: self.clone(), sampling, likelihood, solver, time }.decide()
     }
+}
 
+impl Sampled {
     /// Decides on every vessel, given what the samples say.
-    fn decide(
-        self: &Arc<Self>,
-        options: &SamplingOptions,
-        likelihood: Likelihood,
-        solver: SolverRecord,
-        time: Value,
-    ) -> Result<Inference> {
-        let decision = decide(self.keep, &self.graph, &likelihood)?;
-        let until_stable = self.options.infer.until_stable;
-        let stable = until_stable.then(|| all_decided(self.keep, &self.graph, &likelihood)).transpose()?;
+    fn decide(self) -> Result<Inference> {
+        let Prepared { graph, boundary, keep, options, arteries, .. } = &*self.prepared;
+        let decision = decide(*keep, graph, &self.likelihood)?;
+        let stable = options.infer.until_stable.then(|| all_decided(*keep, graph, &self.likelihood)).transpose()?;
         let (mut posterior, mut circle, mut supplies) = (None, None, Vec::new());
-        if let Some(found) = &self.arteries {
-            let above = (!has_evidence(&self.graph)).then_some(&decision.above_median[..]);
-            let (topologies, how) = found.topologies(&self.graph, &self.boundary, options, &self.given(), above, true)?;
-            let phenotypes = &self.options.infer.phenotypes;
-            let said = found.posterior_from(&self.graph, &topologies, phenotypes)?;
-            circle = Some(found.circle_figures(&self.graph, &said.best(), &said.topology, phenotypes));
+        if let Some(found) = arteries {
+            let above = (!has_evidence(graph)).then_some(&decision.above_median[..]);
+            let (topologies, how) = found.topologies(graph, boundary, &self.sampling, &self.prepared.given(), above, true)?;
+            let phenotypes = &options.infer.phenotypes;
+            let said = found.posterior_from(graph, &topologies, phenotypes)?;
+            circle = Some(found.circle_figures(graph, &said.best(), &said.topology, phenotypes));
             posterior = Some((said, how));
-            supplies = who_feeds(&found.circle, &self.graph, &topologies.weighted, &self.boundary, options.viscosity);
+            supplies = who_feeds(&found.circle, graph, &topologies.weighted, boundary, self.sampling.viscosity);
         }
-        let (prepared, sampling) = (self.clone(), options.clone());
-        Ok(Inference { prepared, sampling, likelihood, solver, decision, stable, posterior, circle, supplies, time })
+        Ok(Inference { sampled: self, decision, stable, posterior, circle, supplies })
     }
 }
 
 impl Inference {
     /// The over-connected graph that was sampled; vessel i of the other answers is its edge i.
     pub fn graph(&self) -> &Network {
-        &self.prepared.graph
+        &self.sampled.prepared.graph
     }
 
     /// Its boundary conditions.
     pub fn boundary(&self) -> &Boundary {
-        &self.prepared.boundary
+        &self.sampled.prepared.boundary
     }
 
     /// L of each vessel with its standard error, the frequency in the forests, and the matrix.
     pub fn likelihood(&self) -> &Likelihood {
-        &self.likelihood
+        &self.sampled.likelihood
     }
 
     /// Per vessel whether it belongs to the plausible topology.
@@ -188,27 +180,27 @@ impl Inference {
 
     /// Everything that the files of the run are made of.
     pub fn outcome(&self) -> Outcome<'_> {
-        let Prepared { graph, boundary, keep, .. } = &*self.prepared;
-        let topology =
-            |kept: &[bool]| Topology::of(graph, &self.likelihood.uncertain, kept, &boundary.held(graph, |row| kept[row]));
+        let Sampled { prepared, sampling, likelihood: result, solver, .. } = &self.sampled;
+        let Prepared { graph: network, own_nodes, boundary, contacts, image_places, keep, .. } = &**prepared;
+        let topology = |kept: &[bool]| Topology::of(network, &result.uncertain, kept, &boundary.held(network, |row| kept[row]));
         Outcome {
-            network: graph,
-            own_nodes: self.prepared.own_nodes,
+            network,
+            own_nodes: *own_nodes,
             boundary,
-            suggested_cuts: &self.prepared.contacts.suggested,
-            pairings: &self.prepared.contacts.pairings,
-            arteries: self.prepared.arteries.as_ref().map_or(&[], |found| found.vessel_names()),
-            image_places: &self.prepared.image_places,
-            segmentation: self.prepared.segmentation.as_ref(),
-            result: &self.likelihood,
+            suggested_cuts: &contacts.suggested,
+            pairings: &contacts.pairings,
+            arteries: prepared.arteries.as_ref().map_or(&[], |found| found.vessel_names()),
+            image_places,
+            segmentation: prepared.segmentation.as_ref(),
+            result,
             rule: *keep,
             answer: &self.decision,
             stable: self.stable,
             kept: topology(&self.decision.kept),
             above_median: topology(&self.decision.above_median),
-            expected: expected_errors(graph, &self.decision.kept),
-            sampling: &self.sampling,
-            solver: &self.solver,
+            expected: expected_errors(network, &self.decision.kept),
+            sampling,
+            solver,
         }
     }
 
@@ -219,10 +211,10 @@ impl Inference {
     /// A rule that asks for evidence where there is none, or is out of its range.
     pub fn decided_by(&self, rule: Keep) -> Result<Self> {
         rule.validate()?;
-        let mut prepared = Prepared::clone(&self.prepared);
-        prepared.keep = rule;
-        prepared.options.infer.keep = Some(rule);
-        Arc::new(prepared).decide(&self.sampling, self.likelihood.clone(), self.solver.clone(), self.time.clone())
+        let mut sampled = self.sampled.clone();
+        let prepared = Arc::make_mut(&mut sampled.prepared);
+        (prepared.keep, prepared.options.infer.keep) = (rule, Some(rule));
+        sampled.decide()
     }
 
     /// The run again with decisions of a person, as if a list had all of them: accepted connections are certain, rejected ones are gone, those
@@ -234,7 +226,7 @@ impl Inference {
     /// A row that is no candidate and no contact, or was decided on before; an edit whose places mean nothing here; as
     /// [`infer`](crate::infer).
     pub fn with_decisions(&self, made: &[ConnectionDecision], edits: &[GraphEdit], progress: &mut dyn Follow) -> Result<Self> {
-        let mut prepared = Prepared::clone(&self.prepared);
+        let mut prepared = Prepared::clone(&self.sampled.prepared);
         let mut decided = prepared.records.decisions.take().unwrap_or_default();
         decided.made.retain(|old| old.accepted.is_some() || made.iter().all(|new| new.edge != old.edge));
         if let Some(again) = made.iter().find(|new| decided.made.iter().any(|old| old.edge == new.edge)) {
@@ -256,7 +248,7 @@ impl Inference {
         let boundary = prepared.early.boundary(&graph, arteries.as_ref(), prepared.outlets, &prepared.options.infer, progress)?;
         prepared.records.decisions = Some(decided);
         let prepared = Prepared { graph, contacts, uniform_prior, undecided: Some(before), arteries, boundary, ..prepared };
-        Arc::new(prepared).sample(&self.sampling, progress)
+        Arc::new(prepared).sample(&self.sampled.sampling, progress)
     }
 
     /// What a list decides, as the page of this run writes it, on the connections of its graph and by edits. `input_sha256` is that of the input.
@@ -265,7 +257,7 @@ impl Inference {
     ///
     /// A file that cannot be read, or that was made for another input or another graph.
     pub fn listed_decisions(&self, path: &Path, input_sha256: &str) -> Result<(Vec<ConnectionDecision>, Vec<GraphEdit>)> {
-        let Decided { made, edits, .. } = DecisionList::read(path)?.on(self.prepared.undecided_graph(), input_sha256)?;
+        let Decided { made, edits, .. } = DecisionList::read(path)?.on(self.sampled.prepared.undecided_graph(), input_sha256)?;
         Ok((made, edits))
     }
 
@@ -287,7 +279,7 @@ impl Inference {
 
     /// SHA-256 of the input, as run.json has it.
     pub fn input_sha256(&self) -> &str {
-        &self.prepared.provenance.sha256
+        &self.sampled.prepared.provenance.sha256
     }
 
     /// Everything that it takes to make it again with [`Inference::from_bytes`].
@@ -296,14 +288,7 @@ impl Inference {
     ///
     /// A graph with numbers that are not finite.
     pub fn to_bytes(&self) -> Result<Vec<u8>> {
-        let stored = Stored {
-            prepared: self.prepared.clone(),
-            sampling: self.sampling.clone(),
-            likelihood: self.likelihood.clone(),
-            solver: self.solver.clone(),
-            time: self.time.clone(),
-        };
-        serde_json::to_vec(&stored).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
+        serde_json::to_vec(&self.sampled).map_err(|e| Error::parameter("run", "cannot be stored", e.to_string()))
     }
 
     /// What [`Inference::to_bytes`] stored.
@@ -313,17 +298,16 @@ impl Inference {
     /// Other bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let wrong = |why: String| Error::parameter("run", "cannot be read", why);
-        let Stored { prepared, sampling, likelihood, solver, time } =
-            serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
-        if !prepared.is_whole() || !likelihood.fits(prepared.graph.vessel_count()) {
+        let sampled: Sampled = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
+        if !sampled.prepared.is_whole() || !sampled.likelihood.fits(sampled.prepared.graph.vessel_count()) {
             return Err(wrong("expected the bytes of a run".to_owned()));
         }
-        prepared.decide(&sampling, likelihood, solver, time)
+        sampled.decide()
     }
 
     /// How long sampling took, s.
     pub fn seconds(&self) -> f64 {
-        self.time["sampling_s"].as_f64().unwrap_or(f64::NAN)
+        self.sampled.time["sampling_s"].as_f64().unwrap_or(f64::NAN)
     }
 
     /// Saves every file of the run in a new folder, which appears whole or not at all; returns what a person should know about files
@@ -346,10 +330,10 @@ impl Inference {
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, options: &SaveOptions) -> Result<(RunRecord, Vec<String>)> {
         options.validate()?;
-        let prepared = &self.prepared;
+        let Sampled { prepared, sampling, time, .. } = &self.sampled;
         let outcome = self.outcome();
         let mut run = prepared.options.clone();
-        run.infer.sampling = SamplingOptions { uniform_prior: false, ..self.sampling.clone() };
+        run.infer.sampling = SamplingOptions { uniform_prior: false, ..sampling.clone() };
         let tables = write_tables(folder, &outcome)?;
         let built = prepared.candidates.as_ref();
         let mut record = infer_record(&outcome, &prepared.provenance, &run, built, prepared.outlets);
@@ -357,7 +341,7 @@ impl Inference {
             let stated = sources.into_iter().filter(|(_, source)| !source.is_null());
             stated.for_each(|(name, source)| record.field("parameters")[name] = source);
         }
-        record.field("time").clone_from(&self.time);
+        record.field("time").clone_from(time);
         if let (Some((posterior, _)), Some(circle), Some(found)) = (&self.posterior, &self.circle, &prepared.arteries) {
             let variant = posterior.best();
             let phenotype = phenotype_json(&prepared.graph, &variant, circle, Some(posterior));

@@ -146,15 +146,8 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     if is_graph && options.observed {
         (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
     }
-    let provenance = Provenance {
-        command: String::new(),
-        input: file.display().to_string(),
-        format: format.name().to_owned(),
-        sha256,
-        units: options.scale.unit.symbol().to_owned(),
-        frame: made.network.frame,
-        notes,
-    };
+    let (input, units, frame) = (file.display().to_string(), options.scale.unit.symbol().to_owned(), made.network.frame);
+    let provenance = Provenance { input, format: format.name().to_owned(), sha256, units, frame, notes, ..Provenance::default() };
     let is_fragments = !is_graph || options.observed;
     let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
     Ok(Input { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow })

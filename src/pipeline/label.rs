@@ -92,9 +92,7 @@ impl Labelled {
         self.stage_network(target, &mut staged)?;
         self.stage_names(&beside("names.csv"), &mut staged)?;
         self.stage_segments(&beside("segments.csv"), &mut staged)?;
-        for (ending, format) in MARKS {
-            self.stage_landmarks(&beside(ending), format, &mut staged)?;
-        }
+        MARKS.into_iter().try_for_each(|(ending, format)| self.stage_landmarks(&beside(ending), format, &mut staged))?;
         staged.commit()
     }
 
@@ -114,9 +112,8 @@ impl Labelled {
             Column::text("label", best.iter().map(|label| if *label == OTHER { String::new() } else { name_of(*label) })),
             real("probability", &|n| names.labels[n][best[n]]),
         ]);
-        for label in 0..LABELS {
-            columns.push(Column::real(format!("p_{}", name_of(label)), (0..nodes.len()).map(|n| names.labels[n][label])));
-        }
+        let of_label = |label: usize| (0..nodes.len()).map(move |n| names.labels[n][label]);
+        columns.extend((0..LABELS).map(|label| Column::real(format!("p_{}", name_of(label)), of_label(label))));
         staged.write(path, |out| write_csv(out, &columns))
     }
 

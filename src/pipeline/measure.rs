@@ -122,17 +122,12 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let mut territory = vec![None; if found.is_some() { network.vessel_count() } else { 0 }];
     if let Some(found) = &found {
         for (at, rows) in found.circle.artery_vessels(network).territories.iter().enumerate() {
-            for row in rows {
-                territory[*row] = Some(at);
-            }
+            rows.iter().for_each(|row| territory[*row] = Some(at));
         }
     }
     let measuring = Measuring { network, boundary, region: brain.as_ref(), territory, found, phenotypes };
-    let plausible = match &input.run {
-        Some(_) => measuring.plausible(input, progress)?,
-        None => Vec::new(),
-    };
-    let plausible = plausible.into_iter().map(|(kept, weight)| (measuring.figures(&kept), weight)).collect();
+    let plausible = measuring.plausible(input, progress)?.into_iter();
+    let plausible = plausible.map(|(kept, weight)| (measuring.figures(&kept), weight)).collect();
     let (part, rows) = network.subgraph(|row| kept[row]);
     let roles = measuring.roles(&kept);
     let territory = measuring.territory_of(&rows);
@@ -189,9 +184,7 @@ impl Measuring<'_> {
             return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
         }
         let mut known = vec![false; network.node_count()];
-        for node in run.given.iter().filter(|node| **node < network.node_count()) {
-            known[*node] = true;
-        }
+        run.given.iter().filter(|node| **node < network.node_count()).for_each(|node| known[*node] = true);
         let source = match &above {
             None => TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] }),
             Some(above) => TopologySource::Samples(above),

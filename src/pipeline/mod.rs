@@ -47,7 +47,7 @@ pub use progress::{Follow, Silent, Step};
 pub use readers::twice_read;
 pub use simulate::{modulate, modulate_with, simulate, simulate_with};
 pub use solver_model::solver_model;
-pub use source_file::{ModelSource, SourceFile};
+pub use source_file::{ModelSource, SourceFile, of_word};
 pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;

@@ -23,13 +23,9 @@ const APART: f64 = 3e-3;
 /// The image around doubtful vessels and contacts, the most doubtful first, at no more than `most` places.
 pub(crate) fn image_places(scene: &Scene, graph: &Network, most: Option<usize>) -> Vec<ImagePlace> {
     let most = most.unwrap_or(MOST_PLACES);
-    let mut doubtful: Vec<(f64, usize)> = graph
-        .vessels()
-        .enumerate()
-        .filter(|(_, (_, vessel))| vessel.origin != Origin::Observed)
-        .filter_map(|(row, (_, vessel))| Some(((vessel.evidence()?.probability - 0.5).abs(), row)))
-        .filter(|(from_half, _)| *from_half <= 0.5 - LEAST_DOUBT)
-        .collect();
+    let open = graph.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin != Origin::Observed);
+    let from_half = open.filter_map(|(row, (_, vessel))| Some(((vessel.evidence()?.probability - 0.5).abs(), row)));
+    let mut doubtful: Vec<(f64, usize)> = from_half.filter(|(away, _)| *away <= 0.5 - LEAST_DOUBT).collect();
     doubtful.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut places: Vec<(Point, Vec<usize>)> = Vec::new();
     for (_, row) in doubtful {
@@ -44,14 +40,17 @@ pub(crate) fn image_places(scene: &Scene, graph: &Network, most: Option<usize>) 
     places.into_iter().filter_map(|(at, rows)| Some(ImagePlace::of(rows, at, &ImageCube::new(scene, at)?))).collect()
 }
 
-/// Where an image was read from.
-pub(crate) struct ImageSource {
+/// In which image candidates were looked at, as run.json has it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct ImageRecord {
+    #[serde(flatten)]
     source: SourceFile,
-    appearance: Appearance,
-    is_probability: bool,
+    vessels: Appearance,
+    probabilities: bool,
+    unused: Option<String>,
 }
 
-impl ImageSource {
+impl ImageRecord {
     /// Reads the image, and says where it is from, for a prior that looks at images; `input` says how the vessels were read, which the
     /// spacing of NumPy's arrays goes by. `None` where none is given.
     ///
@@ -74,23 +73,22 @@ impl ImageSource {
             }
         };
         let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
+        let ready = "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
+        let other =
+            "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
         if !is_fragments {
-            return refused(
-                "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)",
-            );
+            return refused(ready);
         }
-        if !prior.looks_at_images() {
-            return refused(
-                "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons",
-            );
+        if prior.noise_of_images().is_none() {
+            return refused(other);
         }
         let (image, sha256) = read_image(path, input)?;
-        let is_probability = options.probability.is_some();
+        let probabilities = options.probability.is_some();
         let not_one = |x: f32| Fault::item("a voxel", x.to_string(), "expected probabilities from 0 to 1").in_file(path);
-        let image = if is_probability { image.log_odds().map_err(not_one)? } else { image };
-        let appearance = if is_probability { Appearance::Bright } else { options.vessels };
+        let image = if probabilities { image.log_odds().map_err(not_one)? } else { image };
+        let vessels = if probabilities { Appearance::Bright } else { options.vessels };
         let source = SourceFile { path: path.clone(), sha256 };
-        Ok(Some((Self { source, appearance, is_probability }, View { image, appearance })))
+        Ok(Some((Self { source, vessels, probabilities, unused: None }, View { image, appearance: vessels })))
     }
 
     /// What a person should know of the image: that it does not show the vessels, or is noisier than the model knows.
@@ -105,27 +103,12 @@ impl ImageSource {
     fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
         let noise = scene.noise_share;
         let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
-        let path = self.source.path.display();
-        Some(format!(
-            "{path}: the noise is {noise:.2} of the contrast of vessels, which the model knows from {least:.2} to {most:.2}; \
-             its probabilities are less sure here"
-        ))
+        let (path, known) = (self.source.path.display(), format!("which the model knows from {least:.2} to {most:.2}"));
+        Some(format!("{path}: the noise is {noise:.2} of the contrast of vessels, {known}; its probabilities are less sure here"))
     }
 
-    /// The record in run.json, with why the image was not used.
-    pub(crate) fn record(&self, unseen: Option<Unseen>) -> ImageRecord {
-        let Self { source, appearance, is_probability } = self;
-        let unused = unseen.map(|why| why.to_string());
-        ImageRecord { source: source.clone(), vessels: *appearance, probabilities: *is_probability, unused }
+    /// The same with why the image was not used.
+    pub(crate) fn unused(self, unseen: Option<Unseen>) -> Self {
+        Self { unused: unseen.map(|why| why.to_string()), ..self }
     }
-}
-
-/// In which image candidates were looked at, as run.json has it.
-#[derive(Debug, Clone, Serialize, Deserialize)]
-pub(crate) struct ImageRecord {
-    #[serde(flatten)]
-    source: SourceFile,
-    vessels: Appearance,
-    probabilities: bool,
-    unused: Option<String>,
 }

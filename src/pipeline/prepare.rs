@@ -8,7 +8,7 @@ use super::artery_options::ArterySource;
 use super::cuts::{Contacts, Cuts};
 use super::decisions::{Decidable, DecisionList};
 use super::early::{EarlyArteries, EarlyKnowledge};
-use super::picture::{ImageSource, image_places};
+use super::picture::{ImageRecord, image_places};
 use super::prepared::{Prepared, SourceRecords};
 use super::prior::{LoadedPrior, Prior};
 use super::progress::{Follow, Notes, Silent, Step};
@@ -75,16 +75,13 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
     let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
     let said = loaded.notes.clone().into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
-    said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned()))
-        .chain(stated_resistances(options.preset, &early.given))
-        .for_each(|note| notes.say(note));
+    let said = said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &early.given));
+    said.for_each(|note| notes.say(note));
     let image_places = scene.map(|scene| image_places(&scene, &graph, options.image_places)).unwrap_or_default();
     if options.image_places.is_some() {
         let size = image_places.iter().map(|place| place.samples.len()).sum::<usize>() as f64 / 1e6;
-        notes.follow.step(Step::Note(&format!(
-            "the page holds the image at {} of the doubtful places: {size:.1} MB",
-            image_places.len()
-        )));
+        let held = image_places.len();
+        notes.follow.step(Step::Note(&format!("the page holds the image at {held} of the doubtful places: {size:.1} MB")));
     }
     Ok(Arc::new(Prepared {
         keep,
@@ -98,7 +95,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
-            image: loaded.image.map(|image| image.record(unseen)),
+            image: loaded.image.map(|image| image.unused(unseen)),
             decisions: decided,
         },
         contacts,
@@ -129,7 +126,7 @@ struct Loaded<'a> {
     cuts: Option<Cuts>,
     /// What to tell a person of options that change nothing.
     notes: Vec<String>,
-    image: Option<ImageSource>,
+    image: Option<ImageRecord>,
     decisions: Option<DecisionList>,
 }
 
@@ -138,11 +135,8 @@ impl<'a> Loaded<'a> {
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
         let kind = CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
-        let cuts = if is_fragments {
-            Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind)?
-        } else {
-            None
-        };
+        let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind);
+        let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = unused::refuse(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
         let chosen = options.prior.as_ref().unwrap_or(&usual);
@@ -152,7 +146,7 @@ impl<'a> Loaded<'a> {
                 "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
             return Err(Error::parameter("prior", chosen.to_string(), accepted));
         }
-        let (image, view) = ImageSource::load(options, &prior, &input.options, is_fragments)?.unzip();
+        let (image, view) = ImageRecord::load(options, &prior, &input.options, is_fragments)?.unzip();
         let building = CandidateOptions {
             k: options.candidates.k.or(Some(prior.usual_k())),
             radius_rule: input.options.radius_rule,
@@ -224,13 +218,9 @@ pub(super) const NO_PHENOTYPE: &str = "no phenotype: ";
 /// What a run with the choices of the paper says of outlets that are not at ground.
 fn stated_resistances(preset: Preset, given: &[Given]) -> Option<String> {
     let outlets = given.iter().filter(|given| matches!(given.condition, Condition::Resistance { .. })).count();
-    let these = if outlets == 1 {
-        "1 outlet keeps its resistance".to_owned()
-    } else {
-        format!("{outlets} outlets keep their resistances")
-    };
-    let said = format!("{these}, as stated; the paper has outlets at ground only");
-    (preset == Preset::Paper && outlets > 0).then_some(said)
+    let several = format!("{outlets} outlets keep their resistances");
+    let these = if outlets == 1 { "1 outlet keeps its resistance" } else { &several };
+    (preset == Preset::Paper && outlets > 0).then(|| format!("{these}, as stated; the paper has outlets at ground only"))
 }
 
 /// That there is no candidate, and what may help.

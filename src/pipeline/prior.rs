@@ -153,12 +153,8 @@ impl LoadedPrior {
         }
     }
 
-    /// Whether candidates are judged by an image too.
-    pub(crate) fn looks_at_images(&self) -> bool {
-        self.noise_of_images().is_some()
-    }
-
-    /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels.
+    /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels;
+    /// none of a model that does not look at images.
     pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
         match &self.model {
             PriorModel::Joins(model) => model.image.as_ref().map(|image| image.noise),

@@ -67,10 +67,8 @@ impl Waves {
                 match &by_inlet[node] {
                     Some((true, _)) if !is_own => {}
                     Some((own, _)) if *own == is_own => {
-                        let which = end_name(network, node);
-                        return Err(refused(format!(
-                            "is the second waveform of inlet {which}; expected a pressure or a flow, once"
-                        )));
+                        let which = format!("is the second waveform of inlet {}", end_name(network, node));
+                        return Err(refused(format!("{which}; expected a pressure or a flow, once")));
                     }
                     _ => by_inlet[node] = Some((is_own, source)),
                 }
@@ -88,12 +86,8 @@ impl Waves {
             if let (WaveSource::Table { waveform, file }, Some(c)) = (source, all.last()) {
                 let left = beyond(waveform, period, c);
                 if left > LEFT_OUT {
-                    let percent = 100.0 * left;
-                    let note = format!(
-                        "{}: {percent:.2} % of its variance lies above {} harmonics",
-                        file.path.display(),
-                        options.harmonics
-                    );
+                    let (path, percent, harmonics) = (file.path.display(), 100.0 * left, options.harmonics);
+                    let note = format!("{path}: {percent:.2} % of its variance lies above {harmonics} harmonics");
                     progress.step(Step::Note(&note));
                 }
             }
@@ -105,8 +99,9 @@ impl Waves {
     pub fn steady(&self, boundary: &Boundary) -> Result<Boundary> {
         let mut steady = boundary.clone();
         for ((node, source), c) in self.sources.iter().zip(&self.coefficients) {
-            let Some(quantity) = source.prescribes_the_mean() else { continue };
-            let condition = match quantity {
+            // Of a shape the mean is not known.
+            let Some((waveform, _)) = source.table() else { continue };
+            let condition = match waveform.quantity {
                 Quantity::Pressure => Condition::Pressure(c[0].re),
                 Quantity::Flow => Condition::Flow(c[0].re),
             };
@@ -149,6 +144,65 @@ impl Waves {
             }
         };
         self.sources.iter().zip(&self.coefficients).map(drive).collect()
+    }
+
+    /// Solves the pulse on both states of a simulation.
+    ///
+    /// # Errors
+    ///
+    /// A wall that is not positive or not stated; a network with too many loops.
+    pub fn solve(
+        &self,
+        network: &Network,
+        boundary: &Boundary,
+        (options, flow): (&PulseOptions, &FlowOptions),
+        perturbations: &[Perturbation],
+        simulation: &Simulation,
+    ) -> Result<(Pulses, Value)> {
+        let viscosity = flow.viscosity;
+        let (fluid, law) = (fluid(options, viscosity), law(options, network));
+        let windkessels = flow.boundary.windkessels(network)?;
+        let at_rest = Tube::at_rest(network, viscosity);
+        let vessels = walled(network, &at_rest, &[], &law, &fluid)?;
+        let terminals = terminals(network, boundary, &windkessels, &vessels, &fluid, options.time_constant);
+        let solve = |state: &State, vessels: &[_]| {
+            let drives = self.drives(network, state);
+            let (period, harmonics) = (self.period, options.harmonics);
+            let setting = Setting { fluid: &fluid, period, harmonics, vessels, drives: &drives, terminals: &terminals };
+            Pulse::of(network, boundary, state, &setting)
+        };
+        let after = |state: &State| {
+            let tubes = perturbed(network, &at_rest, perturbations)?;
+            solve(state, &walled(network, &tubes, perturbations, &law, &fluid)?)
+        };
+        let perturbed = simulation.perturbed.as_ref().map(after).transpose()?;
+        let inlets = self.sources.iter().map(|(node, source)| {
+            let mut value = json!({ "node": node, "id": network.node(*node).id });
+            match source {
+                WaveSource::Table { waveform, file } => {
+                    value["quantity"] = json!(if waveform.quantity == Quantity::Pressure { "pressure" } else { "flow" });
+                    value["file"] = json!(file);
+                }
+                WaveSource::Shape(typical) => {
+                    value["quantity"] = json!("flow");
+                    value["shape"] = json!(if *typical == Typical::Carotid { "carotid" } else { "vertebral" });
+                }
+            }
+            value
+        });
+        let record = json!({
+            "period_s": self.period,
+            "harmonics": options.harmonics,
+            "wall": law,
+            "wall_viscosity_s": options.wall_viscosity,
+            "friction": options.friction,
+            "density_kg_per_m3": options.density,
+            "outlet_time_constant_s": options.time_constant,
+            "inlets": inlets.collect::<Vec<_>>(),
+        });
+        let unperturbed = solve(&simulation.unperturbed, &vessels)?;
+        let first = self.drives(network, &simulation.unperturbed).swap_remove(0);
+        Ok((Pulses { unperturbed, perturbed, fluid, first, times: options.times }, record))
     }
 }
 
@@ -194,11 +248,7 @@ fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)
 
 /// The one period of all waveforms, s.
 fn period(sources: &[(usize, WaveSource)], options: &PulseOptions) -> Result<f64> {
-    let tables = || {
-        sources
-            .iter()
-            .filter_map(|(_, s)| if let WaveSource::Table { waveform, file } = s { Some((waveform, file)) } else { None })
-    };
+    let tables = || sources.iter().filter_map(|(_, source)| source.table());
     let first = tables().next().map(|(waveform, file)| (waveform.own_period(), file));
     let period = options.period.or(first.map(|(period, _)| period)).unwrap_or(typical::PERIOD);
     for (waveform, file) in tables() {
@@ -216,12 +266,9 @@ fn period(sources: &[(usize, WaveSource)], options: &PulseOptions) -> Result<f64
 }
 
 impl WaveSource {
-    /// What its mean prescribes; nothing where only the shape is known.
-    fn prescribes_the_mean(&self) -> Option<Quantity> {
-        match self {
-            Self::Table { waveform, .. } => Some(waveform.quantity),
-            Self::Shape(_) => None,
-        }
+    /// Its table and the file of that, where it is one.
+    fn table(&self) -> Option<(&Waveform, &SourceFile)> {
+        if let Self::Table { waveform, file } = self { Some((waveform, file)) } else { None }
     }
 
     fn coefficients(&self, period: f64, options: &PulseOptions) -> Result<Vec<Complex64>> {
@@ -239,9 +286,7 @@ impl WaveSource {
             (Some(PulseMean::Pressure(mean)), Quantity::Pressure) => c[0] = Complex64::new(mean, 0.0),
             (Some(PulseMean::Flow(mean)), Quantity::Flow) if c[0].re != 0.0 => {
                 let factor = mean / c[0].re;
-                for c in &mut c {
-                    *c *= factor;
-                }
+                c.iter_mut().for_each(|c| *c *= factor);
             }
             (Some(PulseMean::Flow(mean)), Quantity::Flow) => {
                 return refused("a flow whose own mean is not zero, which cannot be scaled", ml_per_min(mean));
@@ -252,74 +297,5 @@ impl WaveSource {
             }
         }
         Ok(c)
-    }
-}
-
-impl Waves {
-    /// Solves the pulse on both states of a simulation.
-    ///
-    /// # Errors
-    ///
-    /// A wall that is not positive or not stated; a network with too many loops.
-    pub fn solve(
-        &self,
-        network: &Network,
-        boundary: &Boundary,
-        (options, flow): (&PulseOptions, &FlowOptions),
-        perturbations: &[Perturbation],
-        simulation: &Simulation,
-    ) -> Result<(Pulses, Value)> {
-        let viscosity = flow.viscosity;
-        let (fluid, law) = (fluid(options, viscosity), law(options, network));
-        let windkessels = flow.boundary.windkessels(network)?;
-        let at_rest = Tube::at_rest(network, viscosity);
-        let vessels = walled(network, &at_rest, &[], &law, &fluid)?;
-        let terminals = terminals(network, boundary, &windkessels, &vessels, &fluid, options.time_constant);
-        let solve = |state: &State, vessels: &[_]| {
-            let drives = self.drives(network, state);
-            let setting = Setting {
-                fluid: &fluid,
-                period: self.period,
-                harmonics: options.harmonics,
-                vessels,
-                drives: &drives,
-                terminals: &terminals,
-            };
-            Pulse::of(network, boundary, state, &setting)
-        };
-        let perturbed = match &simulation.perturbed {
-            None => None,
-            Some(state) => {
-                let tubes = perturbed(network, &at_rest, perturbations)?;
-                Some(solve(state, &walled(network, &tubes, perturbations, &law, &fluid)?)?)
-            }
-        };
-        let inlets = self.sources.iter().map(|(node, source)| {
-            let mut value = json!({ "node": node, "id": network.node(*node).id });
-            match source {
-                WaveSource::Table { waveform, file } => {
-                    value["quantity"] = json!(if waveform.quantity == Quantity::Pressure { "pressure" } else { "flow" });
-                    value["file"] = json!(file);
-                }
-                WaveSource::Shape(typical) => {
-                    value["quantity"] = json!("flow");
-                    value["shape"] = json!(if *typical == Typical::Carotid { "carotid" } else { "vertebral" });
-                }
-            }
-            value
-        });
-        let record = json!({
-            "period_s": self.period,
-            "harmonics": options.harmonics,
-            "wall": law,
-            "wall_viscosity_s": options.wall_viscosity,
-            "friction": options.friction,
-            "density_kg_per_m3": options.density,
-            "outlet_time_constant_s": options.time_constant,
-            "inlets": inlets.collect::<Vec<_>>(),
-        });
-        let unperturbed = solve(&simulation.unperturbed, &vessels)?;
-        let first = self.drives(network, &simulation.unperturbed).swap_remove(0);
-        Ok((Pulses { unperturbed, perturbed, fluid, first, times: options.times }, record))
     }
 }

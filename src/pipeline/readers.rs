@@ -29,16 +29,10 @@ pub fn twice_read(name: &str, input: &Input, files: [&Path; 2]) -> Result<Vec<Tw
         }
     }
     let row = |(edge, read): (usize, [Option<ReadBy>; 2])| {
-        let (ends, vessel) = (network.ends(edge), network.vessel(edge));
-        TwiceRead {
-            subject: name.to_owned(),
-            kind: vessel.origin.name(),
-            edge,
-            ids: ends.map(|node| network.node(node).id.clone()),
-            middle: network.middle_of(ends, vessel).map(millimetres),
-            probability: vessel.evidence().map_or(f64::NAN, |evidence| evidence.probability),
-            read,
-        }
+        let (subject, ends, vessel) = (name.to_owned(), network.ends(edge), network.vessel(edge));
+        let (ids, middle) = (ends.map(|node| network.node(node).id.clone()), network.middle_of(ends, vessel).map(millimetres));
+        let probability = vessel.evidence().map_or(f64::NAN, |evidence| evidence.probability);
+        TwiceRead { subject, kind: vessel.origin.name(), edge, ids, middle, probability, read }
     };
     Ok(rows.into_iter().map(row).collect())
 }

@@ -42,9 +42,9 @@ pub fn simulate_with<'a>(
     for (name, change) in changes {
         let refused = |why: String| Error::parameter(change.field(), format!("\"{name}\""), why);
         for row in vessels_called(&input.network, name).map_err(refused)? {
-            let vessel =
-                solved.row(row).ok_or_else(|| refused("no blood comes there, and `unfed=drop` left it out".to_owned()))?;
-            perturbations.push(Perturbation { vessel, change: *change });
+            let stays = solved.rows.as_ref().map_or(Some(row), |rows| rows.binary_search(&row).ok());
+            let left_out = || refused("no blood comes there, and `unfed=drop` left it out".to_owned());
+            perturbations.push(Perturbation { vessel: stays.ok_or_else(left_out)?, change: *change });
         }
     }
     let boundary = solved.boundary.clone();
@@ -57,9 +57,8 @@ pub fn simulate_with<'a>(
     let close_all = || close_each(network, &boundary, viscosity, &simulation.unperturbed);
     let closures = options.occlude_each.then(close_all).transpose()?;
     let driven = waves.as_ref().zip(options.pulse.as_ref());
-    let pulses = driven
-        .map(|(waves, pulse)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation))
-        .transpose()?;
+    let solve = |(waves, pulse): (&Waves, _)| waves.solve(network, &boundary, (pulse, options), &perturbations, &simulation);
+    let pulses = driven.map(solve).transpose()?;
     let Solved { network, outlets, provenance, .. } = solved;
     Ok(SimulationRun {
         network,
@@ -108,11 +107,6 @@ impl<'a> Solved<'a> {
         let mut provenance = input.provenance.clone();
         provenance.notes.push(note);
         Ok(Self { network: Cow::Owned(part), boundary, rows: Some(rows), provenance: Cow::Owned(provenance), ..whole })
-    }
-
-    /// The row of a vessel of the input, if it stays.
-    fn row(&self, row: usize) -> Option<usize> {
-        self.rows.as_ref().map_or(Some(row), |rows| rows.binary_search(&row).ok())
     }
 }
 

@@ -27,11 +27,7 @@ impl SourceFile {
     }
 
     /// A file of text, such as a model, and what `reader` makes of it; where it is no text, what was `expected`.
-    pub(crate) fn read_text<T>(
-        path: &Path,
-        expected: &str,
-        reader: impl FnOnce(&str) -> std::result::Result<T, Fault>,
-    ) -> Result<(T, Self)> {
+    pub(crate) fn read_text<T>(path: &Path, expected: &str, reader: impl FnOnce(&str) -> Result<T, Fault>) -> Result<(T, Self)> {
         let (bytes, source) = Self::read(path)?;
         let text = std::str::from_utf8(&bytes).map_err(|_| Fault::file("not UTF-8", expected));
         Ok((text.and_then(reader).map_err(|fault| fault.in_file(path))?, source))
@@ -49,7 +45,7 @@ pub enum ModelSource {
 }
 
 /// The choice that serde writes as this word, or that a file of this name is.
-pub(crate) fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
+pub fn of_word<T: DeserializeOwned>(word: &str) -> Option<T> {
     let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
     T::deserialize(word).ok()
 }

@@ -65,16 +65,9 @@ impl StoredRun {
         if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut options.infer.arteries, copy) {
             *path = copy;
         }
-        Ok(Self {
-            graph: folder.join(GRAPH),
-            options,
-            samples,
-            given,
-            landmarks: text(&record["parameters"]["landmarks"]["sha256"]),
-            named,
-            input_sha256: text(&record["input"]["sha256"]).unwrap_or_default(),
-            sha256,
-        })
+        let landmarks = text(&record["parameters"]["landmarks"]["sha256"]);
+        let (graph, input_sha256) = (folder.join(GRAPH), text(&record["input"]["sha256"]).unwrap_or_default());
+        Ok(Self { graph, options, samples, given, landmarks, named, input_sha256, sha256 })
     }
 
     /// Per vessel of the graph whether the run kept it.

@@ -32,22 +32,16 @@ pub(super) fn refuse(input: &Input, options: &InferOptions, cuts: Option<&Cuts>)
     if options.arteries.is_none()
         && let Some((name, value)) = given(&options.phenotypes).into_iter().next()
     {
-        return Err(Error::parameter(
-            name,
-            value,
-            "goes with `landmarks` or `labels`, which say that there is a Circle of Willis",
-        ));
+        let accepted = "goes with `landmarks` or `labels`, which say that there is a Circle of Willis";
+        return Err(Error::parameter(name, value, accepted));
     }
     options.phenotypes.check_files()?;
     let mut notes = Vec::new();
     if let Some(mask) = options.mask.as_ref().filter(|_| cuts.is_none()) {
         let opened = File::open(mask).and_then(|file| file.take(1).read_to_end(&mut Vec::new()));
         opened.map_err(|source| Error::Read { path: mask.clone(), source })?;
-        let why = if options.cut == Cut::Never {
-            "`cut` never leaves all vessels together"
-        } else {
-            "only automatic skeletons are cut apart by themselves (`cut=always` does so here)"
-        };
+        let by_itself = "only automatic skeletons are cut apart by themselves (`cut=always` does so here)";
+        let why = if options.cut == Cut::Never { "`cut` never leaves all vessels together" } else { by_itself };
         notes.push(format!("`mask` changes nothing: {why}"));
     }
     Ok(notes)
@@ -68,13 +62,9 @@ fn refuse_on_ready_graph(options: &InferOptions) -> Result<()> {
         ("cut", matches!(options.cut, Cut::Always | Cut::File(_)).then(|| options.cut.to_string())),
         ("mask", options.mask.as_ref().map(|path| path.display().to_string())),
     ];
-    match all.into_iter().find_map(|(name, value)| value.map(|value| (name, value))) {
-        None => Ok(()),
-        Some((name, value)) => {
-            let accepted = "goes with a mask or centerlines; this is a ready graph, whose candidates stand (see `observed`)";
-            Err(Error::parameter(name, value, accepted))
-        }
-    }
+    let accepted = "goes with a mask or centerlines; this is a ready graph, whose candidates stand (see `observed`)";
+    let first = all.into_iter().find_map(|(name, value)| Some(Error::parameter(name, value?, accepted)));
+    first.map_or(Ok(()), Err)
 }
 
 /// The options of a circle that were given, with their values.
@@ -96,10 +86,7 @@ pub(super) fn note_on_names(phenotypes: &PhenotypeOptions, found: &FoundArteries
     if names.is_empty() || found.named.is_some() {
         return None;
     }
-    let change = if names.len() == 1 { "changes" } else { "change" };
-    Some(format!(
-        "{} {change} nothing: the arteries are known by {}, not named by their geometry",
-        names.join(", "),
-        found.known_by
-    ))
+    let (change, known_by) = (if names.len() == 1 { "changes" } else { "change" }, &found.known_by);
+    let names = names.join(", ");
+    Some(format!("{names} {change} nothing: the arteries are known by {known_by}, not named by their geometry"))
 }

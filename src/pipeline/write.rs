@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 
 use willis_core::error::{Error, Result};
 use willis_core::network::Network;
-use willis_io::formats::Written;
 use willis_io::formats::convert::{Target, losses, refusal, write_into};
-use willis_io::formats::{write_loops, write_openbf_inlet};
+use willis_io::formats::{Written, write_loops, write_openbf_inlet};
 use willis_io::output::StagedFiles;
 
 /// What came of writing a network.

@@ -52,10 +52,8 @@ pub fn sidecar(columns: &[Column]) -> Value {
     fields.insert("Description".into(), json!(about));
     fields.insert("MeasurementToolMetadata".into(), json!({ "Description": format!("willis {}", env!("CARGO_PKG_VERSION")) }));
     for column in columns {
-        fields.insert(
-            column.name.clone().into_owned(),
-            describe(&column.name).unwrap_or_else(|| json!({ "Description": COVARIATE })),
-        );
+        let about = describe(&column.name).unwrap_or_else(|| json!({ "Description": COVARIATE }));
+        fields.insert(column.name.clone().into_owned(), about);
     }
     fields.into()
 }

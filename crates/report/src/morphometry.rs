@@ -30,21 +30,22 @@ impl MeasuredSubject<'_> {
         Column::text("subject", std::iter::repeat_n(self.name.to_owned(), rows))
     }
 
-    fn places(&self, nodes: &[usize]) -> [Column; 3] {
-        coordinate_columns(POSITION_COLUMNS, || nodes.iter().map(|node| coordinates(self.network.node(*node).position)))
+    /// The subject, and the ids and the places of nodes.
+    fn at_nodes(&self, nodes: &[usize]) -> Vec<Column> {
+        let places = || nodes.iter().map(|node| coordinates(self.network.node(*node).position));
+        let ids = Column::text("id", nodes.iter().map(|node| self.id(*node)));
+        [self.subject(nodes.len()), ids].into_iter().chain(coordinate_columns(POSITION_COLUMNS, places)).collect()
     }
 
     /// The columns of vessels.csv.
     pub fn vessels(&self) -> Vec<Column> {
         let vessels = &self.measured.vessels;
+        let territories = vessels.iter().map(|v| v.territory.map_or_else(String::new, |at| TERRITORIES[at].to_string()));
         let mut columns = vec![
             self.subject(vessels.len()),
             Column::whole("vessel", 0..vessels.len()),
             Column::text("label", vessels.iter().map(|v| v.line.label.clone())),
-            Column::text(
-                "territory",
-                vessels.iter().map(|v| v.territory.map_or_else(String::new, |at| TERRITORIES[at].to_string())),
-            ),
+            Column::text("territory", territories),
             Column::text("id_a", vessels.iter().map(|v| self.id(v.line.ends[0]))),
             Column::text("id_b", vessels.iter().map(|v| self.id(v.line.ends[1]))),
             Column::whole("degree_a", vessels.iter().map(|v| v.degree[0])),
@@ -58,8 +59,7 @@ impl MeasuredSubject<'_> {
     pub fn bifurcations(&self) -> Vec<Column> {
         let found = &self.measured.bifurcations;
         let nodes: Vec<usize> = found.iter().map(|b| b.node).collect();
-        let mut columns = vec![self.subject(found.len()), Column::text("id", nodes.iter().map(|node| self.id(*node)))];
-        columns.extend(self.places(&nodes));
+        let mut columns = self.at_nodes(&nodes);
         columns.extend([
             Column::whole("degree", found.iter().map(|b| b.degree)),
             Column::whole("parent", found.iter().map(|b| b.parent)),
@@ -74,8 +74,7 @@ impl MeasuredSubject<'_> {
     pub fn ends(&self, role: impl Fn(usize) -> Role) -> Vec<Column> {
         let ends = &self.measured.ends;
         let nodes: Vec<usize> = ends.iter().map(|end| end.node).collect();
-        let mut columns = vec![self.subject(ends.len()), Column::text("id", nodes.iter().map(|node| self.id(*node)))];
-        columns.extend(self.places(&nodes));
+        let mut columns = self.at_nodes(&nodes);
         columns.extend([
             Column::text("label", nodes.iter().map(|node| self.network.node(*node).label.clone())),
             Column::text("role", nodes.iter().map(|node| role(*node).name().to_owned())),
@@ -117,15 +116,11 @@ impl MeasuredSubject<'_> {
 pub fn named_figures(of: &NetworkFigures, circle: Option<&CircleFigures>) -> NamedFigures {
     let mut row = named("", &OF_NETWORK, of);
     row.extend(of.in_region.iter().flat_map(|region| named("", &IN_REGION, region)));
-    for (label, totals) in &of.arteries {
-        row.extend(named(&format!("{label}_"), &OF_TOTALS, totals));
-    }
+    row.extend(of.arteries.iter().flat_map(|(label, totals)| named(&format!("{label}_"), &OF_TOTALS, totals)));
     let mut pairs: NamedFigures = asymmetries(&of.arteries, "", |totals| totals.radius);
     let territories: BTreeMap<String, VesselTotals> =
         of.territories.iter().map(|(at, totals)| (TERRITORIES[*at].to_string(), *totals)).collect();
-    for (artery, totals) in &territories {
-        row.extend(named(&format!("territory_{artery}_"), &OF_TOTALS, totals));
-    }
+    row.extend(territories.iter().flat_map(|(artery, totals)| named(&format!("territory_{artery}_"), &OF_TOTALS, totals)));
     pairs.extend(asymmetries(&territories, "territory_", |totals| totals.length));
     row.extend(pairs);
     row.extend(circle.iter().flat_map(|circle| circle.columns()));

@@ -4,7 +4,7 @@ use std::cmp::Reverse;
 
 use super::figures::NodeBlock;
 use willis_core::flow::Boundary;
-use willis_core::network::paths::ShortestPaths;
+use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::network::{Network, Origin, Role, fragments};
 
 /// The blocks of all nodes: those nearest to each inlet along the observed vessels, then the fragments without an inlet, then all
@@ -14,11 +14,8 @@ use willis_core::network::{Network, Origin, Role, fragments};
 /// first, so that the two ends of an observed vessel stand side by side where they can.
 pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     let count = network.node_count();
-    let mut at_node = vec![Vec::new(); count];
-    for (row, (ends, vessel)) in network.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin == Origin::Observed) {
-        at_node[ends[0]].push((row, ends[1], vessel.length));
-        at_node[ends[1]].push((row, ends[0], vessel.length));
-    }
+    let observed = network.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin == Origin::Observed);
+    let at_node = lengths_at(count, observed.map(|(row, (ends, vessel))| (row, ends, vessel.length)));
     let name = |node: usize| {
         let node = network.node(node);
         if node.label.is_empty() { &node.id } else { &node.label }
@@ -26,15 +23,11 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     let mut paths = ShortestPaths::new(count);
     let mut trees = |sources: &[usize]| {
         let mut visited = Vec::new();
-        paths.search(
-            sources,
-            f64::INFINITY,
-            |node| at_node[node].iter().copied(),
-            |_, node| {
-                visited.push(node);
-                true
-            },
-        );
+        let around = |node: usize| at_node[node].iter().copied();
+        paths.search(sources, f64::INFINITY, around, |_, node| {
+            visited.push(node);
+            true
+        });
         let before = visited.iter().map(|node| paths.previous(*node).map(|(node, _)| node)).collect::<Vec<_>>();
         orders(sources, &visited, &before, count)
     };
@@ -43,9 +36,7 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     // Of every fragment without an inlet the first node; nodes without an observed vessel are none.
     let parts = fragments(network, |_, vessel| vessel.origin == Origin::Observed);
     let mut seen = vec![false; parts.count];
-    for inlet in &inlets {
-        seen[parts.of_node[*inlet]] = true;
-    }
+    inlets.iter().for_each(|inlet| seen[parts.of_node[*inlet]] = true);
     let unfed: Vec<usize> = (0..count).filter(|node| !std::mem::replace(&mut seen[parts.of_node[*node]], true)).collect();
     let (alone, first): (Vec<usize>, Vec<usize>) = unfed.into_iter().partition(|node| at_node[*node].is_empty());
     let mut fragments = trees(&first);

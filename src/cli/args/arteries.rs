@@ -26,11 +26,8 @@ impl ArteryArgs {
     /// How the arteries are known, where a person said it.
     pub fn source(&self) -> Option<ArterySource> {
         let is_auto = |path: &PathBuf| path.as_os_str() == "auto";
-        let landmarks = self
-            .landmarks
-            .clone()
-            .map(|path| if is_auto(&path) { ArterySource::Geometry } else { ArterySource::Landmarks(path) });
-        landmarks.or(self.labels.map(ArterySource::Labels))
+        let source = |path| if is_auto(&path) { ArterySource::Geometry } else { ArterySource::Landmarks(path) };
+        self.landmarks.clone().map(source).or(self.labels.map(ArterySource::Labels))
     }
 }
 

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use crate::internals::formats::{Format, FormatTrait};
-use crate::{Appearance, Attach, CandidateOptions, CandidateRadius, Cut, InferOptions, Prior};
+use crate::{Appearance, Attach, CandidateRadius, Cut, InferOptions, Prior};
 use clap::Args;
 
 use super::figures::{length, whole};
@@ -58,14 +58,10 @@ impl CandidateArgs {
     /// Puts what was given in the place of the `usual` options.
     pub fn put(&self, options: &mut InferOptions) {
         let usual = &mut options.candidates;
-        *usual = CandidateOptions {
-            k: self.k.or(usual.k),
-            max_gap: self.max_gap,
-            attach: self.attach.unwrap_or(usual.attach),
-            radius: self.candidate_radius.unwrap_or(usual.radius),
-            max_radius: self.max_candidate_radius,
-            radius_rule: usual.radius_rule,
-        };
+        (usual.max_gap, usual.max_radius) = (self.max_gap, self.max_candidate_radius);
+        usual.k = self.k.or(usual.k);
+        usual.attach = self.attach.unwrap_or(usual.attach);
+        usual.radius = self.candidate_radius.unwrap_or(usual.radius);
         options.prior = self.prior.clone().or(options.prior.take());
         options.cut = self.cut.clone().unwrap_or(options.cut.clone());
         options.mask.clone_from(&self.mask);

@@ -1,7 +1,5 @@
 //! Options that are figures: a count, a probability, a length, a viscosity, each as a person types it.
 
-use std::fmt;
-
 use crate::error::{Error, Result};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::network::units::millimetres;
@@ -24,30 +22,15 @@ pub fn probability(text: &str) -> Result<f64, String> {
     text.parse().map_err(|_| format!("expected a number from 0 to 1, such as {example}"))
 }
 
-/// A voxel spacing.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Spacing {
-    /// That which is stated for the input.
-    Auto,
-    /// A number, mm.
-    Mm(f64),
-}
-
-impl fmt::Display for Spacing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Auto => f.write_str("auto"),
-            Self::Mm(mm) => mm.fmt(f),
-        }
-    }
-}
+/// A voxel spacing, mm; none where it is that which is stated for the input.
+pub type Spacing = Option<f64>;
 
 /// A spacing in mm, as a number or a length, or `auto`.
 pub fn spacing(text: &str) -> Result<Spacing, String> {
     if text == "auto" {
-        return Ok(Spacing::Auto);
+        return Ok(None);
     }
-    text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres)).map(Spacing::Mm)
+    text.parse().or_else(|_| Dimension::Length.parse(text).map(millimetres)).map(Some)
 }
 
 /// A parser of a figure with its unit, SI, for an option of this name.

@@ -10,9 +10,9 @@ pub mod sampling;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use serde::de::value::{Error, StrDeserializer};
-use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::de::DeserializeOwned;
 
+use crate::internals::pipeline::of_word;
 use crate::internals::support::endings::without_ending;
 use crate::{BoundaryOptions, Unfed};
 
@@ -24,10 +24,7 @@ pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
         "" => PossibleValue::new(*word),
         help => PossibleValue::new(*word).help(help),
     };
-    PossibleValuesParser::new(words.iter().map(value)).try_map(|word| {
-        let word: StrDeserializer<'_, Error> = word.as_str().into_deserializer();
-        T::deserialize(word)
-    })
+    PossibleValuesParser::new(words.iter().map(value)).try_map(|word| of_word(&word).ok_or("expected one of the words"))
 }
 
 /// The words for what becomes of vessels that no inlet feeds.

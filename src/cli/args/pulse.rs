@@ -1,6 +1,7 @@
 //! `--pulse` and its options, with their conversion to those of the library.
 
 use crate::error::{Error, Result};
+use crate::internals::network::INLET_PRESSURE;
 use crate::internals::network::quantity::Dimension;
 use crate::internals::network::units::mmhg;
 use crate::{Friction, PulseMean, PulseOptions, Thickness, WallLaw};
@@ -29,13 +30,8 @@ pub struct PulseArgs {
     harmonics: Option<usize>,
     /// The walls: Olufsen's law, one modulus times thickness, Young's modulus and a thickness, one wave speed, what the edges of the
     /// graph state, or rigid [default: graph where it states them, else olufsen]
-    #[arg(
-        long,
-        value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid",
-        value_parser = wall,
-        allow_hyphen_values = true,
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "olufsen|Eh=VALUE|young=E,H|pwv=SPEED|graph|rigid", value_parser = wall, allow_hyphen_values = true,
+        hide_short_help = true)]
     wall: Option<WallLaw>,
     /// The time constant of a wall that creeps (Kelvin-Voigt) [default: 0, an elastic wall]
     #[arg(long, value_name = "TIME", value_parser = figure("wall_viscosity", Dimension::Time), allow_hyphen_values = true,
@@ -92,10 +88,8 @@ impl PulseArgs {
             ("density", self.density.is_some()),
             ("times", self.times.is_some()),
         ];
-        match given.into_iter().find(|(_, given)| *given) {
-            Some((name, _)) => Err(Error::parameter(name, "without a pulse", "goes with `pulse`")),
-            None => Ok(None),
-        }
+        let refused = |(name, _)| Err(Error::parameter(name, "without a pulse", "goes with `pulse`"));
+        given.into_iter().find(|(_, given)| *given).map_or(Ok(None), refused)
     }
 }
 
@@ -124,10 +118,7 @@ fn mean(text: &str) -> Result<PulseMean> {
         let refused = |accepted: String| Error::parameter("pulse_mean", format!("\"{text}\""), accepted);
         return Dimension::Flow.parse(text).map(PulseMean::Flow).map_err(refused);
     }
-    let accepted = format!(
-        "expected a pressure ({} mmHg) or a flow (240mL/min) with its unit",
-        mmhg(crate::internals::network::INLET_PRESSURE)
-    );
+    let accepted = format!("expected a pressure ({} mmHg) or a flow (240mL/min) with its unit", mmhg(INLET_PRESSURE));
     let pressure = Dimension::Pressure.parse(text).ok().filter(|_| Dimension::Pressure.has_unit_in(text));
     pressure.map(PulseMean::Pressure).ok_or_else(|| Error::parameter("pulse_mean", format!("\"{text}\""), accepted))
 }

@@ -135,7 +135,7 @@ impl ReadingArgs {
 
     /// Whether each input states its spacing.
     pub fn is_spacing_auto(&self) -> bool {
-        matches!(self.spacing.as_deref(), Some([Spacing::Auto]))
+        matches!(self.spacing.as_deref(), Some([None]))
     }
 
     /// The options that many inputs share, for two runs to be compared: those of reading with those of `infer`.
@@ -202,11 +202,11 @@ impl ReadingArgs {
         let spacing = match self.spacing.as_deref() {
             None => None,
             // Each input says what it is.
-            Some([Spacing::Auto]) => return Ok(Scale::default()),
-            Some([Spacing::Mm(s)]) => Some([*s; 3]),
-            Some([Spacing::Mm(x), Spacing::Mm(y), Spacing::Mm(z)]) => Some([*x, *y, *z]),
+            Some([None]) => return Ok(Scale::default()),
+            Some([Some(s)]) => Some([*s; 3]),
+            Some([Some(x), Some(y), Some(z)]) => Some([*x, *y, *z]),
             Some(other) => {
-                let given: Vec<String> = other.iter().map(ToString::to_string).collect();
+                let given: Vec<String> = other.iter().map(|mm| mm.map_or("auto".into(), |mm| mm.to_string())).collect();
                 return Err(Error::parameter("spacing", given.join(","), "expected one or three positive numbers, in mm"));
             }
         };

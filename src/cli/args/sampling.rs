@@ -36,13 +36,7 @@ pub struct SamplingArgs {
     pub record_failure: bool,
     /// How often what is finished is kept beside FOLDER, in .willis-FOLDER, for the same command to go on from after a stop or a kill: auto
     /// (once sampling takes over a minute), off, or so many seconds apart; Ctrl-C keeps it at once
-    #[arg(
-        long,
-        value_name = "auto|off|SECONDS",
-        default_value = "auto",
-        value_parser = parse_interval,
-        hide_short_help = true
-    )]
+    #[arg(long, value_name = "auto|off|SECONDS", default_value = "auto", value_parser = parse_interval, hide_short_help = true)]
     pub checkpoint: Interval,
     /// Which vessels may be occluded and pruned [default: candidates]
     #[arg(long, value_parser = words::<Uncertain>(&[("candidates", "Candidates must earn their place, observed vessels stay"),
@@ -66,21 +60,14 @@ pub struct SamplingArgs {
 impl SamplingArgs {
     /// Puts what was given in the place of the `usual` options, for each of the occlusion probabilities.
     pub fn put(&self, usual: &SamplingOptions) -> Result<Vec<SamplingOptions>> {
+        let Self { samples, seed, weight, solver, exact, viscosity, .. } = *self;
+        let uncertain = self.uncertain.unwrap_or(usual.uncertain);
         let each = self.epsilon.iter().enumerate().map(|(at, epsilon)| {
             if self.epsilon[..at].contains(epsilon) {
                 return Err(Error::parameter("epsilon", epsilon, "given twice; expected each probability once"));
             }
-            let options = SamplingOptions {
-                epsilon: *epsilon,
-                samples: self.samples,
-                seed: self.seed,
-                uncertain: self.uncertain.unwrap_or(usual.uncertain),
-                weight: self.weight,
-                solver: self.solver,
-                exact: self.exact,
-                viscosity: self.viscosity,
-                ..usual.clone()
-            };
+            let of_sampling = SamplingOptions { samples, seed, uncertain, weight, solver, exact, viscosity, ..usual.clone() };
+            let options = SamplingOptions { epsilon: *epsilon, ..of_sampling };
             options.validate()?;
             Ok(options)
         });

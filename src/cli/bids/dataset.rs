@@ -103,11 +103,6 @@ impl BidsName {
         self.entities.iter().find(|(own, _)| own == key).map(|(_, value)| value.as_str())
     }
 
-    /// Whether it says what it is of.
-    fn says_what(&self) -> bool {
-        WHAT.iter().any(|key| self.value(key).is_some())
-    }
-
     /// Whether it says that it is of vessels.
     pub fn says_vessels(&self) -> bool {
         let is_word = |value: &str| VESSELS.iter().any(|word| value.to_lowercase().contains(word));
@@ -129,9 +124,10 @@ pub struct DatasetMask {
 }
 
 impl DatasetMask {
-    /// The name of its run: `sub-01_ses-a`.
+    /// The name of its run: `sub-01` or `sub-01_ses-a`.
     pub fn run(&self) -> String {
-        run_name(&self.participant, self.session.as_deref())
+        let (participant, session) = (&self.participant, self.session.as_ref());
+        session.map_or_else(|| participant.clone(), |session| format!("{participant}_{session}"))
     }
 
     /// The beginning of the names of files that are made of it: its entities without those that say what it is of.
@@ -149,18 +145,13 @@ impl DatasetMask {
     }
 }
 
-/// `sub-01` or `sub-01_ses-a`.
-pub fn run_name(participant: &str, session: Option<&str>) -> String {
-    session.map_or_else(|| participant.to_owned(), |session| format!("{participant}_{session}"))
-}
-
 /// A dataset and those of its derivatives.
 pub struct Dataset {
     root: PathBuf,
     /// The folder of each dataset to look into, with the name of its pipeline; the dataset itself first.
     folders: Vec<(PathBuf, String)>,
     /// With `sub-`.
-    participants: BTreeSet<String>,
+    pub participants: BTreeSet<String>,
 }
 
 impl Dataset {
@@ -190,11 +181,6 @@ impl Dataset {
             return Err(Fault::file("no participant", accepted).in_file(root));
         }
         Ok(Self { root: root.to_owned(), folders, participants })
-    }
-
-    /// The participants, with `sub-`.
-    pub fn participants(&self) -> &BTreeSet<String> {
-        &self.participants
     }
 
     /// What `participants.tsv` says of each participant; none without that file.
@@ -253,7 +239,8 @@ impl Dataset {
             meant.retain(|mask| mask.named.says_vessels());
             if meant.is_empty() {
                 meant = of_session;
-                meant.retain(|mask| !mask.named.says_what() && self.is_of_angiogram(mask));
+                let says_what = |name: &BidsName| WHAT.iter().any(|key| name.value(key).is_some());
+                meant.retain(|mask| !says_what(&mask.named) && self.is_of_angiogram(mask));
             }
         }
         match meant[..] {
@@ -296,10 +283,8 @@ impl Dataset {
     /// Whether the dataset itself has an angiogram with the entities of a mask, and no other image with them.
     fn is_of_angiogram(&self, mask: &DatasetMask) -> bool {
         let folder = anatomy(&self.root, &mask.participant, mask.session.as_deref());
-        let mut alike = images(&folder)
-            .into_iter()
-            .map(|(_, named)| named)
-            .filter(|named| named.entities == mask.named.entities && !SUFFIXES.contains(&named.suffix.as_str()));
+        let is_alike = |of: &BidsName| of.entities == mask.named.entities && !SUFFIXES.contains(&of.suffix.as_str());
+        let mut alike = images(&folder).into_iter().map(|(_, named)| named).filter(is_alike);
         alike.next().is_some_and(|named| named.suffix == ANGIOGRAM) && alike.next().is_none()
     }
 
@@ -310,8 +295,8 @@ impl Dataset {
 
     /// That participants have no mask of vessels; `others` are masks that do not say so.
     fn none(&self, of: &[String], others: &[DatasetMask]) -> Error {
-        let whose =
-            if of.len() == self.participants.len() { String::new() } else { format!(" of {}", listed(of.iter().cloned(), MOST)) };
+        let some = (of.len() < self.participants.len()).then(|| format!(" of {}", listed(of.iter().cloned(), MOST)));
+        let whose = some.unwrap_or_default();
         let others: Vec<&DatasetMask> = others.iter().filter(|mask| of.contains(&mask.participant)).collect();
         let found = format!("no mask of vessels{whose}");
         let accepted = match others.first() {
@@ -365,9 +350,8 @@ pub fn is_of_willis(folder: &Path) -> bool {
 /// Refuses a label that none has.
 pub fn check_labels(field: &str, asked: &[String], known: &BTreeSet<String>) -> Result<()> {
     let Some(unknown) = asked.iter().find(|label| !known.contains(*label)) else { return Ok(()) };
-    let there =
-        if known.is_empty() { "there is none".to_owned() } else { format!("there are {}", listed(known.iter().cloned(), MOST)) };
-    Err(Error::parameter(field, unknown, format!("no such folder; {there}")))
+    let there = if known.is_empty() { "is none".to_owned() } else { format!("are {}", listed(known.iter().cloned(), MOST)) };
+    Err(Error::parameter(field, unknown, format!("no such folder; there {there}")))
 }
 
 /// The folders in a folder that begin with some letters, by name; hidden ones are left out.
@@ -388,7 +372,7 @@ fn sessions_in(participant: &Path) -> Vec<Option<String>> {
 }
 
 /// The folder of a session's anatomical images.
-fn anatomy(dataset: &Path, participant: &str, session: Option<&str>) -> PathBuf {
+pub fn anatomy(dataset: &Path, participant: &str, session: Option<&str>) -> PathBuf {
     let folder = dataset.join(participant);
     session.map_or_else(|| folder.clone(), |session| folder.join(session)).join("anat")
 }

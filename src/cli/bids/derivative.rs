@@ -11,7 +11,7 @@ use crate::internals::output::{StagedFiles, relative, replace_file, write_error}
 use crate::internals::report::bids_table::{sidecar, write_tsv};
 use serde_json::{Value, json};
 
-use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, is_of_willis};
+use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, anatomy, is_of_willis};
 
 /// The version of BIDS that the names follow.
 const BIDS: &str = "1.10.0";
@@ -38,7 +38,7 @@ Candidate connections between vessels are kept or cut by their probability. `run
 
 /// The dataset to write.
 pub struct Derivative {
-    folder: PathBuf,
+    pub folder: PathBuf,
 }
 
 impl Derivative {
@@ -50,9 +50,8 @@ impl Derivative {
     pub fn new(folder: &Path, source: &Path) -> Result<Self> {
         let same = fs::canonicalize(folder).ok().zip(fs::canonicalize(source).ok()).is_some_and(|(a, b)| a == b);
         if same {
-            return Err(
-                Fault::file("is BIDS_DIR", "expected another folder, such as BIDS_DIR/derivatives/willis").in_file(folder)
-            );
+            let accepted = "expected another folder, such as BIDS_DIR/derivatives/willis";
+            return Err(Fault::file("is BIDS_DIR", accepted).in_file(folder));
         }
         let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
         if is_vacant || is_of_willis(folder) {
@@ -70,11 +69,6 @@ impl Derivative {
     /// The folder of the run of a mask.
     pub fn run(&self, mask: &DatasetMask) -> PathBuf {
         self.runs().join(mask.run())
-    }
-
-    /// The folder of the table of all runs.
-    pub fn group(&self) -> PathBuf {
-        self.folder.join("group")
     }
 
     /// Writes what describes the dataset, and makes the folder of runs.
@@ -129,8 +123,7 @@ impl Derivative {
 
     /// The beginning of the path of the topology of a run.
     fn topology(&self, mask: &DatasetMask) -> PathBuf {
-        let folder = self.folder.join(&mask.participant);
-        let folder = mask.session.as_ref().map_or_else(|| folder.clone(), |session| folder.join(session)).join("anat");
+        let folder = anatomy(&self.folder, &mask.participant, mask.session.as_deref());
         folder.join(format!("{}{TOPOLOGY_NAME}", mask.entities()))
     }
 

@@ -9,9 +9,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::{Fault, Result};
 use crate::internals::formats::{Covariates, is_there};
-use crate::internals::output::atomic::StagedFolder;
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
-use crate::internals::output::{read_json, write_json};
+use crate::internals::output::{StagedFolder, read_json, write_json};
 use crate::internals::report::bids_table::bids_columns;
 use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
 use clap::{Args, ValueEnum};
@@ -152,12 +151,12 @@ impl BidsArgs {
             let is_session = asked.1.is_empty() || session.is_some_and(|session| asked.1.contains(&session));
             (asked.0.is_empty() || asked.0.contains(&participant)) && is_session
         });
-        let without: Vec<String> = dataset.participants().iter().filter(|name| !people.contains(*name)).cloned().collect();
+        let without: Vec<String> = dataset.participants.iter().filter(|name| !people.contains(*name)).cloned().collect();
         if !without.is_empty() {
             terminal.say("note", format!("no run of {}", listed(without.into_iter(), MOST)));
         }
 
-        let output = derivative.group();
+        let output = derivative.folder.join("group");
         let cohort = Cohort { command: "bids", parameters: Value::Null, output: &output, force: true, json: self.inference.json };
         let named = |_: &[PathBuf]| folders.iter().map(|path| name_of(path)).collect();
         let participants = dataset.covariates()?;
@@ -168,9 +167,7 @@ impl BidsArgs {
         let mut rows = gather(&folders, &cohort, named, covariates, terminal)?;
         derivative.describe(dataset, &self.source)?;
         derivative.keep(dataset, participants.iter().filter(|(name, _)| people.contains(name)))?;
-        for row in &mut rows {
-            row.input = dataset.place_of(Path::new(&row.input));
-        }
+        rows.iter_mut().for_each(|row| row.input = dataset.place_of(Path::new(&row.input)));
         let names: Vec<(String, Option<String>)> = rows.iter().map(|row| of_run(&row.subject)).collect();
         let table = derivative.write_table(&bids_columns(&rows, &names))?;
         terminal.say("written", table.display().to_string());

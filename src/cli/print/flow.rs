@@ -32,9 +32,7 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
-    for perturbation in &simulated.perturbations {
-        terminal.say("perturbed", words(network, perturbation));
-    }
+    simulated.perturbations.iter().for_each(|one| terminal.say("perturbed", words(network, one)));
     let (b, a) = (before.network_resilience, after.network_resilience);
     terminal.say("resilience", format!("rho_G {} -> {} W/m³{}", brief(b), brief(a), relative(b, a)));
     let (b, a) = (ml_per_min(before.inflow), ml_per_min(after.inflow));
@@ -98,9 +96,7 @@ fn say_changes(terminal: TextTerminal, network: &Network, heading: &str, what: &
         format!("{} ({before} -> {after} mL/min)", name(network, c.vessel))
     };
     terminal.say(heading, format!("{what} {}", listed(changes.iter().map(flows), MOST_COLLATERALS)));
-    for change in changes.iter().skip(MOST_COLLATERALS) {
-        terminal.detail(heading, flows(change));
-    }
+    changes.iter().skip(MOST_COLLATERALS).for_each(|change| terminal.detail(heading, flows(change)));
 }
 
 fn say_beyond_laminar(terminal: TextTerminal, network: &Network, state: &State, when: &str) {
@@ -168,13 +164,9 @@ fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> S
         Change::Occlusion => "occluded".to_owned(),
         Change::Tortuosity(factor) => format!("lengthened to {factor} times its length"),
         Change::Stenosis(Stenosis { open_diameter, stretch, .. }) => {
-            let all = || {
-                format!(
-                    " over all of its {} mm (@mid:10mm narrows a stretch)",
-                    brief(millimetres(network.vessel(*vessel).length))
-                )
-            };
-            let over = stretch.map_or_else(all, |length| format!(" over {} mm", brief(millimetres(length))));
+            let mm = |length: f64| format!("{} mm", brief(millimetres(length)));
+            let all = || format!("all of its {} (@mid:10mm narrows a stretch)", mm(network.vessel(*vessel).length));
+            let over = format!(" over {}", stretch.map_or_else(all, mm));
             format!("diameter narrowed by {} %{over}", brief(100.0 * (1.0 - open_diameter)))
         }
     };

@@ -27,17 +27,10 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
     }
     let unit = if outcome.sampling.weight == Weight::Count { "" } else { " W/m³" };
     let cut = outcome.rule.says(answer.threshold.map(|cut| format!("{}{unit}", brief(cut))));
-    say(
-        "kept",
-        format!(
-            "{} of {} ({cut}), {} pruned, {} undecided{}",
-            count(kept.kept as u64),
-            plural(kept.kept + kept.pruned, "uncertain vessel"),
-            count(kept.pruned as u64),
-            count(answer.undecided.len() as u64),
-            if outcome.rule.asks_evidence() { "" } else { " within two standard errors" }
-        ),
-    );
+    let [stay, pruned, undecided] = [kept.kept, kept.pruned, answer.undecided.len()].map(|n| count(n as u64));
+    let uncertain = plural(kept.kept + kept.pruned, "uncertain vessel");
+    let within = if outcome.rule.asks_evidence() { "" } else { " within two standard errors" };
+    say("kept", format!("{stay} of {uncertain} ({cut}), {pruned} pruned, {undecided} undecided{within}"));
     let [observed, pruned] = kept.observed;
     if observed > 0 {
         let rule = if outcome.rule.asks_evidence() { "; this rule keeps them, `keep=median` does not" } else { "" };
@@ -49,8 +42,8 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
     }
     if !answer.left_open.is_empty() {
         let open = plural(answer.left_open.len(), "connection");
-        let more =
-            if matches!(outcome.rule, Keep::Probable(price) if price < 1.0) { "" } else { "; `keep=probable=0.6` makes more" };
+        let is_cheap = matches!(outcome.rule, Keep::Probable(price) if price < 1.0);
+        let more = if is_cheap { "" } else { "; `keep=probable=0.6` makes more" };
         say("open", format!("{open} of the most probable forest not made, for what hangs on them may well be nothing{more}"));
     }
     if let Some(expected) = outcome.expected {
@@ -59,18 +52,10 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
     }
     let shape = format!("{}, {}", plural(kept.components, "component"), plural(kept.cycles, "independent cycle"));
     say("topology", format!("{shape}, {} without perfusion", plural(kept.unperfused, "component")));
-    let same = answer.kept == answer.above_median;
-    if !same {
+    if answer.kept != answer.above_median {
         let median = &outcome.above_median;
-        say(
-            "median",
-            format!(
-                "{} of {} lie above the median of L: {}, {}, as topology-median",
-                count(median.kept as u64),
-                plural(median.kept + median.pruned, "uncertain vessel"),
-                plural(median.components, "component"),
-                plural(median.cycles, "independent cycle")
-            ),
-        );
+        let above = format!("{} of {}", count(median.kept as u64), plural(median.kept + median.pruned, "uncertain vessel"));
+        let shape = format!("{}, {}", plural(median.components, "component"), plural(median.cycles, "independent cycle"));
+        say("median", format!("{above} lie above the median of L: {shape}, as topology-median"));
     }
 }

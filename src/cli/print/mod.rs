@@ -16,6 +16,7 @@ use crate::internals::formats::Format;
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};
 use crate::internals::pipeline::nothing_built;
+use crate::internals::report::figures::axis::with_commas;
 use crate::internals::support::printable::printable;
 use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
@@ -96,9 +97,7 @@ impl TextTerminal {
 
     /// Says what a person should know.
     pub fn notes(self, notes: &[String]) {
-        for note in notes {
-            self.say("note", note);
-        }
+        notes.iter().for_each(|note| self.say("note", note));
     }
 
     /// Prints a fact with `--verbose` only.
@@ -111,11 +110,8 @@ impl TextTerminal {
     /// Progress of `doing` over so many `things`, stopped by Ctrl-C or SIGTERM.
     pub fn progress(self, doing: &'static str, things: &'static str, total: u64) -> CountProgress {
         listen(self.stops());
-        let bar = if self.quiet || self.of_many || !std::io::stderr().is_terminal() {
-            ProgressBar::hidden()
-        } else {
-            ProgressBar::new(total)
-        };
+        let (is_shown, is_terminal) = (!self.quiet && !self.of_many, std::io::stderr().is_terminal());
+        let bar = if is_shown && is_terminal { ProgressBar::new(total) } else { ProgressBar::hidden() };
         let line = format!("{{prefix:>10}}  {{bar:16}} {{human_pos}}/{{human_len}} {things}  {{rate}}  {{eta}} left");
         if let Ok(style) = ProgressStyle::with_template(&line) {
             let rate = |state: &ProgressState, out: &mut dyn std::fmt::Write| {
@@ -125,16 +121,8 @@ impl TextTerminal {
             bar.set_style(style.with_key("rate", rate));
         }
         bar.set_prefix(doing);
-        CountProgress {
-            bar,
-            doing,
-            things,
-            lines: !self.quiet && !self.of_many && !std::io::stderr().is_terminal(),
-            stops: self.stops(),
-            last: Instant::now(),
-            start: Instant::now(),
-            before: None,
-        }
+        let (lines, now) = (is_shown && !is_terminal, Instant::now());
+        CountProgress { bar, doing, things, lines, stops: self.stops(), last: now, start: now, before: None }
     }
 }
 
@@ -190,9 +178,7 @@ impl CountProgress {
 
 /// A count with commas between its thousands.
 pub fn count(n: impl TryInto<u64>) -> String {
-    let digits = n.try_into().unwrap_or(u64::MAX).to_string();
-    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
-    groups.join(",")
+    with_commas(n.try_into().unwrap_or(u64::MAX))
 }
 
 /// `1 vessel`, `2 vessels`.
@@ -246,12 +232,10 @@ pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
 fn radii(network: &Network) -> String {
     let radii = || network.vessels().map(|(_, v)| millimetres(v.radius));
     let [low, high] = [radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max)].map(brief);
-    if network.vessel_count() == 0 {
-        String::new()
-    } else if low == high {
-        format!(", radius {low} mm")
-    } else {
-        format!(", radius {low} - {high} mm")
+    match network.vessel_count() {
+        0 => String::new(),
+        _ if low == high => format!(", radius {low} mm"),
+        _ => format!(", radius {low} - {high} mm"),
     }
 }
 
@@ -312,11 +296,8 @@ fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) 
         [(Role::Inlet, "inlets", &boundary.found_inlets), (Role::Outlet, "outlets", &boundary.found_outlets)]
     {
         let rows: Vec<usize> = (0..network.node_count()).filter(|n| boundary.roles[*n] == role).collect();
-        let words: Vec<String> = rows
-            .iter()
-            .filter_map(|n| Some((*n, words(boundary.condition(*n)?))))
-            .map(|(n, w)| format!("{} ({w})", network.node(n).id))
-            .collect();
+        let word = |n: &usize| Some(format!("{} ({})", network.node(*n).id, words(boundary.condition(*n)?)));
+        let words: Vec<String> = rows.iter().filter_map(word).collect();
         let how = match found.len() {
             0 => String::new(),
             n if n == rows.len() => match role {
@@ -327,15 +308,10 @@ fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) 
             n => format!(", {n} of them found at free ends"),
         };
         let most = 6;
-        let shown = if words.len() > most {
-            format!("{}, and {} more", words[..most].join(", "), words.len() - most)
-        } else {
-            words.join(", ")
-        };
+        let more = if words.len() > most { format!(", and {} more", words.len() - most) } else { String::new() };
+        let shown = format!("{}{more}", words[..most.min(words.len())].join(", "));
         terminal.say(heading, format!("{}{how}: {shown}", plural(rows.len(), "node")));
-        for word in words.iter().skip(most) {
-            terminal.detail(heading, word);
-        }
+        words.iter().skip(most).for_each(|word| terminal.detail(heading, word));
     }
     let unfed = unfed_fragments(network, boundary);
     if unfed > 0 {

@@ -131,11 +131,8 @@ impl Output {
         }
         staged.commit()?;
         let names: Vec<String> = self.paths.iter().map(|path| path.display().to_string()).collect();
-        let took = if args.calibrate_onto.is_none() {
-            format!(" in {:.0} s", self.began.elapsed().as_secs_f64())
-        } else {
-            String::new()
-        };
+        let seconds = args.calibrate_onto.is_none().then(|| format!(" in {:.0} s", self.began.elapsed().as_secs_f64()));
+        let took = seconds.unwrap_or_default();
         self.terminal.say("written", format!("{}{took}", names.join(", ")));
         if !args.json {
             return Ok(());

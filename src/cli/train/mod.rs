@@ -66,14 +66,8 @@ impl TrainArgs {
         say_cases(terminal, &judged);
         say_cases(terminal, &calibrating);
         let calibrating: Vec<&CandidateExample> = calibrating.iter().collect();
-        terminal.say(
-            "measured",
-            format!(
-                "in {:.0} s; {} used without their inlets",
-                output.began.elapsed().as_secs_f64(),
-                plural(unfed.len(), "case")
-            ),
-        );
+        let (seconds, bare) = (output.began.elapsed().as_secs_f64(), plural(unfed.len(), "case"));
+        terminal.say("measured", format!("in {seconds:.0} s; {bare} used without their inlets"));
         let mut weights = fit(&training, &calibrating, params, &mut |step| say_step(terminal, "fitted", step))?;
         let examples: Vec<&CandidateExample> = judged.iter().chain(calibrating.iter().copied()).collect();
         let (folds, figures) = cross_validate(&examples, self.folds, |fold, is_held_out| {
@@ -82,9 +76,7 @@ impl TrainArgs {
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
             fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
         })?;
-        for of in &figures {
-            say_figures(terminal, of);
-        }
+        figures.iter().for_each(|of| say_figures(terminal, of));
         let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };
         weights.folds = folds.iter().map(of_fold).collect();
         weights.figures.clone_from(&figures);
@@ -102,20 +94,11 @@ fn say_cases(terminal: TextTerminal, examples: &[CandidateExample]) {
     for of_set in examples.chunk_by(|a, b| a.case.data_set == b.case.data_set) {
         let subjects: BTreeSet<&str> = of_set.iter().map(|e| e.case.subject.as_str()).collect();
         let sum = |of: &dyn Fn(&CandidateExample) -> usize| of_set.iter().map(of).sum::<usize>();
-        let (needed, reached) = (sum(&|e| e.case.truth.needed()), sum(&|e| e.reached()));
-        terminal.say(
-            "read",
-            format!(
-                "{}: {} of {}, {}, {}, {} of them within reach of {}",
-                of_set[0].case.data_set,
-                plural(of_set.len(), "case"),
-                plural(subjects.len(), "subject"),
-                plural(sum(&|e| e.extraction.fragments.len()), "fragment"),
-                plural(needed, "true connection"),
-                count(reached as u64),
-                plural(sum(&|e| e.table.pairs.points.len()), "candidate")
-            ),
-        );
+        let (cases, subjects) = (plural(of_set.len(), "case"), plural(subjects.len(), "subject"));
+        let fragments = plural(sum(&|e| e.extraction.fragments.len()), "fragment");
+        let (needed, reached) = (plural(sum(&|e| e.case.truth.needed()), "true connection"), count(sum(&|e| e.reached()) as u64));
+        let within = format!("{reached} of them within reach of {}", plural(sum(&|e| e.table.pairs.points.len()), "candidate"));
+        terminal.say("read", format!("{}: {cases} of {subjects}, {fragments}, {needed}, {within}", of_set[0].case.data_set));
     }
 }
 
@@ -126,16 +109,9 @@ fn say_step(terminal: TextTerminal, heading: &str, step: &FittedPass) {
 }
 
 fn say_figures(terminal: TextTerminal, figures: &HeldOutScores) {
-    terminal.say(
-        "held out",
-        format!(
-            "{}: average precision {}, calibration error {}, log-likelihood {:.3} ({} of {})",
-            figures.of,
-            or_none(figures.average_precision),
-            or_none(figures.calibration_error),
-            figures.log_likelihood,
-            plural(figures.cases, "case"),
-            plural(figures.subjects, "subject")
-        ),
-    );
+    let HeldOutScores { of, log_likelihood, .. } = figures;
+    let [precision, error] = [figures.average_precision, figures.calibration_error].map(or_none);
+    let cases = format!("{} of {}", plural(figures.cases, "case"), plural(figures.subjects, "subject"));
+    let all = format!("average precision {precision}, calibration error {error}, log-likelihood {log_likelihood:.3} ({cases})");
+    terminal.say("held out", format!("{of}: {all}"));
 }

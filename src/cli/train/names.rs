@@ -15,26 +15,14 @@ pub(super) fn run(args: &TrainArgs, output: &Output) -> Result<()> {
     let cases = read_labelled_cases(&args.cases)?;
     terminal.say("read", plural(cases.len(), "case"));
     if args.folds < 2 {
-        return Err(Error::parameter(
-            "folds",
-            args.folds,
-            "expected 2 or more: which pieces are false is learnt from atlases without the subject",
-        ));
+        let accepted = "expected 2 or more: which pieces are false is learnt from atlases without the subject";
+        return Err(Error::parameter("folds", args.folds, accepted));
     }
     let fitted = fit_names(&cases, args.folds, &mut |step| output.say_after("fitted", step))?;
     for of in &fitted.scores {
-        terminal.say(
-            "held out",
-            format!(
-                "{}: {:.3} of the length right, {:.3} with M1 and M2 as one; segments {:.3}, variants {:.3} ({})",
-                of.of,
-                of.length_right,
-                of.length_right_mca,
-                of.presence_right,
-                of.exact,
-                plural(of.cases, "case")
-            ),
-        );
+        let length = format!("{:.3} of the length right, {:.3} with M1 and M2 as one", of.length_right, of.length_right_mca);
+        let segments = format!("segments {:.3}, variants {:.3} ({})", of.presence_right, of.exact, plural(of.cases, "case"));
+        terminal.say("held out", format!("{}: {length}; {segments}", of.of));
     }
     let made_by = made_by();
     let write = |mut model: NamingModel, out: &mut dyn Write| {

@@ -23,15 +23,14 @@ pub(super) trait TreeModel: Sized + Sync {
     type Seen<'a>: TreeExample<'a, Model = Self, Scores = Self::HeldOut>;
     /// How well a model did.
     type HeldOut: Clone + Serialize;
-
+    /// Reads the text of a file.
+    const READ: fn(&str) -> Result<Self, Fault>;
+    const WRITE: fn(&Self, &mut dyn Write) -> io::Result<()>;
     /// What the cases of a data set hold.
     fn say_read(of_set: &[Self::Seen<'_>]) -> String;
     fn say_scores(scores: &Self::HeldOut) -> String;
-    /// The model in a file.
-    fn read(text: &str) -> Result<Self, Fault>;
     /// This model with the part for images of another one, and its figures of images.
     fn with_images_of(self, other: Self) -> Self;
-    fn write(&self, out: &mut dyn Write) -> io::Result<()>;
 }
 
 /// Fits a model and those of its folds, and writes them.
@@ -55,9 +54,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
         let inner: Vec<&M::Seen<'_>> = examples.iter().filter(|e| !is_held_out(e.case())).collect();
         M::Seen::fit(&inner, &mut |step| output.say_after(&format!("fold {fold}"), step))
     })?;
-    for scores in &figures {
-        terminal.say("held out", M::say_scores(scores));
-    }
+    figures.iter().for_each(|scores| terminal.say("held out", M::say_scores(scores)));
     M::Seen::record(&mut model).1.clone_from(&figures);
     let mut made_by = made_by();
     if let Some(onto) = onto {
@@ -66,7 +63,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
     }
     let write = |mut model: M, out: &mut dyn Write| {
         M::Seen::record(&mut model).0.made_by.clone_from(&made_by);
-        model.write(out)
+        M::WRITE(&model, out)
     };
     output.save(args, [model].into_iter().chain(folds), write, cases.len(), &json!(figures))
 }
@@ -94,6 +91,8 @@ pub(super) fn calibrate(path: &Path, args: &TrainArgs, output: &Output) -> Resul
 impl TreeModel for JoinModel {
     type Seen<'a> = JoinExample<'a>;
     type HeldOut = JoinScores;
+    const READ: fn(&str) -> Result<Self, Fault> = Self::read;
+    const WRITE: fn(&Self, &mut dyn Write) -> io::Result<()> = |model, out| model.write(out);
 
     fn say_read(of_set: &[JoinExample]) -> String {
         let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
@@ -103,22 +102,11 @@ impl TreeModel for JoinModel {
     }
 
     fn say_scores(of: &JoinScores) -> String {
-        format!(
-            "{}: average precision {}, precision {} at recall {}, calibration error {:.4}, {:.0} expected of {} ({} of {})",
-            of.of,
-            or_none(of.average_precision),
-            or_none(of.precision),
-            or_none(of.recall),
-            of.calibration_error,
-            of.expected,
-            of.right,
-            plural(of.cases, "case"),
-            plural(of.subjects, "subject")
-        )
-    }
-
-    fn read(text: &str) -> Result<Self, Fault> {
-        Self::read(text)
+        let [average, precision, recall] = [of.average_precision, of.precision, of.recall].map(or_none);
+        let precision = format!("average precision {average}, precision {precision} at recall {recall}");
+        let calibration = format!("calibration error {:.4}, {:.0} expected of {}", of.calibration_error, of.expected, of.right);
+        let cases = format!("{} of {}", plural(of.cases, "case"), plural(of.subjects, "subject"));
+        format!("{}: {precision}, {calibration} ({cases})", of.of)
     }
 
     fn with_images_of(mut self, other: Self) -> Self {
@@ -127,10 +115,6 @@ impl TreeModel for JoinModel {
         self.figures.retain(is_new);
         self.figures.extend(other.figures);
         self
-    }
-
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        self.write(out)
     }
 }
 
@@ -147,12 +131,14 @@ fn model_for_images<M: TreeModel>(path: &Path, cases: &[Case]) -> Result<M> {
 fn read_model<M: TreeModel>(path: &Path) -> Result<M> {
     let bytes = bytes_of(path)?;
     let not_utf8 = |_| Fault::file("not UTF-8", "expected a model as `willis train` writes it");
-    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(M::read).map_err(|fault| fault.in_file(path))
+    std::str::from_utf8(&bytes).map_err(not_utf8).and_then(M::READ).map_err(|fault| fault.in_file(path))
 }
 
 impl TreeModel for ContactModel {
     type Seen<'a> = ContactExample<'a>;
     type HeldOut = ContactScores;
+    const READ: fn(&str) -> Result<Self, Fault> = Self::read;
+    const WRITE: fn(&Self, &mut dyn Write) -> io::Result<()> = |model, out| model.write(out);
 
     fn say_read(of_set: &[ContactExample]) -> String {
         let sum = |of: &dyn Fn(&ContactExample) -> usize| of_set.iter().map(of).sum::<usize>();
@@ -176,19 +162,11 @@ impl TreeModel for ContactModel {
         )
     }
 
-    fn read(text: &str) -> Result<Self, Fault> {
-        Self::read(text)
-    }
-
     fn with_images_of(mut self, other: Self) -> Self {
         self.image = other.image;
         self.figures.retain(|of| of.image.is_empty());
         let in_images = other.figures.into_iter().filter(|of| !of.image.is_empty());
         self.figures.extend(in_images);
         self
-    }
-
-    fn write(&self, out: &mut dyn Write) -> io::Result<()> {
-        self.write(out)
     }
 }

@@ -45,7 +45,7 @@ pub use read::{read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
-pub use tables::decisions::{ListedDecision, ListedDecisions, ListedEdit, read_decisions};
+pub use tables::decisions::{ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
     read_csv_edges, read_csv_nodes, stated_columns, vessel_columns, wall_columns, windkessel_columns, write_csv_graph,

@@ -9,9 +9,8 @@ use std::path::Path;
 use super::page::cohort::write_cohort_page;
 use willis_core::error::Result;
 use willis_io::formats::write_csv;
-use willis_io::output::StagedFiles;
 use willis_io::output::names::{COHORT_PAGE, COHORT_TABLE};
-use willis_io::output::write_file;
+use willis_io::output::{StagedFiles, write_file};
 
 pub use columns::describe;
 pub use figures::{Figures, WALL_TIME, infer_figures, label_figures, needs_person, phenotype_figures};
@@ -28,7 +27,7 @@ pub fn write_cohort(folder: &Path, rows: &[CohortRow], about: &CohortRun<'_>) ->
     write_file(&table.path(), |out| write_csv(out, &cohort_columns(rows)))?;
     let mut first: Vec<CohortRow> = rows.to_vec();
     first.sort_by(|a, b| uncertainty(b).total_cmp(&uncertainty(a)));
-    write_file(&page.path(), |out| write_cohort_page(out, &first, cohort_columns(&first), about, folder))?;
+    write_file(&page.path(), |out| write_cohort_page(out, &first, about, folder))?;
     table.commit()?;
     page.commit().map(drop)
 }

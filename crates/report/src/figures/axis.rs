@@ -56,19 +56,14 @@ const DECADES: f64 = 12.0;
 impl LogRange {
     /// The range of the positive `values`: at least one decade, and at most `DECADES` below the largest.
     pub fn of(values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (low, high) = values
-            .into_iter()
-            .filter(|v| *v > 0.0 && v.is_finite())
-            .fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
+        let positive = values.into_iter().filter(|v| *v > 0.0 && v.is_finite());
+        let (low, high) = positive.fold((f64::INFINITY, 0.0_f64), |(low, high), v| (low.min(v), high.max(v)));
         if high <= 0.0 {
             return None;
         }
         let (low, high) = (low.log10(), high.log10());
-        Some(if high - low > DECADES {
-            Self { low: (high - DECADES).ceil(), high, clipped: true }
-        } else {
-            Self { low: low.min(high - 1.0), high, clipped: false }
-        })
+        let clipped = high - low > DECADES;
+        Some(Self { low: if clipped { (high - DECADES).ceil() } else { low.min(high - 1.0) }, high, clipped })
     }
 
     /// The range with a margin at each end, but none where smaller values were left out.
@@ -123,17 +118,16 @@ pub fn count_ticks(last: u64, most: usize) -> Vec<Tick> {
     ticks.into_iter().filter(|tick| tick.at <= last as f64).collect()
 }
 
-/// A whole number with commas between thousands from five digits on.
-pub fn grouped(n: u64) -> String {
+/// A whole number with commas between its thousands.
+pub fn with_commas(n: u64) -> String {
     let digits = n.to_string();
-    let mut text = String::new();
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && digits.len() > 4 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    let groups: Vec<&str> = digits.as_bytes().rchunks(3).rev().filter_map(|g| std::str::from_utf8(g).ok()).collect();
+    groups.join(",")
+}
+
+/// The same from five digits on.
+pub fn grouped(n: u64) -> String {
+    if n < 10_000 { n.to_string() } else { with_commas(n) }
 }
 
 /// A range of real numbers.

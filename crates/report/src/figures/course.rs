@@ -36,17 +36,12 @@ pub fn smoothed(course: &[CoursePoint]) -> Vec<CoursePoint> {
         let [from, to] = [(s - REACH * mean).max(0.0), (s + REACH * mean).min(length)];
         if to > from { (integral(to) - integral(from)) / (to - from) } else { mean }
     };
-    (0..=last)
-        .map(|at| {
-            let radius = radius(along[at]);
-            let [x, y, z] = if at == 0 || at == last { inner(&course[at]) } else { calmed(course, &along, at, MOST * radius) };
-            [x, y, z, radius]
-        })
-        .collect()
-}
-
-fn inner(place: &CoursePoint) -> [f64; 3] {
-    [place[0], place[1], place[2]]
+    let point = |at: usize| {
+        let ([x, y, z, _], radius) = (course[at], radius(along[at]));
+        let [x, y, z] = if at == 0 || at == last { [x, y, z] } else { calmed(course, &along, at, MOST * radius) };
+        [x, y, z, radius]
+    };
+    (0..=last).map(point).collect()
 }
 
 /// The inner point `at`, moved by at most `most`.

@@ -17,16 +17,6 @@ pub const DEFAULT_DPI: u32 = 150;
 
 const DPI: RangeInclusive<u32> = 36..=1200;
 
-/// Refuses a resolution out of its range.
-///
-/// # Errors
-///
-/// Fewer than 36 or more than 1200 pixels per inch.
-pub fn check_dpi(dpi: u32) -> Result<()> {
-    let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
-    if DPI.contains(&dpi) { Ok(()) } else { Err(Error::parameter("dpi", dpi, accepted())) }
-}
-
 /// How an output folder is written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -48,7 +38,8 @@ impl SaveOptions {
     ///
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
-        check_dpi(self.dpi)
+        let accepted = || format!("expected a number from {} to {}", DPI.start(), DPI.end());
+        if DPI.contains(&self.dpi) { Ok(()) } else { Err(Error::parameter("dpi", self.dpi, accepted())) }
     }
 }
 
@@ -81,7 +72,7 @@ impl Figure {
     ///
     /// When `dpi` is out of range.
     pub fn png(&self, dpi: u32) -> Result<Vec<u8>> {
-        check_dpi(dpi)?;
+        SaveOptions { dpi }.validate()?;
         bitmap::png(self.inches, &self.sheet.marks, dpi).map_err(|reason| self.failure(reason))
     }
 

@@ -82,9 +82,7 @@ pub fn hypertension(histograms: &Histograms) -> Figure {
         sheet.frame([left, top], [right - left, HEIGHT]);
     }
     let bottom = height - FOOT - GAP;
-    for tick in across.ticks(9) {
-        sheet.tick_below([x(tick.at), bottom], &tick.label, TEXT);
-    }
+    across.ticks(9).iter().for_each(|tick| sheet.tick_below([x(tick.at), bottom], &tick.label, TEXT));
     sheet.plain("hypertension force (mmHg/mm\u{b2})", [middle, bottom + TICK + NAME_BELOW], Align::Middle);
     sheet.upright("density (mm\u{b2}/mmHg)", [NAME_LEFT, f64::midpoint(TOP, bottom)]);
     Figure::new(HYPERTENSION_PICTURE, [WIDTH, height], sheet)

@@ -43,11 +43,8 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     rows.truncate(MOST);
     rows.sort_unstable();
     let shown: Vec<&OutletSupply> = rows.into_iter().map(|row| &outlets[row]).collect();
-    let title = if outlets.len() > MOST {
-        format!("Blood of the {MOST} outlets of largest flow, by inlet")
-    } else {
-        "Blood of every outlet, by inlet".to_owned()
-    };
+    let which = if outlets.len() > MOST { format!("the {MOST} outlets of largest flow") } else { "every outlet".to_owned() };
+    let title = format!("Blood of {which}, by inlet");
     let height = |outlet: &OutletSupply| GAP + BAR * outlet.states.len() as f64;
     let top = TOP + LEGEND * inlets.len().div_ceil(IN_A_LINE) as f64;
     let bottom = top + shown.iter().map(|outlet| height(outlet)).sum::<f64>();

@@ -51,11 +51,10 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
         Mark::Map(corners) => {
             let last = (MAP.len() - 1) as f64;
             let stop = |(at, rgb): (usize, &Rgb)| format!("<stop offset=\"{}\" stop-color=\"{}\"/>", at as f64 / last, hex(*rgb));
-            let stops: String = MAP.iter().enumerate().map(stop).collect();
+            let (stops, shape) = (MAP.iter().enumerate().map(stop).collect::<String>(), rectangle(corners));
             format!(
                 "<linearGradient id=\"{name}-ramp\" x1=\"0\" y1=\"1\" x2=\"0\" y2=\"0\">{stops}</linearGradient>\n\
-                 <path fill=\"url(#{name}-ramp)\" d=\"{}\"/>\n",
-                rectangle(corners)
+                 <path fill=\"url(#{name}-ramp)\" d=\"{shape}\"/>\n"
             )
         }
         Mark::Line(path, line, width, rgb, opacity) => {
@@ -65,12 +64,9 @@ fn element(name: &str, mark: &Mark) -> Result<String, String> {
                 LineStyle::Dashed => format!(" stroke-dasharray=\"{} {}\"", units(DASH[0].into()), units(DASH[1].into())),
                 LineStyle::Tube => " stroke-linecap=\"round\"".to_owned(),
             };
-            format!(
-                "<path fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{shape}{clear} d=\"{}\"/>\n",
-                hex(*rgb),
-                units(*width).max(1),
-                commands(path)
-            )
+            let (rgb, width, places) = (hex(*rgb), units(*width).max(1), commands(path));
+            let stroke = format!("stroke=\"{rgb}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"{shape}{clear}");
+            format!("<path fill=\"none\" {stroke} d=\"{places}\"/>\n")
         }
         Mark::Text(_, words) => text(words),
     })
@@ -86,30 +82,23 @@ fn text(Words { label, place, height, align, run }: &Words) -> String {
         Align::End => " text-anchor=\"end\"",
     };
     let turned = if *run == TextDirection::Up { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
+    let (up, small) = (-units(height * LIFT), size(height * EXPONENT));
     let raised = match &*label.exponent {
         "" => String::new(),
-        exponent => {
-            format!("<tspan dy=\"{}\" font-size=\"{}\">{exponent}</tspan>", -units(height * LIFT), size(height * EXPONENT))
-        }
+        exponent => format!("<tspan dy=\"{up}\" font-size=\"{small}\">{exponent}</tspan>"),
     };
-    format!(
-        "<text x=\"{x}\" y=\"{y}\" fill=\"{}\" font-family=\"{FONTS}\" font-weight=\"300\" font-size=\"{}\"{anchor}{turned}>{}{raised}</text>\n",
-        hex(INK),
-        size(*height),
-        escape(&label.text)
-    )
+    let (fill, size, text) = (hex(INK), size(*height), escape(&label.text));
+    let font = format!("font-family=\"{FONTS}\" font-weight=\"300\" font-size=\"{size}\"");
+    format!("<text x=\"{x}\" y=\"{y}\" fill=\"{fill}\" {font}{anchor}{turned}>{text}{raised}</text>\n")
 }
 
 /// Boxes as one image. Programs older than SVG 2 need the prefix.
 fn embedded(boxes: &[FilledBox]) -> Result<String, String> {
     let Some(([from, to], _)) = boxes.first() else { return Ok(String::new()) };
     let ([x, y], [right, bottom]) = (from.map(units), to.map(units));
-    Ok(format!(
-        "<image x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\" xlink:href=\"data:image/png;base64,{}\"/>\n",
-        right - x,
-        bottom - y,
-        STANDARD.encode(image(boxes, IMAGE)?)
-    ))
+    let (place, data) = (format!("x=\"{x}\" y=\"{y}\""), STANDARD.encode(image(boxes, IMAGE)?));
+    let size = format!("width=\"{}\" height=\"{}\" preserveAspectRatio=\"none\"", right - x, bottom - y);
+    Ok(format!("<image {place} {size} xlink:href=\"data:image/png;base64,{data}\"/>\n"))
 }
 
 /// Points in units of the files.

@@ -45,11 +45,8 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     rows.truncate(MOST);
     rows.sort_unstable();
     let shown: Vec<&ArteryWaveform> = rows.iter().map(|row| &arteries[*row]).collect();
-    let title = if arteries.len() > MOST {
-        format!("Flow over a cycle in {MOST} of {} vessels", arteries.len())
-    } else {
-        "Flow over a cycle".to_owned()
-    };
+    let some = (arteries.len() > MOST).then(|| format!(" in {MOST} of {} vessels", arteries.len()));
+    let title = format!("Flow over a cycle{}", some.unwrap_or_default());
     let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
     let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + RIGHT;
     let height = TOP + lines * (ABOVE + PANEL[1] + BELOW) + BOTTOM;
@@ -77,14 +74,11 @@ fn panel(sheet: &mut Sheet, artery: &ArteryWaveform, period: f64, [left, top]: [
     let (right, bottom) = (left + PANEL[0], top + PANEL[1]);
     let values = || artery.states.iter().flat_map(|(flow, ..)| flow.iter().copied());
     sheet.plain(&style::fitting(&artery.name, PANEL[0] + LEFT - 8.0, TEXT), [left, top - 23.0], Align::Begin);
-    let (means, indices): (Vec<String>, Vec<String>) = artery
-        .states
-        .iter()
-        .map(|(_, mean, index)| {
-            let index = if index.is_finite() { format!("{index:.2}") } else { "-".to_owned() };
-            (format!("{:.0}", mean + 0.0).replace('-', "\u{2212}"), index)
-        })
-        .unzip();
+    let figures = artery.states.iter().map(|(_, mean, index)| {
+        let index = if index.is_finite() { format!("{index:.2}") } else { "-".to_owned() };
+        (format!("{:.0}", mean + 0.0).replace('-', "\u{2212}"), index)
+    });
+    let (means, indices): (Vec<String>, Vec<String>) = figures.unzip();
     // The font of the pictures has no arrow.
     let text = format!("mean {}; PI {}", means.join(" to "), indices.join(" to "));
     sheet.text(&TickLabel::plain(text), [left, top - 10.0], SMALL, Align::Begin, TextDirection::Right);

@@ -35,13 +35,8 @@ pub const DENSE_LIMIT: usize = 8192;
 /// The largest network that gets a page: a browser takes seconds for so many vessels.
 const PAGE_LIMIT: usize = 100_000;
 
-/// What remains of the tables of an inference that are written.
-#[derive(Debug)]
-pub struct OutcomeTables {
-    /// The columns of nodes.csv for a page, where there will be one.
-    nodes: Option<Vec<Column>>,
-    notes: Vec<String>,
-}
+/// What remains of the tables of an inference that are written: the columns of nodes.csv for a page, where there will be one, and notes.
+pub type OutcomeTables = (Option<Vec<Column>>, Vec<String>);
 
 /// Writes the tables of an inference and its topologies into a folder: before its record is made, which is as long as it has free ends.
 ///
@@ -60,7 +55,7 @@ pub fn write_tables(folder: &Path, outcome: &Outcome<'_>) -> Result<OutcomeTable
     } else {
         topology(folder, MEDIAN_TOPOLOGY, outcome, &outcome.answer.above_median, &mut notes)?;
     }
-    Ok(OutcomeTables { nodes, notes })
+    Ok((nodes, notes))
 }
 
 /// Writes the other files of an inference and returns what a person should know about files left out.
@@ -71,11 +66,10 @@ pub fn write_tables(folder: &Path, outcome: &Outcome<'_>) -> Result<OutcomeTable
 pub fn write_outcome(
     folder: &Path,
     outcome: &Outcome<'_>,
-    tables: OutcomeTables,
+    (for_page, mut notes): OutcomeTables,
     record: &mut RunRecord,
     dpi: u32,
 ) -> Result<Vec<String>> {
-    let OutcomeTables { nodes: for_page, mut notes } = tables;
     if !outcome.suggested_cuts.is_empty() {
         write_file(&folder.join(SUGGESTED_CUTS), |out| write_csv(out, &suggested_cut_columns(outcome.suggested_cuts)))?;
     }
@@ -136,9 +130,7 @@ fn graph(path: &Path, outcome: &Outcome<'_>) -> Result<String> {
     let mut sum = String::new();
     write_file(path, |out| {
         let mut summed = Checksummed::new(out);
-        write_graphml(&mut summed, graph, &nodes, &vessels)?;
-        sum = summed.finish();
-        Ok(())
+        write_graphml(&mut summed, graph, &nodes, &vessels).map(|()| sum = summed.finish())
     })?;
     Ok(sum)
 }

@@ -90,16 +90,9 @@ pub fn questions(outcome: &Outcome<'_>) -> Vec<Question> {
             Origin::Candidate => format!("Does a vessel go on from {a} to {b}?"),
             _ => format!("Are {a} and {b} of one vessel, or do two only touch here?"),
         };
-        let at = network.middle_of(network.ends(row), vessel);
-        Question {
-            row,
-            kind: vessel.origin.name(),
-            at,
-            words,
-            probability: probability(outcome, row),
-            hangs: hangs[row],
-            gain: wrong(row) * (hangs[row] + vessel.length),
-        }
+        let (kind, at) = (vessel.origin.name(), network.middle_of(network.ends(row), vessel));
+        let (probability, hangs) = (probability(outcome, row), hangs[row]);
+        Question { row, kind, at, words, probability, hangs, gain: wrong(row) * (hangs + vessel.length) }
     }));
     asked.sort_by(|a, b| b.gain.total_cmp(&a.gain).then(a.row.cmp(&b.row)));
     asked
@@ -113,15 +106,8 @@ fn loops(outcome: &Outcome<'_>) -> impl Iterator<Item = Question> {
         let [a, b] = ends.map(|node| &*network.node(node).id);
         let words = format!("These vessels make a loop of {:.0} mm: do two only touch between {a} and {b}?", millimetres(round));
         let wrong = vessel.evidence().map_or(0.0, |e| 1.0 - e.probability);
-        Question {
-            row,
-            kind: LOOP,
-            at: network.middle_of(ends, vessel),
-            words,
-            probability: 1.0 - wrong,
-            hangs: round,
-            gain: wrong * (round + vessel.length),
-        }
+        let (at, gain) = (network.middle_of(ends, vessel), wrong * (round + vessel.length));
+        Question { row, kind: LOOP, at, words, probability: 1.0 - wrong, hangs: round, gain }
     })
 }
 
@@ -143,15 +129,8 @@ fn touches(outcome: &Outcome<'_>, mut taken: BTreeSet<usize>) -> Vec<Question> {
         if let Some(row) = row.filter(|_| chance * hangs > WORTH) {
             taken.insert(row);
             let words = format!("{} vessels meet: do some only touch here?", ends.len());
-            found.push(Question {
-                row,
-                kind: TOUCH,
-                at: pairings.position,
-                words,
-                probability: 1.0 - chance,
-                hangs,
-                gain: chance * hangs,
-            });
+            let (at, probability, gain) = (pairings.position, 1.0 - chance, chance * hangs);
+            found.push(Question { row, kind: TOUCH, at, words, probability, hangs, gain });
         }
     }
     found
@@ -187,10 +166,8 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     let question = |part: usize| {
         let (_, _, row, node) = best[part]?;
         let id = &network.node(node).id;
-        let words = format!(
-            "Nothing connects {:.0} mm of vessels: where do they go on, from {id} or another end?",
-            millimetres(length[part])
-        );
+        let mm = millimetres(length[part]);
+        let words = format!("Nothing connects {mm:.0} mm of vessels: where do they go on, from {id} or another end?");
         let at = network.node(node).position.unwrap_or_default();
         let probability = probability(outcome, row);
         Some(Question { row, kind: PART, at, words, probability, hangs: length[part], gain: length[part] })

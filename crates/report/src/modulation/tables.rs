@@ -75,14 +75,9 @@ fn by_item(outcome: &ModulationRun<'_>, items: usize, quantities: &[InstanceFigu
     for (class, instances) in &outcome.result.classes {
         for item in 0..items {
             for (quantity, table, unit) in quantities {
-                rows.push(DistributionRow {
-                    class: *class,
-                    item,
-                    quantity,
-                    unit: "",
-                    distribution: Instances::column(table(instances), items, item, unit),
-                    unperturbed: unit(table(&outcome.result.unperturbed)[item]),
-                });
+                let distribution = Instances::column(table(instances), items, item, unit);
+                let unperturbed = unit(table(&outcome.result.unperturbed)[item]);
+                rows.push(DistributionRow { class: *class, item, quantity, unit: "", distribution, unperturbed });
             }
         }
     }

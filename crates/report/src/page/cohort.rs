@@ -7,9 +7,8 @@ use serde_json::{Value, json};
 
 use super::content::PageTable;
 use super::template::Template;
-use crate::cohort::{CohortRow, CohortRun, WALL_TIME};
+use crate::cohort::{CohortRow, CohortRun, WALL_TIME, cohort_columns};
 use crate::figures::{FRONT, units};
-use willis_io::formats::Column;
 use willis_io::output::names::{PAGE, SUMMARY_PICTURE};
 use willis_io::output::{final_path, plain};
 
@@ -29,19 +28,13 @@ const COHORT: Template = Template {
 /// The columns that the page leaves out: what differs between two runs of one command, and what nobody reads.
 const LEFT_OUT: [&str; 2] = [WALL_TIME, "sha256"];
 
-/// Writes the page of a cohort: `columns` are those of its `rows`, in the order in which they are shown.
+/// Writes the page of a cohort, of its `rows` in the order in which they are shown.
 ///
 /// # Errors
 ///
 /// An error of the writer.
-pub fn write_cohort_page(
-    out: &mut impl Write,
-    rows: &[CohortRow],
-    columns: Vec<Column>,
-    about: &CohortRun<'_>,
-    folder: &Path,
-) -> io::Result<()> {
-    let columns = columns.into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
+pub fn write_cohort_page(out: &mut impl Write, rows: &[CohortRow], about: &CohortRun<'_>, folder: &Path) -> io::Result<()> {
+    let columns = cohort_columns(rows).into_iter().filter(|column| !LEFT_OUT.contains(&&*column.name)).collect();
     let table = PageTable::new("Subjects", columns, false);
     let failed = rows.iter().filter(|row| row.figures.is_err()).count();
     let mut data = json!({

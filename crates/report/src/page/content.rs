@@ -7,20 +7,19 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use serde::{Serialize, Serializer};
+use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::image::{ImagePlace, Segmentation};
+use super::image::ImagePlace;
 use super::lead;
 use super::scene::PageScene;
 use crate::figures::colour::{Rgb, colour};
 use crate::figures::{DEFAULT_DPI, Figure};
 use crate::run_record::ConditionRecord;
-use willis_core::decision::FollowedRule;
 use willis_core::error::Result;
 use willis_core::network::Role;
 use willis_core::network::units::millimetres;
-use willis_io::formats::{Column, Values};
+use willis_io::formats::Column;
 use willis_io::masks::cubes::{SIDE, STEP};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
@@ -28,12 +27,10 @@ use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 #[derive(Debug, Default, Serialize)]
 pub struct Page {
     /// The figures that can colour the vessels of the scene; the page starts with the first.
-    #[serde(serialize_with = "sorted")]
     pub(super) colourings: Vec<Colouring>,
     pub(super) colours: Vec<Rgb>,
     /// The figures at the end of the page.
     pub(super) facts: Vec<Fact>,
-    #[serde(serialize_with = "sorted")]
     pub(super) figures: Vec<PagePicture>,
     pub(super) image_places: Value,
     /// The sentence that it begins with; empty where the page makes one of its vessels.
@@ -44,13 +41,11 @@ pub struct Page {
     pub(super) record: Value,
     pub(super) scene: Option<PageScene>,
     /// The segmentation that the vessels were found in.
-    #[serde(serialize_with = "sorted")]
-    pub(super) segmentation: Option<Segmentation>,
+    pub(super) segmentation: Value,
     /// The tables.
     pub(super) tables: Vec<PageTable>,
-    /// A threshold that the reader can move.
-    #[serde(serialize_with = "sorted")]
-    pub(super) threshold: Option<Threshold>,
+    /// A threshold on a column of the first table that the reader can move.
+    pub(super) threshold: Value,
     /// The heading.
     pub(super) title: String,
     /// What a reader should know before anything else.
@@ -69,18 +64,10 @@ impl Page {
     ) -> Self {
         let path = Path::new(record["input"]["path"].as_str().unwrap_or_default());
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let (title, colours) = (format!("willis {command}: {name}"), colours());
         let (no_scene, scene) = (scene.as_ref().err().cloned(), scene.ok());
         let image_places = json!({ "side": SIDE, "step_mm": millimetres(STEP), "of": image_places });
-        Self {
-            title: format!("willis {command}: {name}"),
-            colours: colours(),
-            record,
-            no_scene,
-            scene,
-            image_places,
-            figures,
-            ..Self::default()
-        }
+        Self { title, colours, record, no_scene, scene, image_places, figures, ..Self::default() }
     }
 }
 
@@ -90,11 +77,6 @@ const COLOURS: u32 = 32;
 /// The colour map in equal steps, from low to high.
 pub fn colours() -> Vec<Rgb> {
     (0..=COLOURS).map(|i| colour(f64::from(i) / f64::from(COLOURS))).collect()
-}
-
-/// A part of a page with its keys in alphabetical order, as in all records.
-fn sorted<T: Serialize, S: Serializer>(part: &T, serializer: S) -> std::result::Result<S::Ok, S::Error> {
-    json!(part).serialize(serializer)
 }
 
 /// A figure of the run: its name, its value (a number, a word or null) and its unit, empty without one.
@@ -182,21 +164,21 @@ pub enum ColourScale {
     Mixed,
 }
 
-/// A figure that colours the vessels.
+/// A figure that colours the vessels. Its fields stand in alphabetical order, as those of [`Page`].
 #[derive(Debug, Clone, Serialize)]
 pub struct Colouring {
+    /// What is mixed by [`ColourScale::Mixed`]: names and colours.
+    pub legend: Vec<(String, Rgb)>,
     /// Its name.
     pub name: &'static str,
-    /// Its unit, empty without one.
-    pub unit: &'static str,
     /// How it is converted to a colour. All scales but [`ColourScale::Diverging`] use the magnitude.
     pub scale: ColourScale,
     /// Whether vessels that are certain stay grey.
     pub uncertain_only: bool,
+    /// Its unit, empty without one.
+    pub unit: &'static str,
     /// Its variants: name, number of the table, and column. All variants share one scale.
     pub variants: Vec<(String, usize, String)>,
-    /// What is mixed by [`ColourScale::Mixed`]: names and colours.
-    pub legend: Vec<(String, Rgb)>,
 }
 
 impl Colouring {
@@ -204,51 +186,6 @@ impl Colouring {
     pub fn new(name: &'static str, unit: &'static str, scale: ColourScale, variants: Vec<(String, usize, String)>) -> Self {
         Self { name, unit, scale, uncertain_only: false, variants, legend: Vec::new() }
     }
-}
-
-/// A threshold on a column of the first table.
-#[derive(Debug, Clone, Serialize)]
-pub struct Threshold {
-    /// The column that is compared with the threshold.
-    pub figure: &'static str,
-    /// The name of the figure.
-    pub name: &'static str,
-    /// Its unit, empty without one.
-    pub unit: &'static str,
-    /// The column of its standard error. Without one, the error is that of a share of `samples`, sqrt(f(1-f)/n).
-    pub error: Option<&'static str>,
-    /// How many samples there were.
-    pub samples: u64,
-    /// Whether a figure equal to the threshold passes.
-    pub at_least: bool,
-    /// Whether a decision changes midway between the two figures next to the threshold, or at the threshold itself.
-    pub midway: bool,
-    /// How many standard errors from there a decision counts as certain.
-    pub within: f64,
-    /// The threshold of the run.
-    pub cut: Option<f64>,
-    /// The median of the positive figures of uncertain vessels, where the page can offer it.
-    pub median: Option<f64>,
-    /// Where the rule of the run is not a threshold on the figure: the column that is 1 where it kept a vessel ...
-    pub kept: Option<&'static str>,
-    /// ... and the figure near which its decisions are uncertain.
-    pub middle: Option<f64>,
-    /// The distance from the threshold within which a figure without standard error is undecided.
-    pub band: Option<f64>,
-    /// The rule of the run where it has no threshold, for the page to follow it after a decision.
-    pub rule: Option<FollowedRule>,
-    /// Of the candidates at a free end: how much of its P one keeps beside an accepted one.
-    pub beside_accepted: f64,
-    /// Whether those beside a rejected one share its P.
-    pub at_most_one: bool,
-    /// The column that is 1 where a vessel is uncertain.
-    pub uncertain: &'static str,
-    /// The column that is 1 where a decision of the run is undecided.
-    pub undecided: &'static str,
-    /// What is kept one by one and expected to be wrong about more than so many mm is asked about.
-    pub worth: f64,
-    /// How many nodes there are.
-    pub nodes: usize,
 }
 
 /// Removes a part of the record that becomes a table.
@@ -259,17 +196,17 @@ pub fn take(record: &mut Value, name: &str) -> Value {
 /// The largest packed SVG in a page, bytes. A larger picture becomes a PNG.
 const LARGEST_SVG: usize = 100_000;
 
-/// A picture of the page, with its description.
+/// A picture of the page, with its description. Its fields stand in alphabetical order, as those of [`Page`].
 #[derive(Debug, Clone, Serialize)]
 pub struct PagePicture {
-    /// Its heading.
-    pub title: &'static str,
     /// What it shows: its caption, and its text for readers who cannot see it.
     pub caption: &'static str,
-    /// The picture itself in base64: an SVG packed by gzip, or a PNG.
-    source: String,
     /// Whether it is an SVG.
     is_svg: bool,
+    /// The picture itself in base64: an SVG packed by gzip, or a PNG.
+    source: String,
+    /// Its heading.
+    pub title: &'static str,
     /// Whether it takes the width of two.
     wide: bool,
 }
@@ -295,13 +232,9 @@ pub fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<Page
     let items = items.as_array().filter(|items| !items.is_empty())?;
     let column = |&name: &&'static str| {
         let values = || items.iter().map(|item| &item[name]);
-        let numbers = values().all(|v| v.is_null() || v.is_number());
-        let values = if numbers {
-            Values::Real(values().map(|v| v.as_f64().unwrap_or(f64::NAN)).collect())
-        } else {
-            Values::Text(values().map(word).collect())
-        };
-        Column { name: name.into(), values }
+        let are_numbers = values().all(|v| v.is_null() || v.is_number());
+        let reals = || values().map(|v| v.as_f64().unwrap_or(f64::NAN));
+        if are_numbers { Column::real(name, reals()) } else { Column::text(name, values().map(word)) }
     };
     Some(PageTable::new(title, columns.iter().map(column).collect(), false))
 }

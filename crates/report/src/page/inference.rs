@@ -2,10 +2,10 @@
 
 use std::collections::HashSet;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, Threshold, conditions, facts, take, warnings};
-use super::scene::{cuts, scene, suggestions};
+use super::content::{ColourScale, Colouring, Page, PagePicture, PageTable, conditions, facts, take, warnings};
+use super::scene::{cut, cut_at, scene};
 use crate::inference::Outcome;
 use crate::inference::questions::{LOOP, PART, Question, TOUCH, WORTH};
 use crate::inference::tables::{pairing_columns, suggested_cut_columns};
@@ -49,19 +49,16 @@ pub fn page(
     take(&mut record, "named");
     let conditions = conditions(&of_run.conditions);
     let unit = outcome.sampling.weight.unit();
-    let (evidence, threshold) = (has_evidence(outcome.network), threshold(outcome, unit));
+    let evidence = has_evidence(outcome.network);
     // The page draws the positions.
     columns.retain(|column| !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     // What a person decided is certain to the run, and can be taken back on the page.
-    let by_person: HashSet<usize> = record["parameters"]["decisions"]["made"]
-        .as_array()
-        .map_or_else(HashSet::new, |made| made.iter().filter_map(|d| d["edge"].as_u64()).map(|edge| edge as usize).collect());
+    let made = record["parameters"]["decisions"]["made"].as_array().into_iter().flatten();
+    let by_person: HashSet<usize> = made.filter_map(|d| Some(d["edge"].as_u64()? as usize)).collect();
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
     let mut names = vec![String::new(); outcome.network.vessel_count()];
-    for (row, name) in outcome.arteries {
-        names[*row].clone_from(name);
-    }
+    outcome.arteries.iter().for_each(|(row, name)| names[*row].clone_from(name));
     columns.push(Column::text("artery", names.into_iter()));
     let undecided = |row: usize| usize::from(outcome.answer.undecided.binary_search(&row).is_ok());
     columns.push(Column::whole(UNDECIDED, (0..outcome.network.vessel_count()).map(undecided)));
@@ -76,7 +73,7 @@ pub fn page(
     let mut ranks = vec![f64::NAN; outcome.network.vessel_count()];
     asked.iter().zip(1..).for_each(|(one, rank)| ranks[one.row] = f64::from(rank));
     columns.push(Column::real(RANK, ranks.into_iter()));
-    if evidence && threshold.rule.is_some() {
+    if evidence && outcome.rule.followed().is_some() {
         // What the rule weighs, for the page to follow it after a decision.
         let attached =
             |end: usize| outcome.network.vessels().map(move |(_, v)| v.evidence().map_or(f64::NAN, |e| e.attached[end]));
@@ -99,7 +96,8 @@ pub fn page(
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
-    if !outcome.suggested_cuts.is_empty() {
+    let are_suggested = !outcome.suggested_cuts.is_empty();
+    if are_suggested {
         names.push(("suggested cuts", "/counts/suggested_cuts", ""));
     }
     if outcome.contacts() > 0 {
@@ -111,24 +109,21 @@ pub fn page(
         names.push(("expected missed connections", "/expected_errors/missed", ""));
     }
     let scene = scene(outcome.network, &outcome.held()).map(|mut scene| {
-        scene.markers.extend(cuts(outcome.network, outcome.cuts()));
-        scene.markers.extend(suggestions(outcome.suggested_cuts));
+        let suggested = outcome.suggested_cuts.iter().map(|one| cut("suggested", one.position, one.radius, one.probability));
+        scene.markers.extend(outcome.cuts().map(|row| cut_at(outcome.network, row)).chain(suggested));
         scene
     });
-    let suggested = (!outcome.suggested_cuts.is_empty())
-        .then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
+    let suggested = are_suggested.then(|| table("Suggested cuts", suggested_cut_columns(outcome.suggested_cuts), false));
     let pairings = (!outcome.pairings.is_empty()).then(|| table("Vessels at contacts", pairing_columns(outcome), false));
+    let (vessels, nodes) = (Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)));
     Page {
         warnings,
         facts: facts(&record, &names),
         phenotype,
         colourings: colourings(unit, evidence),
-        segmentation: outcome.segmentation.cloned(),
-        threshold: Some(threshold),
-        tables: [Some(table("Vessels", columns, true)), suggested, pairings, Some(table("Nodes", nodes, false)), conditions]
-            .into_iter()
-            .flatten()
-            .collect(),
+        segmentation: json!(outcome.segmentation),
+        threshold: threshold(outcome, unit),
+        tables: [vessels, suggested, pairings, nodes, conditions].into_iter().flatten().collect(),
         ..Page::new("infer", record, scene, outcome.image_places, figures)
     }
 }
@@ -149,30 +144,45 @@ fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     all
 }
 
-fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Threshold {
+/// The threshold on a column of the first table that the reader can move.
+fn threshold(outcome: &Outcome<'_>, unit: &'static str) -> Value {
     let rule = outcome.rule;
     let ([column, name], followed) = (rule.figure().names(), rule.followed());
     let of_likelihood = rule.figure() == DecidingFigure::Likelihood;
-    Threshold {
-        figure: column,
-        name,
-        unit: if of_likelihood { unit } else { "" },
-        error: of_likelihood.then_some("std_error"),
-        samples: outcome.result.samples,
-        at_least: !of_likelihood,
-        midway: !rule.is_fixed(),
-        within: if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
-        cut: outcome.answer.threshold,
-        median: outcome.answer.median.filter(|_| of_likelihood),
-        kept: followed.map(|_| "kept"),
-        middle: followed.and(rule.turning_point()),
-        rule: followed,
-        band: rule.asks_evidence().then_some(UNDECIDED_BAND),
-        beside_accepted: beside_accepted(outcome.network),
-        at_most_one: knows_fragments(outcome.network),
-        uncertain: UNCERTAIN,
-        undecided: UNDECIDED,
-        worth: millimetres(WORTH),
-        nodes: outcome.network.node_count(),
-    }
+    json!({
+        // The column that is compared with the threshold, what the figure is called, and its unit, empty without one.
+        "figure": column,
+        "name": name,
+        "unit": if of_likelihood { unit } else { "" },
+        // The column of its standard error. Without one, the error is that of a share of `samples`, sqrt(f(1-f)/n).
+        "error": of_likelihood.then_some("std_error"),
+        "samples": outcome.result.samples,
+        // Whether a figure equal to the threshold passes.
+        "at_least": !of_likelihood,
+        // Whether a decision changes midway between the two figures next to the threshold, or at the threshold itself.
+        "midway": !rule.is_fixed(),
+        // How many standard errors from there a decision counts as certain.
+        "within": if rule.asks_evidence() { 1.0 } else { UNDECIDED_Z },
+        "cut": outcome.answer.threshold,
+        // The median of the positive figures of uncertain vessels, where the page can offer it.
+        "median": outcome.answer.median.filter(|_| of_likelihood),
+        // Where the rule of the run is not a threshold on the figure: the column that is 1 where it kept a vessel, and the figure near
+        // which its decisions are uncertain.
+        "kept": followed.map(|_| "kept"),
+        "middle": followed.and(rule.turning_point()),
+        // The rule of the run where it has no threshold, for the page to follow it after a decision.
+        "rule": followed,
+        // The distance from the threshold within which a figure without standard error is undecided.
+        "band": rule.asks_evidence().then_some(UNDECIDED_BAND),
+        // Of the candidates at a free end: how much of its P one keeps beside an accepted one.
+        "beside_accepted": beside_accepted(outcome.network),
+        // Whether those beside a rejected one share its P.
+        "at_most_one": knows_fragments(outcome.network),
+        // The columns that are 1 where a vessel is uncertain, and where a decision of the run is undecided.
+        "uncertain": UNCERTAIN,
+        "undecided": UNDECIDED,
+        // What is kept one by one and expected to be wrong about more than so many mm is asked about.
+        "worth": millimetres(WORTH),
+        "nodes": outcome.network.node_count(),
+    })
 }

@@ -1,7 +1,7 @@
 //! The sentence that a page of a simulation or a modulation begins with: what came of it, from its record.
 
 use serde_json::Value;
-
+use willis_io::formats::tables::reader::plural;
 /// A part of the sentence, and whether it stands out.
 pub type Part = (String, bool);
 
@@ -26,10 +26,6 @@ pub fn change(before: f64, after: f64) -> String {
         0.0..0.05 => " (by less than 0.05 %)".to_owned(),
         _ => format!(" ({}{:.1} %)", if percent < 0.0 { "\u{2212}" } else { "+" }, percent.abs()),
     }
-}
-
-fn counted(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// So many vessels are called by their names.
@@ -57,7 +53,7 @@ pub fn simulation(record: &Value) -> Vec<Part> {
         let [carrying, all] = ["/counts/diffused", "/counts/vessels"].map(|pointer| number(pointer).unwrap_or_default());
         return vec![
             (format!("{} mL/min flow in", brief(inflow)), true),
-            (format!("; blood flows in {carrying} of {}.", counted(all as usize, "vessel", "vessels")), false),
+            (format!("; blood flows in {carrying} of {}.", plural(all as usize, "vessel")), false),
         ];
     };
     let what = match list("perturbations") {
@@ -115,10 +111,9 @@ pub fn modulation(record: &Value) -> Vec<Part> {
     }
     if let Some((before, after)) = of("share_above_threshold") {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);
-        parts.push((
-            format!("; {} of the vessels are above the threshold of hypertension, before {}", percent(after), percent(before)),
-            false,
-        ));
+        let [before, after] = [before, after].map(percent);
+        let risk = format!("; {after} of the vessels are above the threshold of hypertension, before {before}");
+        parts.push((risk, false));
     }
     parts.push((".".to_owned(), false));
     parts

@@ -41,11 +41,8 @@ pub fn page(
             ("threshold of hypertension", "/parameters/threshold_mmHg_per_mm2", "mmHg/mm\u{b2}"),
         ],
     );
-    let of_vessels = classes
-        .iter()
-        .enumerate()
-        .map(|(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &vessels, at), true));
-    let mut all: Vec<PageTable> = of_vessels.collect();
+    let of = |(at, class)| PageTable::new(format!("Vessels, u in {class}"), of_class(outcome, &vessels, at), true);
+    let mut all: Vec<PageTable> = classes.iter().enumerate().map(of).collect();
     all.push(PageTable::new("Classes", of_classes, false));
     all.push(PageTable::new("Nodes", nodes, false));
     all.push(PageTable::new("Hypertension", hypertension, false));

@@ -5,7 +5,6 @@ use willis_core::flow::Boundary;
 use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::geometry::{Point, box_diagonal};
-use willis_models::contacts::suggested_cuts::SuggestedCut;
 
 /// Points nearer to the line than this share of the box around the network are left out, since no screen shows them.
 const INVISIBLE: f64 = 1.0 / 4000.0;
@@ -44,9 +43,7 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
     let place = |p: [f64; 3], radius: f64| [p[0], p[1], p[2], radius].map(millimetres);
     let mut widest = vec![0.0_f64; network.node_count()];
     let vessels = network.vessels().map(|(ends, vessel)| {
-        for node in ends {
-            widest[node] = widest[node].max(vessel.radius);
-        }
+        ends.into_iter().for_each(|node| widest[node] = widest[node].max(vessel.radius));
         if vessel.path.len() < 2 {
             return ends.map(|node| place(position(node), vessel.radius)).to_vec();
         }
@@ -62,22 +59,15 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
     Ok(PageScene { vessels, markers: markers.collect() })
 }
 
-/// A mark at each of some contacts, where two vessels only touch.
-pub fn cuts(network: &Network, contacts: impl Iterator<Item = usize>) -> impl Iterator<Item = Marker> {
-    contacts.map(|row| {
-        let vessel = network.vessel(row);
-        let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability);
-        cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
-    })
+/// A mark at a contact, where two vessels only touch.
+pub fn cut_at(network: &Network, row: usize) -> Marker {
+    let vessel = network.vessel(row);
+    let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability);
+    cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
 }
 
-/// A mark at each suggested cut.
-pub fn suggestions(cuts: &[SuggestedCut]) -> impl Iterator<Item = Marker> {
-    cuts.iter().map(|suggested| cut("suggested", suggested.position, suggested.radius, suggested.probability))
-}
-
-/// A mark where vessels touch that are one with a probability.
-fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Marker {
+/// A mark of a kind where vessels touch that are one with a probability.
+pub fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Marker {
     let [x, y, z] = position.map(millimetres);
     Marker { place: [x, y, z, millimetres(radius)], kind, name: format!("P = {probability:.3}") }
 }

@@ -123,9 +123,8 @@ fn cycle(simulated: &SimulationRun<'_>, pulses: &Pulses, at: usize) -> Option<(P
         Column::text("label", network.vessels().map(|(_, vessel)| vessel.label.clone())),
     ];
     let name = |stop: usize| format!("{:.0} ms", milliseconds(shown.period * stop as f64 / STOPS as f64));
-    for (stop, flows) in flows_by_time(shown, STOPS).into_iter().enumerate() {
-        columns.push(Column::real(name(stop), flows.into_iter()));
-    }
+    let flows = flows_by_time(shown, STOPS).into_iter().enumerate();
+    columns.extend(flows.map(|(stop, flows)| Column::real(name(stop), flows.into_iter())));
     let title = if pulses.perturbed.is_some() { "Flow over the cycle, perturbed" } else { "Flow over the cycle" };
     let variants = (0..STOPS).map(|stop| (name(stop), at, name(stop))).collect();
     let colouring = Colouring::new(OVER_THE_CYCLE, "mL/min", ColourScale::Linear, variants);

@@ -28,9 +28,8 @@ use willis_io::formats::{
     Column, END_POSITION_COLUMNS, NamedArray, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns,
     write_csv, write_vtp,
 };
-use willis_io::output::atomic::StagedFolder;
 use willis_io::output::names::{EDGES, NODES, OCCLUSIONS, PAGE, TOPOLOGY};
-use willis_io::output::{write_file, write_record};
+use willis_io::output::{StagedFolder, write_file, write_record};
 
 pub use simulated::SimulationRun;
 
@@ -65,11 +64,6 @@ impl SimulationRun<'_> {
         Some(waveform_arrays(self, pulses))
     }
 
-    /// The record of the run.
-    pub fn record(&self) -> RunRecord {
-        flow_record(self)
-    }
-
     /// Saves every file in a new folder, which appears whole or not at all; an earlier run's is replaced with `force`. Returns what a
     /// person should know about files left out.
     ///
@@ -83,54 +77,52 @@ impl SimulationRun<'_> {
         staged.commit()?;
         Ok(notes)
     }
-}
 
-/// Gathers the record of a simulation.
-fn flow_record(simulated: &SimulationRun<'_>) -> RunRecord {
-    let (provenance, outlets) = (&*simulated.provenance, simulated.outlets);
-    let (network, boundary, result) = (&*simulated.network, &simulated.boundary, &simulated.result);
-    let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
-    let changes = &simulated.perturbations;
-    let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
-        after.map_or_else(Vec::new, |after| find(before, after, changes))
-    };
-    let turbulent = |state: &State| -> Vec<Value> {
-        let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
-        state.beyond_laminar().map(beyond).collect()
-    };
-    let mut counts = counts(network, boundary);
-    counts["diffused"] = json!(before.diffused());
-    let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
-    if let Some(after) = after {
-        counts["diffused_perturbed"] = json!(after.diffused());
-        not_laminar["vessels_perturbed"] = json!(turbulent(after));
+    /// The record of the run.
+    pub fn record(&self) -> RunRecord {
+        let Self { network, boundary, outlets, provenance, result, perturbations: changes, .. } = self;
+        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+        let changed = |find: fn(&State, &State, &[Perturbation]) -> Vec<FlowChange>| {
+            after.map_or_else(Vec::new, |after| find(before, after, changes))
+        };
+        let turbulent = |state: &State| -> Vec<Value> {
+            let beyond = |(row, reynolds)| json!({ "edge": row, "label": network.vessel(row).label, "reynolds": reynolds });
+            state.beyond_laminar().map(beyond).collect()
+        };
+        let mut counts = counts(network, boundary);
+        counts["diffused"] = json!(before.diffused());
+        let mut not_laminar = json!({ "above_reynolds": LAMINAR_LIMIT, "vessels": turbulent(before) });
+        if let Some(after) = after {
+            counts["diffused_perturbed"] = json!(after.diffused());
+            not_laminar["vessels_perturbed"] = json!(turbulent(after));
+        }
+        let parameters = json!({
+            "viscosity_cP": centipoise(self.viscosity),
+            "radius": self.radius_rule.name(),
+            "outlets_found": outlets_found(*outlets),
+            "stenosis_model": "poiseuille",
+        });
+        let inflow = |state: &State| json!(ml_per_min(state.inflow));
+        let list = |found: &[FlowChange]| found.iter().map(|c| collateral(network, c)).collect::<Value>();
+        let gained = changed(gains);
+        let of_states = [
+            Some(("rho_G_W_per_m3", json!(before.network_resilience))),
+            after.map(|state| ("rho_G_W_per_m3_perturbed", json!(state.network_resilience))),
+            Some(("total_inflow_mL_per_min", inflow(before))),
+            after.map(|state| ("total_inflow_mL_per_min_perturbed", inflow(state))),
+        ];
+        let results = [
+            ("not_laminar", not_laminar),
+            ("perturbations", changes.iter().map(|p| perturbation(network, p)).collect()),
+            ("collaterals", list(&gained[..gained.len().min(MOST_COLLATERALS)])),
+            ("reversed", list(&changed(reversals))),
+            ("murray", murray(network, boundary, *outlets)),
+        ];
+        let pulse = self.pulses.as_ref().map(|(_, record)| ("pulse", record.clone()));
+        let fields = [("counts", counts)].into_iter().chain(of_states.into_iter().flatten()).chain(results).chain(pulse);
+        let fields = fields.chain([("notes", json!(provenance.notes))]);
+        RunRecord::new(provenance, [("parameters", parameters)], conditions(network, boundary, None), fields)
     }
-    let parameters = json!({
-        "viscosity_cP": centipoise(simulated.viscosity),
-        "radius": simulated.radius_rule.name(),
-        "outlets_found": outlets_found(outlets),
-        "stenosis_model": "poiseuille",
-    });
-    let inflow = |state: &State| json!(ml_per_min(state.inflow));
-    let list = |found: &[FlowChange]| found.iter().map(|c| collateral(network, c)).collect::<Value>();
-    let gained = changed(gains);
-    let of_states = [
-        Some(("rho_G_W_per_m3", json!(before.network_resilience))),
-        after.map(|state| ("rho_G_W_per_m3_perturbed", json!(state.network_resilience))),
-        Some(("total_inflow_mL_per_min", inflow(before))),
-        after.map(|state| ("total_inflow_mL_per_min_perturbed", inflow(state))),
-    ];
-    let results = [
-        ("not_laminar", not_laminar),
-        ("perturbations", changes.iter().map(|p| perturbation(network, p)).collect()),
-        ("collaterals", list(&gained[..gained.len().min(MOST_COLLATERALS)])),
-        ("reversed", list(&changed(reversals))),
-        ("murray", murray(network, boundary, outlets)),
-    ];
-    let pulse = simulated.pulses.as_ref().map(|(_, record)| ("pulse", record.clone()));
-    let fields = [("counts", counts)].into_iter().chain(of_states.into_iter().flatten()).chain(results).chain(pulse);
-    let fields = fields.chain([("notes", json!(provenance.notes))]);
-    RunRecord::new(provenance, [("parameters", parameters)], conditions(network, boundary, None), fields)
 }
 
 /// The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
@@ -251,7 +243,7 @@ fn write_simulated(folder: &Path, simulated: &SimulationRun<'_>, dpi: u32) -> Re
         let caption = "The flow in the middle of the arteries over a cycle, before and after the perturbations if there are any.";
         figures.push(PagePicture::write("Waveforms", caption, &waveforms, folder, dpi)?);
     }
-    let record = flow_record(simulated);
+    let record = simulated.record();
     write_record(folder, &record)?;
     let page = simulation_page(simulated, &record, vessels, nodes, figures);
     write_file(&folder.join(PAGE), |out| write_page(out, &page))?;
@@ -264,6 +256,9 @@ pub fn occlusion_columns(simulated: &SimulationRun<'_>, closures: &[ClosedVessel
     let names = picture_names(network);
     let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));
     let gain = |row: usize| closures[row].takes_over.map_or(0.0, |change| change.gain());
+    let text = |name, of: &dyn Fn(&ClosedVessel) -> Option<String>| {
+        Column::text(name, closures.iter().map(|closure| of(closure).unwrap_or_default()))
+    };
     vec![
         Column::whole("edge", 0..closures.len()),
         Column::text("label", network.vessels().map(|(_, vessel)| vessel.label.clone())),
@@ -272,15 +267,9 @@ pub fn occlusion_columns(simulated: &SimulationRun<'_>, closures: &[ClosedVessel
         real("lost_mL_per_min", &|row| ml_per_min(closures[row].lost)),
         real("lost_share", &|row| closures[row].lost_share),
         Column::whole("outlets_unfed", closures.iter().map(|closure| closure.unfed)),
-        Column::text(
-            "worst_outlet",
-            closures.iter().map(|closure| closure.worst.map_or_else(String::new, |(node, _)| network.node(node).id.clone())),
-        ),
+        text("worst_outlet", &|closure| Some(network.node(closure.worst?.0).id.clone())),
         real("worst_outlet_share_left", &|row| closures[row].worst.map_or(f64::NAN, |(_, share)| share)),
-        Column::text(
-            "takes_over",
-            closures.iter().map(|closure| closure.takes_over.map_or_else(String::new, |change| names[change.vessel].clone())),
-        ),
+        text("takes_over", &|closure| Some(names[closure.takes_over?.vessel].clone())),
         real("gain_mL_per_min", &|row| ml_per_min(gain(row))),
         Column::whole("reversed", closures.iter().map(|closure| closure.reversed)),
         real("rho_G_W_per_m3", &|row| closures[row].network_resilience),

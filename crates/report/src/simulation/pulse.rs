@@ -177,17 +177,14 @@ fn table(pulses: &Pulses) -> Vec<Column> {
 fn picture(simulated: &SimulationRun<'_>, pulses: &Pulses) -> Figure {
     let network = &*simulated.network;
     let names = picture_names(network);
-    let artery = |row: usize| ArteryWaveform {
-        name: names[row].clone(),
-        is_named: !network.vessel(row).label.is_empty(),
-        states: pulses
-            .states()
-            .map(|(pulse, _)| {
-                let found = pulse.flow_indices(row);
-                let flow = samples(&pulse.vessels[row].flow[1], pulses.times).into_iter().map(ml_per_min).collect();
-                (flow, ml_per_min(found.mean), found.pulsatility)
-            })
-            .collect(),
+    let artery = |row: usize| {
+        let state = |(pulse, _): (&Pulse, &str)| {
+            let found = pulse.flow_indices(row);
+            let flow = samples(&pulse.vessels[row].flow[1], pulses.times).into_iter().map(ml_per_min).collect();
+            (flow, ml_per_min(found.mean), found.pulsatility)
+        };
+        let (name, states) = (names[row].clone(), pulses.states().map(state).collect());
+        ArteryWaveform { name, is_named: !network.vessel(row).label.is_empty(), states }
     };
     let arteries: Vec<ArteryWaveform> = (0..network.vessel_count()).map(artery).collect();
     waveform_panels(&arteries, pulses.unperturbed.period)

@@ -51,9 +51,7 @@ impl SimulationRun<'_> {
 /// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
 pub(super) fn picture_names(network: &Network) -> Vec<String> {
     let mut uses = BTreeMap::new();
-    for (_, vessel) in network.vessels() {
-        *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1;
-    }
+    network.vessels().for_each(|(_, vessel)| *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1);
     let name = |(row, (_, vessel)): (usize, (_, &willis_core::network::Vessel))| match vessel.label.as_str() {
         "" => format!("edge {row}"),
         label if uses[label] > 1 => format!("{label} (edge {row})"),

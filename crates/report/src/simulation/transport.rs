@@ -49,12 +49,7 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     let text = |name: &'static str, of: &dyn Fn(&(Drain, usize)) -> String| Column::text(name, rows.iter().map(of));
     let mut columns = vec![
         text("kind", &|(place, _)| if matches!(place, Drain::Vessel(_)) { "vessel" } else { "outlet" }.to_owned()),
-        Column::whole(
-            "row",
-            rows.iter().map(|(place, _)| match place {
-                Drain::Vessel(row) | Drain::Outlet(row) => *row,
-            }),
-        ),
+        Column::whole("row", rows.iter().map(|(Drain::Vessel(row) | Drain::Outlet(row), _)| *row)),
         text("label", &|(place, _)| match place {
             Drain::Vessel(row) => network.vessel(*row).label.clone(),
             Drain::Outlet(node) => end_name(network, *node),
@@ -64,10 +59,9 @@ pub fn territory_columns(simulated: &SimulationRun<'_>, transports: &Transports)
     ];
     for (state, suffix) in transports.states() {
         let share = |(place, source): &(Drain, usize)| {
+            let through = |row: usize| simulated.state(suffix).map_or(0.0, |state| state.vessels[row].flow.abs());
             let (blood, flow) = match place {
-                Drain::Vessel(row) => {
-                    (state.of_vessel(*row), simulated.state(suffix).map_or(0.0, |state| state.vessels[*row].flow.abs()))
-                }
+                Drain::Vessel(row) => (state.of_vessel(*row), through(*row)),
                 Drain::Outlet(node) => (state.nodes[*node].as_ref(), state.leaving(*node)),
             };
             blood.map(|blood| (state.of_source(blood, *source), flow))
@@ -182,17 +176,15 @@ pub fn supply_columns(simulated: &SimulationRun<'_>, transports: &Transports) ->
 /// Whose blood every outlet gets, as a picture.
 fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) -> Figure {
     let sources = transports.sources();
-    let supply = |exit: &usize| OutletSupply {
-        name: end_name(&simulated.network, *exit),
-        flow: transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max),
-        states: transports
-            .states()
-            .map(|(state, _)| {
-                let blood = state.nodes[*exit].as_ref()?;
-                let shares = sources.iter().map(|source| state.of_source(blood, *source).0);
-                Some((shares.collect(), milliseconds(blood.mean)))
-            })
-            .collect(),
+    let supply = |exit: &usize| {
+        let state = |(state, _): (&Transport, &str)| {
+            let blood = state.nodes[*exit].as_ref()?;
+            let shares = sources.iter().map(|source| state.of_source(blood, *source).0);
+            Some((shares.collect(), milliseconds(blood.mean)))
+        };
+        let flow = transports.states().map(|(state, _)| ml_per_min(state.leaving(*exit))).fold(0.0, f64::max);
+        let (name, states) = (end_name(&simulated.network, *exit), transports.states().map(state).collect());
+        OutletSupply { name, flow, states }
     };
     let outlets: Vec<OutletSupply> = transports.exits().iter().map(supply).collect();
     supply_bars(&outlets, &inlet_colours(simulated, transports))
