@@ -34,7 +34,7 @@ pub struct Field {
 impl Field {
     /// The field around the voxels of a mask.
     pub fn of(vessels: &Foreground) -> Self {
-        let steps = steps_of(vessels.affine());
+        let steps = steps_of(&vessels.affine);
         let spacing = steps.map(norm);
         let voxel = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let mut depth = vec![(OUTSIDE * voxel) as f32; vessels.box_size()];
@@ -52,8 +52,8 @@ impl Field {
         for (place, distance) in vessels.places().zip(inside) {
             depth[place] = (distance.min(DEEPEST * voxel) - 0.5 * voxel) as f32;
         }
-        let (shape, origin) = (vessels.box_shape(), vessels.box_origin());
-        let at = vessels.affine().map(|row| row[3]);
+        let (shape, origin) = (vessels.shape, vessels.box_origin());
+        let at = vessels.affine.map(|row| row[3]);
         Self { shape, origin, inverse: inverse_of(steps), at, voxel, depth, steps }
     }
 

@@ -47,8 +47,10 @@ impl Image {
 /// The part of an image around some places, smoothed.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    shape: [usize; 3],
-    values: Vec<f32>,
+    /// Voxels along the three axes.
+    pub(super) shape: [usize; 3],
+    /// The values, the first axis fastest.
+    pub(super) values: Vec<f32>,
     /// From mm to indices: rows of three, after subtracting `at`.
     inverse: [Point; 3],
     /// The position of the first voxel, mm.
@@ -112,16 +114,6 @@ impl Picture {
                 *value -= a + share * (b - a);
             }
         });
-    }
-
-    /// Voxels along the three axes.
-    pub fn shape(&self) -> [usize; 3] {
-        self.shape
-    }
-
-    /// The values, the first axis fastest.
-    pub fn values(&self) -> &[f32] {
-        &self.values
     }
 
     /// The row of a voxel in the values.

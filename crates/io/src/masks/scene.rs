@@ -195,7 +195,7 @@ impl Scene {
 
     /// As [`Scene::is_inside`], at indices.
     pub fn is_inside_at(&self, index: [f64; 3]) -> bool {
-        let shape = self.picture.shape();
+        let shape = self.picture.shape;
         let nearest = index.map(|x| x + 0.5);
         let inside = (0..3).all(|axis| nearest[axis] >= 0.0 && nearest[axis] < shape[axis] as f64);
         inside && self.lumen.has(self.picture.row(nearest.map(|x| x as usize)))
@@ -222,8 +222,8 @@ pub struct Bits(Vec<u64>);
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
     pub fn around(picture: &Picture, e: &ScanCenterlines, more: f64) -> Self {
-        let shape = picture.shape();
-        let mut words = vec![0_u64; picture.values().len().div_ceil(64)];
+        let shape = picture.shape;
+        let mut words = vec![0_u64; picture.values.len().div_ceil(64)];
         let steps = [0, 1, 2].map(|axis| picture.step(axis));
         // A box of indices that holds a ball of radius 1 m.
         let unit = {
@@ -317,14 +317,14 @@ impl Cells {
 /// Background and noise by cells about so wide (m): median and spread of the voxels that are not near vessels; `None` where no voxel of
 /// them is known.
 fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> {
-    let voxels = picture.shape();
+    let voxels = picture.shape;
     let along = [0, 1, 2].map(|axis| norm(picture.step(axis)));
     let shape = [0, 1, 2].map(|axis| ((voxels[axis] as f64 * along[axis] / width).round() as usize).clamp(1, voxels[axis]));
     let size = [0, 1, 2].map(|axis| voxels[axis] as f64 / shape[axis] as f64);
     let stride = size.map(|size| (size / CELL_SAMPLES as f64).floor().max(1.0) as usize);
     let count = shape.iter().product();
     let mut samples: Vec<Vec<f32>> = vec![Vec::new(); count];
-    let values = picture.values();
+    let values = &picture.values;
     let cell = |axis: usize, index: usize| (((index as f64 + 0.5) / size[axis]) as usize).min(shape[axis] - 1);
     for z in (0..voxels[2]).step_by(stride[2]) {
         for y in (0..voxels[1]).step_by(stride[1]) {

@@ -72,7 +72,10 @@ pub struct Traced {
 pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option<Traced> {
     let vessels = Foreground::of(mask)?;
     let thinned = thin(&vessels);
-    let depths = depths_of(&thinned, &distances(&vessels, mask.spacing()));
+    // The distances of the skeleton's voxels alone; the others are as many as the mask is large.
+    let all = distances(&vessels, mask.spacing());
+    let depths = thinned.iter().map(|row| all[*row as usize]).collect();
+    drop(all);
     let mut graph = skeleton(&vessels, &thinned);
     let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
@@ -82,11 +85,6 @@ pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option
     };
     let lines = tracer.lines(&graph, radius_from);
     Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks + specks, speck_length })
-}
-
-/// The distances of the skeleton's voxels alone; the others are as many as the mask is large.
-fn depths_of(thinned: &[u32], distances: &[f64]) -> Vec<f64> {
-    thinned.iter().map(|row| distances[*row as usize]).collect()
 }
 
 struct Tracer<'a> {
