@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashSet;
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::formats::format::Written;
@@ -112,12 +112,7 @@ pub fn refusal(target: &Target, error: &io::Error) -> Error {
 /// # Errors
 ///
 /// A network that the format cannot hold at all (`InvalidInput`, see [`refusal`]), or the writers' own.
-pub fn write_into(
-    network: &Network,
-    target: &Target,
-    vessels: impl io::Write + io::Seek,
-    nodes: impl io::Write,
-) -> io::Result<Written> {
+pub fn write_into(network: &Network, target: &Target, vessels: impl Write + Seek, nodes: impl Write) -> io::Result<Written> {
     let mut written = Written::default();
     let drawn;
     let network = if consists_of_lines(target.format, network) {

@@ -24,7 +24,7 @@ use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::tables::points::{read_points, write_points};
-use super::tables::reader::{delimiter, plural};
+use super::tables::reader::{counted, delimiter, plural};
 use super::vendors::amira::{is_amira, read_amira, write_amira};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
@@ -245,9 +245,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
         let (wide, are) = (cavities(filled.wide), if filled.wide == 1 { "is" } else { "are" });
         notes.push(format!("{wide} {are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
     }
-    if traced.spurs > 0 {
-        notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
-    }
+    notes.extend(counted(traced.spurs, "spur", "removed that hardly left the lumen of another vessel"));
     if traced.specks > 0 {
         let length = millimetres(traced.speck_length);
         notes.push(format!("{} left out, shorter than wide: {length:.0} mm in all", plural(traced.specks, "speck")));

@@ -73,6 +73,9 @@ pub(super) fn shown(text: &str) -> String {
     text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
 
+/// The numbers of a field, where it is there.
+type Numbers<N> = Result<Option<Vec<N>>, Fault>;
+
 /// The fields by name.
 pub(super) struct HeaderFields {
     /// What counts of a name.
@@ -141,25 +144,13 @@ impl HeaderFields {
     }
 
     /// As many numbers as are asked for, of the first of some fields that is there.
-    pub(super) fn first_numbers(
-        &self,
-        names: &[&str],
-        count: usize,
-        accepted: &str,
-        admits: fn(&f64) -> bool,
-    ) -> Result<Option<Vec<f64>>, Fault> {
+    pub(super) fn first_numbers(&self, names: &[&str], count: usize, accepted: &str, admits: fn(&f64) -> bool) -> Numbers<f64> {
         let name = names.iter().find(|name| self.get(name).is_some());
         name.map_or(Ok(None), |name| self.numbers(name, count, accepted, admits))
     }
 
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
-    pub(super) fn numbers<N: FromStr>(
-        &self,
-        name: &str,
-        count: usize,
-        accepted: &str,
-        admits: fn(&N) -> bool,
-    ) -> Result<Option<Vec<N>>, Fault> {
+    pub(super) fn numbers<N: FromStr>(&self, name: &str, count: usize, accepted: &str, admits: fn(&N) -> bool) -> Numbers<N> {
         let Some((_, value)) = self.get(name) else { return Ok(None) };
         let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
         let wrong = || self.wrong(name, format!("expected {count} {accepted}"));

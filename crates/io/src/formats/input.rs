@@ -21,6 +21,9 @@ pub const MAX_INPUT: u64 = 2 << 30;
 const MOST_INFLATION: u64 = 100;
 const SMALL: u64 = 64 << 20;
 const OPTION: &str = "`max_input` allows more";
+/// Bytes.
+const MIB: f64 = 1_048_576.0;
+const GIB: f64 = 1_073_741_824.0;
 
 /// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
 ///
@@ -29,21 +32,13 @@ const OPTION: &str = "`max_input` allows more";
 /// The accepted form.
 pub fn byte_count(text: &str) -> Result<u64, &'static str> {
     const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
-    const UNITS: [(&str, u64); 8] = [
-        ("", 1),
-        ("B", 1),
-        ("kB", 1000),
-        ("KiB", 1 << 10),
-        ("MB", 1_000_000),
-        ("MiB", 1 << 20),
-        ("GB", 1_000_000_000),
-        ("GiB", 1 << 30),
-    ];
+    const UNITS: [(&str, f64); 8] =
+        [("", 1.0), ("B", 1.0), ("kB", 1e3), ("KiB", 1024.0), ("MB", 1e6), ("MiB", MIB), ("GB", 1e9), ("GiB", GIB)];
     let text = text.trim();
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (number, unit) = (&text[..end], text[end..].trim());
     let (_, factor) = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).ok_or(ACCEPTED)?;
-    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * *factor as f64;
+    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * factor;
     if (1.0..=9e15).contains(&bytes) { Ok(bytes as u64) } else { Err(ACCEPTED) }
 }
 
@@ -51,8 +46,8 @@ pub fn byte_count(text: &str) -> Result<u64, &'static str> {
 fn size(bytes: u64) -> String {
     match bytes {
         0..1_048_576 => format!("{bytes} bytes"),
-        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
-        _ => format!("{:.1} GiB", bytes as f64 / 1_073_741_824.0),
+        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / MIB),
+        _ => format!("{:.1} GiB", bytes as f64 / GIB),
     }
 }
 

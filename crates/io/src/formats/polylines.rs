@@ -55,12 +55,8 @@ pub(crate) fn positions(network: &Network) -> io::Result<Vec<Point>> {
 
 /// Every vessel from node to node: along its path, or straight where it has none.
 pub(crate) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
-    let at = node_points(network)?;
-    let line = |([a, b], vessel): ([usize; 2], &Vessel)| {
-        let inner = between(&vessel.path, at[a].position, at[b].position, true);
-        [at[a]].into_iter().chain(inner).chain([at[b]]).collect()
-    };
-    Ok(network.vessels().map(line).collect())
+    let (points, lines) = cells(network)?;
+    Ok(lines.into_iter().map(|line| line.into_iter().map(|row| points[row as usize]).collect()).collect())
 }
 
 /// The points of a network, nodes first, and the rows of each vessel's from node to node.

@@ -63,12 +63,8 @@ impl Mask {
 
     /// The volume of a voxel, mm³.
     pub fn voxel_volume(&self) -> f64 {
-        dot(self.column(0), cross(self.column(1), self.column(2))).abs()
-    }
-
-    /// The step of one voxel along an axis, mm.
-    pub fn column(&self, axis: usize) -> Point {
-        [0, 1, 2].map(|row| self.affine[row][axis])
+        let [a, b, c] = steps_of(&self.affine);
+        dot(a, cross(b, c)).abs()
     }
 
     /// The position of a voxel, or of a place between voxels, mm.

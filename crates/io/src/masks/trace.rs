@@ -9,7 +9,7 @@ use super::cavities::Cavities;
 use super::distance::distances;
 use super::foreground::Foreground;
 use super::lumen::{nearest_seeds, volumes};
-use super::mask::Mask;
+use super::mask::{Mask, steps_of};
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
 use willis_core::network::walks::other;
@@ -228,7 +228,7 @@ impl Tracer<'_> {
     fn held(&self, from: Point, to: Point) -> Point {
         let by = sub(to, from);
         let along = |axis: usize| {
-            let column = self.mask.column(axis);
+            let column = steps_of(&self.mask.affine)[axis];
             dot(by, column) / dot(column, column)
         };
         let voxels = (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt();
@@ -292,7 +292,7 @@ impl Tracer<'_> {
                     let voxel = self.vessels.voxel_at(place);
                     let at = self.mask.position(voxel.map(|index| index as f64));
                     let share = direction[node].map_or(0.0, |(tip, to)| {
-                        let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
+                        let width: f64 = steps_of(&self.mask.affine).map(|step| dot(to, step).abs()).iter().sum();
                         (dot(sub(at, tip), to) / width + 0.5).clamp(0.0, 1.0)
                     });
                     let is_border =

@@ -19,8 +19,8 @@ const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
-    lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
+    let mut asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &SIZES].into_iter().chain(edge::ATTRIBUTES);
+    lower.contains("radius") || lower.contains("length") || asked.any(|names| names.contains(&name))
 }
 
 /// The columns with the position of a node.

@@ -46,10 +46,8 @@ pub(crate) fn open_numpy<'a>(
         axes = fewer;
     }
     let Ok([x, y, z]) = <[usize; 3]>::try_from(axes) else {
-        return Err(array.fault(
-            format!("{} dimensions", array.shape.len()),
-            "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",
-        ));
+        let accepted = "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii";
+        return Err(array.fault(format!("{} dimensions", array.shape.len()), accepted));
     };
     let (rows, frame) = match (stated.affine, stated.spacing.or(spacing)) {
         (Some(affine), _) => (affine, Frame::Ras),

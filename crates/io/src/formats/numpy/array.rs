@@ -224,19 +224,14 @@ impl<'a> Archive<'a> {
 fn header(member: &mut impl Read) -> Option<String> {
     let mut start = [0; 8];
     member.read_exact(&mut start).ok()?;
-    let length = match (&start[..6], start[6]) {
-        (b"\x93NUMPY", 1) => {
-            let mut length = [0; 2];
-            member.read_exact(&mut length).ok()?;
-            usize::from(u16::from_le_bytes(length))
-        }
-        (b"\x93NUMPY", 2 | 3) => {
-            let mut length = [0; 4];
-            member.read_exact(&mut length).ok()?;
-            u32::from_le_bytes(length) as usize
-        }
+    let width = match (&start[..6], start[6]) {
+        (b"\x93NUMPY", 1) => 2,
+        (b"\x93NUMPY", 2 | 3) => 4,
         _ => return None,
     };
+    let mut length = [0; 4];
+    member.read_exact(&mut length[..width]).ok()?;
+    let length = u32::from_le_bytes(length) as usize;
     let mut text = vec![0; Some(length).filter(|length| *length <= MOST_HEADER)?];
     member.read_exact(&mut text).ok()?;
     // The parser takes twice as long for each bracket within another: a header has two or three.

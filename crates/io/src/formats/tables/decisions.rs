@@ -63,22 +63,23 @@ pub struct ListedDecisions {
 pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     const WHAT: &str = "edge,id_a,id_b,decision";
     let mut rows = TableReader::open(bytes)?;
-    let [edge, a, b, decision] = rows.columns([&["edge"], &["id_a"], &["id_b"], &["decision"]], WHAT)?;
-    let [who, when, comment, input, places] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
+    let [of_edge, a, b, decision] = rows.columns([&["edge"], &["id_a"], &["id_b"], &["decision"]], WHAT)?;
+    let [who, when, comment, input, stated] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
     let mut all = ListedDecisions::default();
     let mut lines: HashMap<usize, usize> = HashMap::new();
     while let Some(row) = rows.row()? {
         let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
         let (word, line, who, when, comment) = (row.text(decision), row.line, text(who), text(when), text(comment));
-        let placed = text(places);
+        let placed = text(stated);
         if Edit::WORDS.contains(&word) {
             let edit =
                 Edit::parse(word, &placed).map_err(|expected| Fault::line(line, format!("{word} \"{placed}\""), expected))?;
             all.edits.push(ListedEdit { line, edit, who, when, comment });
             continue;
         }
-        let number = row.text(edge).parse().map_err(|_| {
-            Fault::line(line, format!("edge \"{}\"", row.text(edge)), "expected the row of a vessel in edges.csv, from 0")
+        let edge = row.text(of_edge).parse().map_err(|_| {
+            let found = format!("edge \"{}\"", row.text(of_edge));
+            Fault::line(line, found, "expected the row of a vessel in edges.csv, from 0")
         })?;
         let accepted = match word {
             "accept" => Some(true),
@@ -89,30 +90,20 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
                 return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
             }
         };
-        if let Some(first) = lines.insert(number, line) {
-            let found = format!("edge {number} comes again, after line {first}");
+        if let Some(first) = lines.insert(edge, line) {
+            let found = format!("edge {edge} comes again, after line {first}");
             return Err(Fault::line(line, found, "expected one decision an edge"));
         }
-        let ends = match Edit::parse("join", &placed) {
+        let places = match Edit::parse("join", &placed) {
             Ok(Edit::Join(way)) => <[[f64; 3]; 2]>::try_from(way).ok(),
             _ => None,
         };
-        if ends.is_none() && !placed.is_empty() {
+        if places.is_none() && !placed.is_empty() {
             let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
             return Err(Fault::line(line, format!("places \"{placed}\""), expected));
         }
-        let ids = [a, b].map(|column| row.text(column).to_owned());
-        all.connections.push(ListedDecision {
-            line,
-            edge: number,
-            ids,
-            accepted,
-            who,
-            when,
-            comment,
-            input: text(input),
-            places: ends,
-        });
+        let (ids, input) = ([a, b].map(|column| row.text(column).to_owned()), text(input));
+        all.connections.push(ListedDecision { line, edge, ids, accepted, who, when, comment, input, places });
     }
     Ok(all)
 }

@@ -44,13 +44,13 @@ fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
     let quantity = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
         (Some(_), Some(_)) => {
             let found = format!("both {PRESSURE} and {FLOW}");
-            return Err(Fault::line(rows.header_line(), found, "expected one of them: an inlet has a pressure or a flow"));
+            return Err(Fault::line(rows.header_line, found, "expected one of them: an inlet has a pressure or a flow"));
         }
         (Some(column), None) => (Quantity::Pressure, column),
         (None, Some(column)) => (Quantity::Flow, column),
         (None, None) => {
             let accepted = format!("expected a column {PRESSURE} or {FLOW}");
-            return Err(Fault::line(rows.header_line(), columns(rows.header()), accepted));
+            return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
         }
     };
     let (quantity, column) = quantity;

@@ -32,12 +32,8 @@ pub(crate) fn is_amira(bytes: &[u8]) -> bool {
     ["# AmiraMesh", "# Avizo"].iter().any(|signature| bytes.starts_with(signature.as_bytes()))
 }
 
-/// How the numbers of a file are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Storage {
-    Text,
-    Binary { big: bool },
-}
+/// The groups that a parameter is in, its name, its value.
+type Parameter = (Vec<String>, String, String);
 
 /// An array that the header declares, such as `POINT { float thickness } @5`.
 struct Declared {
@@ -57,11 +53,11 @@ struct Declared {
 
 /// The header, and where the sections begin.
 struct AmiraHeader {
-    storage: Storage,
+    /// Whether the most significant byte of a number is first; `None` where numbers are text.
+    big: Option<bool>,
     counts: HashMap<String, usize>,
     arrays: Vec<Declared>,
-    /// The groups that a parameter is in, its name, its value.
-    parameters: Vec<(Vec<String>, String, String)>,
+    parameters: Vec<Parameter>,
     end: usize,
 }
 
@@ -169,12 +165,12 @@ impl AmiraHeader {
         let end = end.ok_or_else(|| Fault::file("no section @1 after the header", ACCEPTED))?;
         let text = String::from_utf8_lossy(&head[..end]);
         let first = text.lines().next().unwrap_or_default();
-        let storage = if first.contains("BINARY-LITTLE-ENDIAN") {
-            Storage::Binary { big: false }
+        let big = if first.contains("BINARY-LITTLE-ENDIAN") {
+            Some(false)
         } else if first.contains("BINARY") {
-            Storage::Binary { big: true }
+            Some(true)
         } else if first.contains("ASCII") {
-            Storage::Text
+            None
         } else {
             return Err(Fault::line(1, format!("\"{first}\""), "expected ASCII, BINARY or BINARY-LITTLE-ENDIAN"));
         };
@@ -199,7 +195,7 @@ impl AmiraHeader {
             }
             read_parameters(number, line, &mut groups, &mut parameters)?;
         }
-        Ok(Self { storage, counts, arrays, parameters, end })
+        Ok(Self { big, counts, arrays, parameters, end })
     }
 
     /// The value of a parameter in some groups.
@@ -260,9 +256,9 @@ impl AmiraHeader {
             let section = section.ok_or_else(wrong)?;
             let start = at + (end + 1).min(rest.len());
             let rest = &bytes[start..];
-            let length = match self.storage {
-                Storage::Text => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
-                Storage::Binary { .. } => {
+            let length = match self.big {
+                None => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
+                Some(_) => {
                     let array = self.arrays.iter().find(|array| array.section == section);
                     let array =
                         array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
@@ -291,7 +287,7 @@ impl AmiraHeader {
         let wanted = self.numbers(array)?;
         let bytes = data.get(&array.section).copied().unwrap_or_default();
         let cut = |found: usize| here(format!("{found} of {wanted} numbers"), "expected all of them; is the file cut off?");
-        let Storage::Binary { big } = self.storage else {
+        let Some(big) = self.big else {
             let mut values = Vec::new();
             for word in bytes.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
                 let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
@@ -442,17 +438,12 @@ fn declaration(number: usize, line: &str) -> Result<Option<Declared>, Fault> {
 }
 
 /// Adds the parameters of a line, which may begin and end groups.
-fn read_parameters(
-    number: usize,
-    line: &str,
-    groups: &mut Vec<String>,
-    parameters: &mut Vec<(Vec<String>, String, String)>,
-) -> Result<(), Fault> {
+fn read_parameters(number: usize, line: &str, groups: &mut Vec<String>, found: &mut Vec<Parameter>) -> Result<(), Fault> {
     let mut words: Vec<String> = Vec::new();
     let mut finish = |words: &mut Vec<String>, groups: &[String]| {
         if !words.is_empty() && !groups.is_empty() {
             let value = words[1..].join(" ");
-            parameters.push((groups.to_vec(), words.swap_remove(0), value));
+            found.push((groups.to_vec(), words.swap_remove(0), value));
         }
         words.clear();
     };

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
+use crate::formats::tables::reader::listed;
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Scale, is_radius};
@@ -174,17 +175,12 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     if lines.points.is_empty() {
         return Err(Fault::file("curves without points", "expected control points"));
     }
-    let mut notes = Vec::new();
-    if flipped > 0 {
-        notes.push(format!("markups in RAS, whose x and y changed sign because positions are kept in LPS: {flipped}"));
-    }
-    if undefined > 0 {
-        notes.push(format!("control points without a defined position, left out: {undefined}"));
-    }
-    if !others.is_empty() {
-        notes.push(format!("markups that are no curves, left out: {}", others.len()));
-    }
-    Ok((lines, notes))
+    let notes = listed([
+        (flipped, "markups in RAS, whose x and y changed sign because positions are kept in LPS"),
+        (undefined, "control points without a defined position, left out"),
+        (others.len(), "markups that are no curves, left out"),
+    ]);
+    Ok((lines, notes.collect()))
 }
 
 /// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.

@@ -54,7 +54,7 @@ pub(crate) fn merge(all: &mut PolyLines) -> Option<String> {
         });
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
             if let (None, Some(end)) = (shared, end) {
-                tree.add_end(*end);
+                tree.ends.push(*end);
             }
         }
         let rest = match (front, back) {
@@ -238,11 +238,6 @@ impl<'a> Tree<'a> {
             self.links.push([pair[0], pair[1]]);
             self.seen.push(0);
         }
-    }
-
-    /// Adds an end of a line of the file.
-    pub(crate) fn add_end(&mut self, point: u32) {
-        self.ends.push(point);
     }
 
     /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends; and for each of

@@ -1,6 +1,6 @@
 //! Finds the array of a VTK file that holds the radius, or computes it from areas.
 
-use super::data::{ArrayValues, NamedValues, PolyData};
+use super::data::{NamedValues, PolyData, numbers};
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::is_radius;
@@ -87,16 +87,10 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
 }
 
 fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
-    let numbers = |arrays: &[NamedValues]| {
-        arrays.iter().find_map(|array| match &array.values {
-            ArrayValues::Numbers(values) if array.name == name => Some(values.clone()),
-            _ => None,
-        })
-    };
-    if let Some(values) = numbers(&piece.point_data) {
-        return Some(Found { name: name.to_owned(), of_lines: false, values });
+    if let Some(values) = numbers(&piece.point_data, name) {
+        return Some(Found { name: name.to_owned(), of_lines: false, values: values.clone() });
     }
-    let of_line = numbers(&piece.line_data)?;
+    let of_line = numbers(&piece.line_data, name)?.iter().copied();
     let mut sum = vec![(0.0, 0.0); piece.points.len()];
     for (cell, value) in cells.iter().zip(of_line) {
         if is_radius(value) {
