@@ -338,19 +338,13 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let columns: Vec<&str> = header.split(delimiter(header)).map(|column| column.trim().trim_matches('"')).collect();
     let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column.eq_ignore_ascii_case(name)));
     let named = has(&["node"]) || has(&["id"]);
-    if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
-        Some(Format::Voreen)
-    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)) {
-        Some(Format::VesselVio)
-    } else if graph::is_header(header) {
-        Some(Format::Csv)
-    } else if has(&["fragment"]) {
-        Some(Format::Points)
-    } else if icafe::is_header(&columns) {
-        Some(Format::ICafe)
-    } else if has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some() {
-        Some(Format::VesselVio)
-    } else {
-        None
-    }
+    let known = [
+        (has(&["node1id", "node2id"]) || has(&["id", "pos_x", "pos_y", "pos_z"]), Format::Voreen),
+        (has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)), Format::VesselVio),
+        (graph::is_header(header), Format::Csv),
+        (has(&["fragment"]), Format::Points),
+        (icafe::is_header(&columns), Format::ICafe),
+        (has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some(), Format::VesselVio),
+    ];
+    known.into_iter().find(|(is_so, _)| *is_so).map(|(_, format)| format)
 }

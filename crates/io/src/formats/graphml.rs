@@ -282,7 +282,7 @@ impl Keys {
                 defaults.insert(name.clone(), default.clone());
             }
         }
-        records.name(self.keys.iter().map(|key| key.name.clone()).collect(), defaults);
+        (records.names, records.defaults) = (self.keys.iter().map(|key| key.name.clone()).collect(), defaults);
         Ok(())
     }
 }

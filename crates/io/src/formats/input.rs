@@ -106,7 +106,8 @@ pub fn regular_bytes_of(path: &Path) -> Result<Vec<u8>> {
 
 /// A file that counts and hashes what is read of it, up to a limit.
 pub(crate) struct LimitedFile {
-    file: Checksummed<File>,
+    /// The file, with the sum of what was read.
+    pub(crate) file: Checksummed<File>,
     most: u64,
     read: u64,
 }
@@ -117,11 +118,6 @@ impl LimitedFile {
         let file = open_named(path)?;
         length_within(&file, path, most, &format!("; {OPTION}"))?;
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
-    }
-
-    /// The SHA-256 of what was read, in hexadecimal digits.
-    pub(crate) fn checksum(self) -> String {
-        self.file.finish()
     }
 }
 
@@ -217,10 +213,7 @@ pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
 /// The file called `name` in the folder of `path`; nothing for a name that leads out of it.
 pub(crate) fn beside(path: &Path, name: &str) -> Option<PathBuf> {
     let mut parts = Path::new(name.strip_prefix("./").unwrap_or(name)).components();
-    match (parts.next(), parts.next()) {
-        (Some(Component::Normal(name)), None) => Some(path.with_file_name(name)),
-        _ => None,
-    }
+    if let (Some(Component::Normal(name)), None) = (parts.next(), parts.next()) { Some(path.with_file_name(name)) } else { None }
 }
 
 /// A limit on how much the compressed parts of a file may unpack to, all together.

@@ -35,12 +35,8 @@ pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
             widest[end] = widest[end].max(vessel.radius);
         }
     }
-    let point = |((position, node), widest): ((Point, &Node), f64)| PathPoint {
-        position,
-        radius: node.radius.unwrap_or(widest),
-        id: None,
-    };
-    Ok(positions(network)?.into_iter().zip(network.nodes()).zip(widest).map(point).collect())
+    let radii = network.nodes().zip(widest).map(|(node, widest)| node.radius.unwrap_or(widest));
+    Ok(positions(network)?.into_iter().zip(radii).map(|(position, radius)| PathPoint { position, radius, id: None }).collect())
 }
 
 /// The position of each node, m.

@@ -59,10 +59,8 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
                 .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
             let kind = code(number(kind, at, 1)?);
             let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
-            for (axis, value) in position.iter().enumerate() {
-                if !value.is_finite() {
-                    return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
-                }
+            if let Some(axis) = (0..3).find(|axis| !f64::is_finite(position[*axis])) {
+                return Err(Fault::line(at, format!("{} {}", COLUMNS[axis + 2], position[axis]), "expected a finite number"));
             }
             match row_of.entry(id) {
                 Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
@@ -293,11 +291,9 @@ impl TypeCodes {
     pub fn of<'a>(labels: impl Iterator<Item = &'a str>) -> Self {
         let mut codes: BTreeMap<String, u64> = BTreeMap::new();
         let mut words = Vec::new();
-        let mut taken = BTreeSet::new();
         for label in labels.map(single_line).filter(|label| !label.is_empty()) {
             match label.parse::<u64>() {
                 Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
-                    taken.insert(whole);
                     codes.insert(label, whole);
                 }
                 _ => {
@@ -307,10 +303,8 @@ impl TypeCodes {
                 }
             }
         }
-        let mut free = (FIRST_FREE..).filter(|code| !taken.contains(code));
-        for (word, code) in words.into_iter().zip(&mut free) {
-            codes.insert(word, code);
-        }
+        let taken: BTreeSet<u64> = codes.values().copied().collect();
+        codes.extend(words.into_iter().zip((FIRST_FREE..).filter(|code| !taken.contains(code))));
         Self(codes)
     }
 

@@ -103,14 +103,13 @@ impl Field {
         let range = |k: usize| {
             let low = (centre[k] - half[k]).floor().max(0.0);
             let high = (centre[k] + half[k]).ceil().min((self.shape[k] - 1) as f64);
-            (low as isize, high.max(-1.0) as isize)
+            low as isize..=high.max(-1.0) as isize
         };
-        let ranges = [0, 1, 2].map(range);
+        let [along_x, along_y, along_z] = [0, 1, 2].map(range);
         let mut out = Vec::new();
-        let span = |k: usize| ranges[k].0..=ranges[k].1;
-        for z in span(2) {
-            for y in span(1) {
-                for x in span(0) {
+        for z in along_z {
+            for y in along_y.clone() {
+                for x in along_x.clone() {
                     // Inside the depth is half a voxel at least, outside at most half a voxel the other way.
                     if self.at([x, y, z]) > 0.0 {
                         let to = [x as f64 - centre[0], y as f64 - centre[1], z as f64 - centre[2]];

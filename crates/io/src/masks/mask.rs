@@ -123,11 +123,5 @@ fn axes_by_direction(affine: &Affine) -> [usize; 3] {
     const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let length = steps_of(affine).map(norm);
     let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
-    let mut best = WAYS[0];
-    for way in &WAYS[1..] {
-        if along(way) > along(&best) + 1e-9 {
-            best = *way;
-        }
-    }
-    best
+    WAYS[1..].iter().fold(WAYS[0], |best, way| if along(way) > along(&best) + 1e-9 { *way } else { best })
 }

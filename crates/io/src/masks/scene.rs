@@ -167,10 +167,8 @@ impl Scene {
 
     /// Background and noise at a place (m).
     pub fn level(&self, place: Point) -> Level {
-        Level {
-            background: self.sign * self.background.at(&self.picture, place),
-            noise: self.noise.at(&self.picture, place).max(f64::MIN_POSITIVE),
-        }
+        let background = self.sign * self.background.at(&self.picture, place);
+        Level { background, noise: self.noise.at(&self.picture, place).max(f64::MIN_POSITIVE) }
     }
 
     /// How bright a place (m) is, or how dark where vessels are; `None` where it is not known.
@@ -339,8 +337,7 @@ fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> 
     }
     let mut found: Vec<Option<[f64; 2]>> = samples.iter_mut().map(|of| spread(of)).collect();
     while found.iter().any(Option::is_none) {
-        let filled = filled_from_neighbours(&found, shape)?;
-        found = filled;
+        found = filled_from_neighbours(&found, shape)?;
     }
     let part = |k: usize| Cells { shape, size, value: found.iter().flatten().map(|of| of[k]).collect() };
     Some((part(0), part(1)))

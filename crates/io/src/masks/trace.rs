@@ -79,10 +79,7 @@ pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option
     let mut graph = skeleton(&vessels, &thinned);
     let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
-    let (specks, speck_length) = match cavities {
-        Cavities::Fill => tracer.leave_out_specks(&mut graph),
-        Cavities::Keep => (0, 0.0),
-    };
+    let (specks, speck_length) = if cavities == Cavities::Fill { tracer.leave_out_specks(&mut graph) } else { (0, 0.0) };
     let lines = tracer.lines(&graph, radius_from);
     Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks + specks, speck_length })
 }
@@ -353,7 +350,6 @@ impl Tracer<'_> {
 impl TracedLine {
     /// The length that each point stands for: half of the way to its neighbours.
     fn measure(&mut self) {
-        self.lengths.fill(0.0);
         for n in 1..self.points.len() {
             let half = distance(self.points[n - 1], self.points[n]) / 2.0;
             self.lengths[n - 1] += half;
@@ -398,18 +394,10 @@ fn smooth(points: &[Point]) -> Vec<Point> {
     let gaussian = |k: isize, spread: f64| (-0.5 * (k as f64 / spread).powi(2)).exp() / spread;
     let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, once) - gaussian(k, twice)).collect();
     let total: f64 = weights.iter().sum();
-    let turned = |k: isize, about: isize| {
-        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
-        [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis])
-    };
     let at = |k: isize| {
-        if k < 0 {
-            turned(k, 0)
-        } else if k >= n {
-            turned(k, n - 1)
-        } else {
-            points[k as usize]
-        }
+        let about = k.clamp(0, n - 1);
+        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
+        if k == about { end } else { [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis]) }
     };
     (0..n)
         .map(|here| {

@@ -122,7 +122,7 @@ impl<'a> ArrayData<'a> {
 
 /// The distinct words in the order of their first rows, and the number of the word for each row.
 fn words(values: &Texts) -> (Vec<&str>, Vec<i64>) {
-    let (mut number, mut list, mut rows) = (HashMap::new(), Vec::new(), Vec::with_capacity(values.len()));
+    let (mut number, mut list, mut rows) = (HashMap::new(), Vec::new(), Vec::with_capacity(values.iter().len()));
     for text in values.iter() {
         let next = list.len() as i64;
         let row = *number.entry(text).or_insert_with(|| {

@@ -142,9 +142,8 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
     if let (Some(r), Some(total)) = (proximal, item.real(RESISTANCE)?) {
         // Where both are printed with a few digits they may be equal but for the last one.
         if r > total * (1.0 + 1e-9) {
-            return Err(
-                item.fault(format!("{PROXIMAL} {r}"), format!("expected at most {RESISTANCE} {total}, which it is part of"))
-            );
+            let accepted = format!("expected at most {RESISTANCE} {total}, which it is part of");
+            return Err(item.fault(format!("{PROXIMAL} {r}"), accepted));
         }
     }
     let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?;

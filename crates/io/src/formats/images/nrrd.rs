@@ -151,11 +151,6 @@ impl NrrdHeader {
         }
     }
 
-    /// The numbers of a field, one for each axis; NaN where an axis has none.
-    fn numbers(&self, name: &str, axes: usize) -> Result<Option<Vec<f64>>, Fault> {
-        self.fields.numbers(name, axes, "numbers", |_| true)
-    }
-
     fn encoding(&self) -> Result<Encoding, Fault> {
         let (_, word) = self.fields.needed("encoding")?;
         match word.to_ascii_lowercase().as_str() {
@@ -229,7 +224,7 @@ impl NrrdHeader {
         {
             return Ok(axis);
         }
-        if let Some(spacings) = self.numbers("spacings", 4)?
+        if let Some(spacings) = self.fields.numbers::<f64>("spacings", 4, "numbers", |_| true)?
             && let Some(axis) = only(spacings.iter().map(|spacing| spacing.is_nan()).collect())
         {
             return Ok(axis);
@@ -256,8 +251,8 @@ impl NrrdHeader {
                 *step = directions[axis].ok_or_else(none)?;
             }
         } else {
-            let spacings = self.numbers("spacings", count)?;
-            let least = self.numbers("axis mins", count)?;
+            let [spacings, least] = ["spacings", "axis mins"].map(|name| self.fields.numbers(name, count, "numbers", |_| true));
+            let (spacings, least): (Option<Vec<f64>>, Option<Vec<f64>>) = (spacings?, least?);
             for (n, axis) in of_space.into_iter().enumerate() {
                 steps[n][n] = spacings.as_ref().map_or(1.0, |spacings| spacings[axis]);
                 origin[n] = least.as_ref().map_or(0.0, |least| least[axis]);

@@ -208,11 +208,8 @@ impl<'a> Archive<'a> {
 
     /// The array under the first of the names that is there.
     pub(crate) fn first(&mut self, names: &[&str]) -> Result<Option<NumpyArray>, Fault> {
-        let Some((row, name)) =
-            names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
-        else {
-            return Ok(None);
-        };
+        let found = names.iter().find_map(|name| Some((self.names.iter().position(|known| known == name)?, *name)));
+        let Some((row, name)) = found else { return Ok(None) };
         let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
         let member = self.zip.by_index(row).map_err(broken)?;
         let stored = member.compressed_size();

@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2};
-use ndarray_npy::{WritableElement, WriteNpyExt};
+use ndarray_npy::WriteNpyExt;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -193,11 +193,7 @@ fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {
     zip.start_file(format!("{name}.npy"), options).map_err(io::Error::other)
 }
 
-fn write<T: WritableElement, D: ndarray::Dimension>(
-    zip: &mut ZipWriter<impl Write + Seek>,
-    name: &str,
-    array: &ndarray::Array<T, D>,
-) -> io::Result<()> {
+fn write(zip: &mut ZipWriter<impl Write + Seek>, name: &str, array: &impl WriteNpyExt) -> io::Result<()> {
     start(zip, name)?;
     array.write_npy(zip).map_err(io::Error::other)
 }

@@ -34,19 +34,9 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
     /// All by row.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
-        (0..self.len()).map(|row| &self[row])
+        (0..self.ends.len()).map(|row| &self[row])
     }
 }
 
@@ -100,7 +90,7 @@ impl Values {
         match self {
             Self::Real(values) => values.len(),
             Self::Integer(values) => values.len(),
-            Self::Text(values) => values.len(),
+            Self::Text(values) => values.ends.len(),
         }
     }
 

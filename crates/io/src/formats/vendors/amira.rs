@@ -129,14 +129,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         line.push(a as u32);
         for row in own.clone() {
             let is_end = |vertex: usize| distance(points[vertex], course[row]) <= WELD_TOLERANCE;
-            let end = if row == own.start && is_end(a) {
-                Some(a)
-            } else if row + 1 == own.end && is_end(b) {
-                Some(b)
-            } else {
-                None
-            };
-            if let Some(vertex) = end {
+            let mut tips = [(row == own.start, a), (row + 1 == own.end, b)].into_iter();
+            if let Some((_, vertex)) = tips.find(|(is_here, vertex)| *is_here && is_end(*vertex)) {
                 if is_radius(sizes[row]) {
                     at_vertex[vertex].0 += sizes[row];
                     at_vertex[vertex].1 += 1.0;
@@ -165,15 +159,9 @@ impl AmiraHeader {
         let end = end.ok_or_else(|| Fault::file("no section @1 after the header", ACCEPTED))?;
         let text = String::from_utf8_lossy(&head[..end]);
         let first = text.lines().next().unwrap_or_default();
-        let big = if first.contains("BINARY-LITTLE-ENDIAN") {
-            Some(false)
-        } else if first.contains("BINARY") {
-            Some(true)
-        } else if first.contains("ASCII") {
-            None
-        } else {
-            return Err(Fault::line(1, format!("\"{first}\""), "expected ASCII, BINARY or BINARY-LITTLE-ENDIAN"));
-        };
+        let kinds = [("BINARY-LITTLE-ENDIAN", Some(false)), ("BINARY", Some(true)), ("ASCII", None)];
+        let unknown = || Fault::line(1, format!("\"{first}\""), "expected ASCII, BINARY or BINARY-LITTLE-ENDIAN");
+        let (_, big) = kinds.into_iter().find(|(word, _)| first.contains(word)).ok_or_else(unknown)?;
         let (mut counts, mut arrays, mut parameters) = (HashMap::new(), Vec::new(), Vec::new());
         let mut groups: Vec<String> = Vec::new();
         for (row, line) in text.lines().enumerate().skip(1) {

@@ -223,11 +223,8 @@ pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
         many => {
             let names: Vec<_> =
                 found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
-            let found = format!(
-                "{many} SWC files beside the table of vessels ({}{})",
-                names.join(", "),
-                if many > 3 { ", ..." } else { "" }
-            );
+            let (names, more) = (names.join(", "), if many > 3 { ", ..." } else { "" });
+            let found = format!("{many} SWC files beside the table of vessels ({names}{more})");
             Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
         }
     }

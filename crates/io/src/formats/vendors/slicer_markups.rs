@@ -85,10 +85,7 @@ impl ControlPoint {
 
     /// Its three numbers.
     pub(in crate::formats) fn position(&self) -> Option<Point> {
-        match self.position.as_deref()? {
-            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
-            _ => None,
-        }
+        if let [Some(x), Some(y), Some(z)] = self.position.as_deref()? { Some([*x, *y, *z]) } else { None }
     }
 }
 
