@@ -191,7 +191,7 @@ impl MeasureArgs {
             "compared",
             format!(
                 "{}: {a} of {}, {b} of {}, {left_out} left out",
-                plural(columns[0].values.len(), "measure"),
+                plural(columns[0].values.rows(), "measure"),
                 names[0],
                 names[1]
             ),

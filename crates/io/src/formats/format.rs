@@ -265,9 +265,7 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
         return Ok(format);
     }
     match xml::root(bytes) {
-        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
-            return Ok(Format::Vtp);
-        }
+        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => return Ok(Format::Vtp),
         Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", Format::expected())),
         Some(("graphml", _)) => return Ok(Format::GraphMl),
         Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), Format::expected())),

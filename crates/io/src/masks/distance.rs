@@ -8,7 +8,7 @@ use super::foreground::Foreground;
 /// The distance of each voxel, in the unit of `spacing`; infinite where the image has no voxel outside vessels.
 pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
     let strides = vessels.strides();
-    let mut squared = vec![f64::INFINITY; vessels.len()];
+    let mut squared = vec![f64::INFINITY; vessels.count()];
     let (mut run, mut values) = (Vec::new(), Vec::new());
     for axis in 0..3 {
         for place in vessels.places() {

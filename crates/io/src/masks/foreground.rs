@@ -67,13 +67,8 @@ impl Foreground {
     }
 
     /// How many voxels there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.before.last().map_or(0, |count| *count as usize)
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// How many voxels the box has.

@@ -44,7 +44,7 @@ impl Serialize for PageTable {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("columns", &columns.collect::<Vec<_>>())?;
         map.serialize_entry("of_vessels", &self.of_vessels)?;
-        map.serialize_entry("rows", &self.columns.first().map_or(0, |column| column.values.len()))?;
+        map.serialize_entry("rows", &self.columns.first().map_or(0, |column| column.values.rows()))?;
         map.serialize_entry("title", &self.title)?;
         map.end()
     }

@@ -115,9 +115,7 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
     // Not before: an inner node may have any.
     item.positive(RESISTANCE)?;
     Ok(match (resistance, flow, pressure) {
-        (Some(_), Some(_), _) => {
-            return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
-        }
+        (Some(_), Some(_), _) => return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition")),
         (Some(resistance), None, _) => Some(Condition::Resistance {
             resistance: pascal_seconds_per_cubic_metre(resistance),
             venous: pascals(venous.unwrap_or(0.0)),

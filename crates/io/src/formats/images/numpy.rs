@@ -55,9 +55,7 @@ pub(crate) fn open_numpy<'a>(
             let row = |axis: usize| std::array::from_fn(|column| if column == axis { spacing[axis] } else { 0.0 });
             (std::array::from_fn(row), Frame::Unknown)
         }
-        (None, None) => {
-            return Err(array.fault("no spacing: NumPy states none", "expected `spacing=SX,SY,SZ`, in mm"));
-        }
+        (None, None) => return Err(array.fault("no spacing: NumPy states none", "expected `spacing=SX,SY,SZ`, in mm")),
     };
     let (kind, size, big) = array.numbers()?;
     // In C order the last axis runs fastest.

@@ -98,9 +98,8 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
             Some(Condition::Pressure(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: -1.0")?,
             Some(Condition::Pressure(_) | Condition::Flow(_)) => {
                 let node = &network.node(*stops).id;
-                return refused(format!(
-                    "node {node} is an outlet of fixed pressure or flow; openBF has resistances, ground and closed ends"
-                ));
+                let known = "openBF has resistances, ground and closed ends";
+                return refused(format!("node {node} is an outlet of fixed pressure or flow; {known}"));
             }
         }
     }

@@ -51,7 +51,7 @@ pub(crate) struct PolyData {
 }
 
 /// A line of the file, or the rest of it after merging.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PolyLine {
     /// The rows of its points.
     pub(super) points: Vec<u32>,

@@ -71,7 +71,8 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
     } else {
         return Ok((first.values, first.of_lines.then(|| format!("each point has the mean \"{}\" of its cells", first.name))));
     };
-    let used = used(cells, piece.points.len());
+    let mut used = vec![false; piece.points.len()];
+    cells.iter().flatten().for_each(|point| used[*point] = true);
     let holes: Vec<usize> = (0..first.values.len()).filter(|p| used[*p] && !is_radius(first.values[*p])).collect();
     let spare = if is_area { find(&EQUIVALENT).or_else(|| find(&RADII)) } else { find(&RADII) };
     if let Some(spare) = spare.filter(|spare| spare.name != first.name && !holes.is_empty()) {
@@ -101,15 +102,6 @@ fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
     }
     let values = sum.into_iter().map(|(sum, n)| if n > 0.0 { sum / n } else { f64::NAN }).collect();
     Some(Found { name: name.to_owned(), of_lines: true, values })
-}
-
-/// Which points a line uses.
-fn used(cells: &[Vec<usize>], count: usize) -> Vec<bool> {
-    let mut used = vec![false; count];
-    for p in cells.iter().flatten() {
-        used[*p] = true;
-    }
-    used
 }
 
 fn missing(piece: &PolyData, name: Option<&str>) -> Fault {

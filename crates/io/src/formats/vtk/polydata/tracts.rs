@@ -131,8 +131,7 @@ fn in_order(all: &mut PolyLines, radii: &[f64], touch: f64, tracts: &[Tract]) ->
     let mut out: Vec<Piece> = Vec::with_capacity(tracts.len());
     let mut is_turned = false;
     for tract in tracts {
-        let empty = PolyLine { points: Vec::new(), names: Vec::new(), strand: 0 };
-        let mut line = std::mem::replace(&mut all.each[tract.line], empty);
+        let mut line = std::mem::take(&mut all.each[tract.line]);
         if line.points.is_empty() {
             continue;
         }
