@@ -37,11 +37,9 @@ impl<'a> HeaderLines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let (text, rest) = match self.rest.iter().position(|b| *b == b'\n') {
-            Some(at) => (&self.rest[..at], &self.rest[at + 1..]),
-            None => (self.rest, &self.rest[self.rest.len()..]),
-        };
-        self.rest = rest;
+        let mut parts = self.rest.splitn(2, |b| *b == b'\n');
+        let text = parts.next().unwrap_or_default();
+        self.rest = parts.next().unwrap_or_default();
         self.line += 1;
         Some((self.line - 1, text.trim_ascii()))
     }

@@ -8,7 +8,7 @@ use crate::formats::attributes::POSITION_COLUMNS;
 use crate::formats::input::without_mark;
 use crate::formats::tables::reader::{Row, TableReader, listed, uncommented};
 use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
-use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
+use crate::formats::vendors::slicer_markups::{SCHEMA, frame_called, markups_of, unit};
 use willis_core::error::{Fault, Place};
 use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
@@ -193,14 +193,8 @@ fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, (usize, String))>, Fault> {
             is_fcsv = true;
         } else if name.eq_ignore_ascii_case("CoordinateSystem") {
             is_fcsv = true;
-            frame = match value {
-                "LPS" | "1" => Frame::Lps,
-                "RAS" | "0" => Frame::Ras,
-                other => {
-                    let found = format!("CoordinateSystem {}", other.escape_debug());
-                    return Err(Fault::line(row + 1, found, "expected LPS, RAS, 0 or 1"));
-                }
-            };
+            let found = || format!("CoordinateSystem {}", value.escape_debug());
+            frame = frame_called(value).ok_or_else(|| Fault::line(row + 1, found(), "expected LPS, RAS, 0 or 1"))?;
         }
     }
     let columns = columns.unwrap_or_else(|| (0, FCSV_COLUMNS.to_owned()));

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::mask::{Affine, inverse_of, steps_of};
 use willis_core::network::{metres, millimetres};
-use willis_core::support::geometry::{Point, dot, norm};
+use willis_core::support::geometry::{Point, bounds, dot, norm};
 use willis_core::support::in_chunks;
 
 /// A kernel reaches so many standard deviations to either side.
@@ -70,11 +70,10 @@ impl Picture {
             let place = [0, 1, 2].map(|k| millimetres(if corner >> k & 1 == 0 { low[k] } else { high[k] }) - at[k]);
             inverse.map(|row| dot(row, place))
         };
-        let corners: Vec<[f64; 3]> = (0..8).map(index).collect();
+        let [least, most] = bounds((0..8).map(index));
         let mut range = [[0; 2]; 3];
         for (axis, range) in range.iter_mut().enumerate() {
-            let least = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-            let most = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+            let (least, most) = (least[axis], most[axis]);
             let last = (image.shape[axis] - 1) as f64;
             if !(most >= 0.0 && least <= last) {
                 return None;

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::image::{Image, Picture};
 use willis_core::network::millimetres;
-use willis_core::support::geometry::{Point, dot, norm, norm_squared};
+use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
 use willis_core::support::statistics::median;
 
 /// The image is averaged with a Gaussian of so many spacings.
@@ -124,8 +124,7 @@ impl Scene {
     /// [`Unseen`], where the image does not show the vessels.
     pub fn new(e: &ScanCenterlines, View { image, appearance }: View) -> Result<Self, Unseen> {
         let h = e.spacing;
-        let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1, 2].map(|k| e.position.iter().map(|p| p[k]).fold(start, pick));
-        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+        let [low, high] = bounds(e.position.iter().copied());
         let wider = [low.map(|x| x - MARGIN * h), high.map(|x| x + MARGIN * h)];
         let away = apart(&image, [low, high]);
         let Some(mut picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
@@ -206,11 +205,8 @@ fn apart(image: &Image, [low, high]: [Point; 2]) -> f64 {
         let far = |axis: usize| if n >> axis & 1 == 1 { (image.shape[axis] - 1) as f64 } else { 0.0 };
         1e-3 * ((0..3).map(|axis| image.affine[row][axis] * far(axis)).sum::<f64>() + image.affine[row][3])
     };
-    let gap = |row: usize| {
-        let all = || (0..8).map(|n| corner(n, row));
-        let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-        (least - high[row]).max(low[row] - most).max(0.0)
-    };
+    let [least, most] = bounds((0..8).map(|n| [0, 1, 2].map(|row| corner(n, row))));
+    let gap = |row: usize| (least[row] - high[row]).max(low[row] - most[row]).max(0.0);
     (0..3).map(gap).fold(0.0, f64::max)
 }
 

@@ -99,12 +99,11 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
         network.frame = frame;
         return Ok((Content::Vessels(network), Vec::new()));
     }
-    if sizes.len() == n {
-        return Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), Vec::new()));
-    }
-    let note = "radii are those of edges: each point takes the mean of its edges over length".to_owned();
-    let sizes = radii_of_points(&points, &links, &sizes);
-    Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), vec![note]))
+    let are_of_edges = sizes.len() != n;
+    let note = are_of_edges.then(|| "radii are those of edges: each point takes the mean of its edges over length".to_owned());
+    let sizes = if are_of_edges { radii_of_points(&points, &links, &sizes) } else { sizes };
+    let lines = Centerlines { frame, ..centerlines(&points, &sizes, &links, label) };
+    Ok((Content::Centerlines(lines), note.into_iter().collect()))
 }
 
 /// The edges as vessels.

@@ -60,10 +60,8 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
             (Some(edge), _) => vec![below(&row, edge, network.vessel_count())?],
             (None, [Some(a), Some(b)]) => {
                 let [a, b] = [below(&row, a, network.node_count())?, below(&row, b, network.node_count())?];
-                let vessels = between.get(&[a.min(b), a.max(b)]);
-                vessels
-                    .cloned()
-                    .ok_or_else(|| Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins"))?
+                let apart = || Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins");
+                between.get(&[a.min(b), a.max(b)]).cloned().ok_or_else(apart)?
             }
             _ => Vec::new(),
         };

@@ -313,13 +313,11 @@ impl AmiraHeader {
         let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
         let Some(array) = found else {
             let all = self.arrays.iter().map(|array| array.name.as_str()).collect::<Vec<_>>().join(", ");
+            let accepted = "expected it, or give `radius_array` or `default_radius`";
             return match named {
                 Some(name) => Err(Fault::file(format!("no {name} among {all}"), "expected the array that `radius_array` names")),
                 None if options.is_radius_optional() => Ok(None),
-                None => Err(Fault::file(
-                    format!("no thickness among {all}"),
-                    "expected it, or give `radius_array` or `default_radius`",
-                )),
+                None => Err(Fault::file(format!("no thickness among {all}"), accepted)),
             };
         };
         let mut values = self.values(array, data, options.max_input)?;

@@ -55,15 +55,21 @@ impl Markup {
         self.name.as_deref().unwrap_or_default().trim()
     }
 
-    /// The frame of its positions, LPS where it states none; Slicer's older files say 0 for RAS and 1 for LPS.
+    /// The frame of its positions, LPS where it states none.
     pub(in crate::formats) fn frame(&self, item: impl Fn() -> String) -> Result<Frame, Fault> {
         let Some(system) = &self.coordinate_system else { return Ok(Frame::Lps) };
         let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
-        match text.as_str() {
-            "LPS" | "1" => Ok(Frame::Lps),
-            "RAS" | "0" => Ok(Frame::Ras),
-            other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
-        }
+        let other = || Fault::item(item(), format!("coordinateSystem {}", text.escape_debug()), "expected LPS or RAS");
+        frame_called(&text).ok_or_else(other)
+    }
+}
+
+/// The frame that Slicer calls so; its older files say 0 for RAS and 1 for LPS.
+pub(in crate::formats) fn frame_called(word: &str) -> Option<Frame> {
+    match word {
+        "LPS" | "1" => Some(Frame::Lps),
+        "RAS" | "0" => Some(Frame::Ras),
+        _ => None,
     }
 }
 
