@@ -300,9 +300,7 @@ impl Tracer<'_> {
                 }
             }
         }
-        for line in &mut *lines {
-            line.measure();
-        }
+        lines.iter_mut().for_each(TracedLine::measure);
         // The lumen at a junction belongs to the vessels that meet there, in the shares of their cross-sections.
         let mut shares: Vec<Vec<(usize, bool, f64)>> = vec![Vec::new(); graph.nodes.len()];
         for (row, branch) in graph.branches.iter().enumerate() {

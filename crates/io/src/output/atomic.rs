@@ -125,9 +125,7 @@ impl StagedFolder {
 
 /// Flushes the names in a folder and below it to the disk; the contents are there already.
 fn sync_all(folder: &Path) -> Result<()> {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| path.is_dir()) {
-        sync_all(&path)?;
-    }
+    entries(folder).unwrap_or_default().iter().filter(|path| path.is_dir()).try_for_each(|path| sync_all(path))?;
     sync_folder(folder)
 }
 

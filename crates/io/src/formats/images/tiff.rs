@@ -170,9 +170,7 @@ impl Stated {
     fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
         let lines = description.lines().filter_map(|line| line.trim().split_once('='));
         let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
-        for name in ["channels", "frames"] {
-            one_of(&fields, name, |several| format!("{several} {name}"))?;
-        }
+        ["channels", "frames"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{several} {name}")))?;
         let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
         let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
             Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
@@ -198,9 +196,7 @@ impl Stated {
                 continue;
             }
             let fields: HashMap<String, String> = events.tag.attributes()?.into_iter().collect();
-            for name in ["SizeC", "SizeT"] {
-                one_of(&fields, name, |several| format!("{name} {several}"))?;
-            }
+            ["SizeC", "SizeT"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{name} {several}")))?;
             let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
                 let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
                 Some(fields.get(name)?.parse::<f64>().ok()? * unit?)

@@ -267,9 +267,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         }
         let root = if links[row].is_none() { "True" } else { "False" };
         writeln!(out, "Root = {root}\nArtery = True\nPointDim = x y z r\nNPoints = {}\nPoints = ", tube.len())?;
-        for point in tube {
-            writeln!(out, "{}", figures(point, "0").join(" "))?;
-        }
+        tube.iter().try_for_each(|point| writeln!(out, "{}", figures(point, "0").join(" ")))?;
     }
     out.flush()
 }

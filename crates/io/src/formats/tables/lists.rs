@@ -109,8 +109,6 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
 /// The writer's own.
 pub fn write_loops(mut out: impl Write, loops: &[[u64; 2]]) -> io::Result<()> {
     writeln!(out, "id_a,id_b")?;
-    for [a, b] in loops {
-        writeln!(out, "{a},{b}")?;
-    }
+    loops.iter().try_for_each(|[a, b]| writeln!(out, "{a},{b}"))?;
     out.flush()
 }

@@ -14,7 +14,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{cells, centerlines};
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::{Centerlines, LengthUnit, Network, Scale, WELD_TOLERANCE, is_radius};
+use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
 use willis_core::support::geometry::{Point, distance, radius_of};
 
 /// No header is longer.
@@ -505,30 +505,19 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     }
     let place = |row: usize| figures(&points[row], "0")[..3].join(" ");
     writeln!(out, "\n# Data section follows\n@1")?;
-    for row in 0..vertices {
-        writeln!(out, "{}", place(row))?;
-    }
+    (0..vertices).try_for_each(|row| writeln!(out, "{}", place(row)))?;
     writeln!(out, "\n@2")?;
-    for ([a, b], _) in network.vessels() {
-        writeln!(out, "{a} {b}")?;
-    }
+    network.vessels().try_for_each(|([a, b], _)| writeln!(out, "{a} {b}"))?;
     writeln!(out, "\n@3")?;
-    for line in &lines {
-        writeln!(out, "{}", line.len())?;
-    }
+    lines.iter().try_for_each(|line| writeln!(out, "{}", line.len()))?;
     writeln!(out, "\n@4")?;
-    for row in lines.iter().flatten() {
-        writeln!(out, "{}", place(*row as usize))?;
-    }
+    lines.iter().flatten().try_for_each(|row| writeln!(out, "{}", place(*row as usize)))?;
     writeln!(out, "\n@5")?;
-    for row in lines.iter().flatten() {
-        writeln!(out, "{}", figures(&points[*row as usize], "0")[3])?;
-    }
+    lines.iter().flatten().try_for_each(|row| writeln!(out, "{}", figures(&points[*row as usize], "0")[3]))?;
     if !numbers.is_empty() {
         writeln!(out, "\n@6")?;
-        for (_, vessel) in network.vessels() {
-            writeln!(out, "{}", numbers.get(vessel.label.as_str()).unwrap_or(&0))?;
-        }
+        let number = |vessel: &Vessel| numbers.get(vessel.label.as_str()).copied().unwrap_or(0);
+        network.vessels().try_for_each(|(_, vessel)| writeln!(out, "{}", number(vessel)))?;
     }
     out.flush()
 }

@@ -113,9 +113,7 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     let frame = network.frame.name().map_or(String::new(), |name| format!("; {SPACE}={name}"));
     writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm{frame}\nASCII\nDATASET POLYDATA")?;
     writeln!(out, "POINTS {} double", points.len())?;
-    for point in &points {
-        reals(&mut out, &point.position.map(millimetres))?;
-    }
+    points.iter().try_for_each(|point| reals(&mut out, &point.position.map(millimetres)))?;
     let entries: usize = lines.iter().map(|line| line.len() + 1).sum();
     writeln!(out, "LINES {} {entries}", lines.len())?;
     for line in &lines {
