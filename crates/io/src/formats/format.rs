@@ -339,7 +339,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let known = [
         (has(&["node1id", "node2id"]) || has(&["id", "pos_x", "pos_y", "pos_z"]), Format::Voreen),
         (has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)), Format::VesselVio),
-        (graph::is_header(header), Format::Csv),
+        (graph::is_header(&columns), Format::Csv),
         (has(&["fragment"]), Format::Points),
         (icafe::is_header(&columns), Format::ICafe),
         (has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some(), Format::VesselVio),

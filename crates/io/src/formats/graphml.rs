@@ -186,7 +186,7 @@ fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead
             let line = tag.line;
             events.text(simple, text)?;
             // Attributes that are numbers are checked where they are read.
-            if keys.is_real_label(key) && text.trim().parse().is_ok_and(f64::is_infinite) {
+            if keys.keys[key].is_real_label && text.trim().parse().is_ok_and(f64::is_infinite) {
                 return Err(Fault::line(line, format!("label {}", text.trim()), "expected a finite number, as its key says"));
             }
             records.put(key, text);
@@ -209,8 +209,8 @@ struct Key {
     name: Option<String>,
     default: Option<String>,
     on: String,
-    /// Whether its values are real numbers.
-    is_real: bool,
+    /// Whether it holds labels that are real numbers.
+    is_real_label: bool,
     declared: bool,
     /// The line on which it was met.
     line: usize,
@@ -228,6 +228,7 @@ impl Keys {
         let on = tag.attribute("for")?.map_or_else(|| "all".to_owned(), Into::into);
         let name = tag.attribute("attr.name")?.map(Into::into);
         let is_real = tag.attribute("attr.type")?.is_some_and(|kind| kind == "double" || kind == "float");
+        let is_real_label = is_real && name.as_deref() == Some("label");
         let mut default = None;
         let depth = events.depth;
         while events.next_child(depth)? {
@@ -237,7 +238,7 @@ impl Keys {
                 events.skip(|_| Ok(()))?;
             }
         }
-        self.keys[number] = Key { name, default, on, is_real, declared: true, line };
+        self.keys[number] = Key { name, default, on, is_real_label, declared: true, line };
         Ok(())
     }
 
@@ -247,19 +248,13 @@ impl Keys {
         !key.declared || key.name.as_deref().is_some_and(is_wanted)
     }
 
-    /// Whether a key names labels that are real numbers.
-    fn is_real_label(&self, number: usize) -> bool {
-        let key = &self.keys[number];
-        key.is_real && key.name.as_deref() == Some("label")
-    }
-
     /// The number of a key, which may be declared later.
     pub(crate) fn number(&mut self, id: &str, line: usize) -> usize {
         if let Some(number) = self.number_of.get(id) {
             return *number;
         }
         self.number_of.insert(id.to_owned(), self.keys.len());
-        self.keys.push(Key { name: None, default: None, on: String::new(), is_real: false, declared: false, line });
+        self.keys.push(Key { name: None, default: None, on: String::new(), is_real_label: false, declared: false, line });
         self.keys.len() - 1
     }
 

@@ -12,7 +12,8 @@ const SHOWN: usize = 40;
 
 /// A place in a file that mixes lines and binary data.
 pub(super) struct HeaderLines<'a> {
-    rest: &'a [u8],
+    /// The bytes that are left.
+    pub(super) rest: &'a [u8],
     line: usize,
 }
 
@@ -20,11 +21,6 @@ impl<'a> HeaderLines<'a> {
     /// At the start of a file.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, line: 1 }
-    }
-
-    /// How many bytes are left.
-    pub(super) fn left(&self) -> usize {
-        self.rest.len()
     }
 
     /// The next line without blanks around it, and its number; the place stays before it.

@@ -127,13 +127,13 @@ impl NrrdHeader {
         let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
         let mut lines = HeaderLines::new(head);
         loop {
-            let at = head.len() - lines.left();
+            let at = head.len() - lines.rest.len();
             if at >= MOST_HEADER {
                 return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
             }
             // A header whose voxels are in another file may end with the file.
             let Some((line, text)) = lines.line().filter(|(_, text)| !text.is_empty()) else {
-                return Ok(Self { fields, keys, end: head.len() - lines.left() });
+                return Ok(Self { fields, keys, end: head.len() - lines.rest.len() });
             };
             let text = String::from_utf8_lossy(text);
             if line == 1 || text.starts_with('#') {

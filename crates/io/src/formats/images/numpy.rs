@@ -61,7 +61,7 @@ pub(crate) fn open_numpy<'a>(
     // In C order the last axis runs fastest.
     let reversed = !array.fortran;
     let (shape, affine) = if reversed { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) } else { ([x, y, z], rows) };
-    *other = array.into_bytes();
+    *other = array.data;
     Ok((Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame, reversed }, Box::new(other.as_slice())))
 }
 

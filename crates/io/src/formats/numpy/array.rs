@@ -47,7 +47,8 @@ pub(crate) struct NumpyArray {
     big: bool,
     /// Whether the first axis runs fastest.
     pub(crate) fortran: bool,
-    data: Vec<u8>,
+    /// The values as they are stored.
+    pub(crate) data: Vec<u8>,
 }
 
 impl NumpyArray {
@@ -169,11 +170,6 @@ impl NumpyArray {
             ElementKind::Truth => Ok((NumberType::Unsigned, self.size, self.big)),
             ElementKind::Utf32 | ElementKind::Ascii => Err(self.fault("text", "expected numbers")),
         }
-    }
-
-    /// The values as they are stored.
-    pub(crate) fn into_bytes(self) -> Vec<u8> {
-        self.data
     }
 
     /// A fault of this array.

@@ -8,9 +8,10 @@ use crate::formats::attributes::records::Records;
 use crate::formats::attributes::{self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, nodes};
 use crate::formats::input::checksum;
 use crate::formats::options::ReadOptions;
+use crate::formats::polylines::is_straight;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::points::HEADER as POINTS_HEADER;
-use crate::formats::tables::reader::{TableReader, columns, delimiter};
+use crate::formats::tables::reader::{TableReader, columns};
 use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
@@ -35,9 +36,8 @@ pub struct NodeTable {
     pub(crate) has_lengths_without_unit: bool,
 }
 
-/// Whether a line is the header of a table of edges.
-pub(crate) fn is_header(line: &str) -> bool {
-    let columns: Vec<&str> = line.split(delimiter(line)).map(|column| column.trim().trim_matches('"')).collect();
+/// Whether these columns are those of a table of edges.
+pub(crate) fn is_header(columns: &[&str]) -> bool {
     ENDS.iter().any(|ends| ends.iter().all(|end| columns.contains(end)))
 }
 
@@ -182,7 +182,9 @@ fn places(edges: &Records, placed: &[EdgeEnd]) -> Records {
 /// The writers' own.
 pub fn write_csv_graph(mut nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
     let (node_columns, mut vessel_columns) = graph_columns(network);
-    vessel_columns.extend(points_column(network));
+    if !is_straight(network) {
+        vessel_columns.push(Column::text("points", network.vessels().map(|(_, v)| points(&v.path))));
+    }
     let mut table = Vec::new();
     write_csv(&mut table, &node_columns)?;
     let checksum = checksum_of_pair(&table);
@@ -359,12 +361,6 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
         vessels.push(Column::real("continues_b", figure(|e| e.continuation_odds[1])));
     }
     (nodes, vessels)
-}
-
-/// The column with the centerline points of the vessels, where any vessel has some.
-pub(crate) fn points_column(network: &Network) -> Option<Column> {
-    let any = network.vessels().any(|(_, v)| !v.path.is_empty());
-    any.then(|| Column::text("points", network.vessels().map(|(_, v)| points(&v.path))))
 }
 
 /// A path as the attribute `points`, mm: `x y z r;x y z r`.
