@@ -25,7 +25,7 @@ static RUN: LazyLock<Inference> = LazyLock::new(|| {
 fn look(input: &Input) {
     let (nodes, vessels) = graph_columns(&input.network);
     let is_even =
-        |columns: &[willis::internals::formats::Column]| columns.windows(2).all(|pair| pair[0].values.len() == pair[1].values.len());
+        |columns: &[willis::internals::formats::Column]| columns.windows(2).all(|pair| pair[0].values.rows() == pair[1].values.rows());
     assert!(is_even(&nodes) && is_even(&vessels));
     let _ = words::said_of_input(input);
 }
