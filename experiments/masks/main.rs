@@ -220,7 +220,7 @@ fn dense(is_map: bool) {
     let started = Instant::now();
     let Some(vessels) = Foreground::of(&mask) else { return };
     let kept = thin(&vessels).len();
-    println!("thinning: {:.1} s for {} voxels, {kept} of which stay", started.elapsed().as_secs_f64(), vessels.len());
+    println!("thinning: {:.1} s for {} voxels, {kept} of which stay", started.elapsed().as_secs_f64(), vessels.count());
     let started = Instant::now();
     drop(distances(&vessels, mask.spacing()));
     println!("distance: {:.1} s", started.elapsed().as_secs_f64());

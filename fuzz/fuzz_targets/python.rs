@@ -24,8 +24,9 @@ static RUN: LazyLock<Inference> = LazyLock::new(|| {
 /// What Python reads of a network.
 fn look(input: &Input) {
     let (nodes, vessels) = graph_columns(&input.network);
-    let is_even =
-        |columns: &[willis::internals::formats::Column]| columns.windows(2).all(|pair| pair[0].values.len() == pair[1].values.len());
+    let is_even = |columns: &[willis::internals::formats::Column]| {
+        columns.windows(2).all(|pair| pair[0].values.rows() == pair[1].values.rows())
+    };
     assert!(is_even(&nodes) && is_even(&vessels));
     let _ = words::said_of_input(input);
 }

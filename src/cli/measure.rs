@@ -184,7 +184,7 @@ impl MeasureArgs {
         let columns = compare_groups(names, &subjects, &options)?;
         let left_out = measured.len() - subjects.len();
         let [a, b] = [true, false].map(|group| subjects.iter().filter(|(_, first)| *first == group).count());
-        let ([first, second], compared) = (names, plural(columns[0].values.len(), "measure"));
+        let ([first, second], compared) = (names, plural(columns[0].values.rows(), "measure"));
         terminal.say("compared", format!("{compared}: {a} of {first}, {b} of {second}, {left_out} left out"));
         Ok(columns)
     }

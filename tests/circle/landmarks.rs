@@ -163,12 +163,6 @@ fn landmarks_make_a_round_trip() {
     let point = &markup["controlPoints"][0];
     assert_eq!([&point["id"], &point["label"], &point["positionStatus"]], ["1", "L-ICA/L-M1/L-A1", "defined"]);
     assert_eq!(point["position"], serde_json::json!([10.125, -6.5, 0]));
-    for (name, format) in
-        [("a.mrk.json", LandmarkFormat::Markups), ("A.FCSV", LandmarkFormat::Fcsv), ("a.csv", LandmarkFormat::Csv)]
-    {
-        assert_eq!(LandmarkFormat::of_path(Path::new(name)), Some(format));
-    }
-    assert_eq!(LandmarkFormat::of_path(Path::new("a.vtp")), None);
 }
 
 /// The spellings of TopCoW, iCafe, COSTA, papers and of people in a hurry.

@@ -99,7 +99,7 @@ fn thinning_keeps_components_tunnels_and_cavities() {
     for seed in 0..200 {
         let mask = lumps(seed);
         let Some(vessels) = Foreground::of(&mask) else { continue };
-        let (all, thinned) = (voxels(&vessels, 0..vessels.len()), skeleton(&mask).1);
+        let (all, thinned) = (voxels(&vessels, 0..vessels.count()), skeleton(&mask).1);
         assert_eq!(topology(mask.shape, &all), topology(mask.shape, &thinned), "seed {seed}");
         // Nothing more can go: every voxel left is an end, alone, or needed.
         let again = self::mask(mask.shape, |at| thinned.contains(&at));
@@ -120,7 +120,7 @@ fn the_graph_has_the_loops_of_the_mask() {
             continue;
         }
         let tunnels = components as i64 - euler;
-        assert_eq!(graph(&traced.lines), (components - traced.specks, tunnels), "seed {seed} of {} voxels", vessels.len());
+        assert_eq!(graph(&traced.lines), (components - traced.specks, tunnels), "seed {seed} of {} voxels", vessels.count());
         loops += tunnels;
     }
     assert!(loops > 100, "{loops}");

@@ -31,7 +31,7 @@ pub fn bids_columns(rows: &[CohortRow], names: &[(String, Option<String>)]) -> V
 pub fn write_tsv(out: &mut impl Write, columns: &[Column]) -> io::Result<()> {
     let mut line = |cells: Vec<Cow<'_, str>>| writeln!(out, "{}", cells.join("\t"));
     line(columns.iter().map(|column| column.name.clone()).collect())?;
-    for row in 0..columns.first().map_or(0, |column| column.values.len()) {
+    for row in 0..columns.first().map_or(0, |column| column.values.rows()) {
         let cell = |column: &Column| {
             let text = match &column.values {
                 Values::Text(texts) => escape_formula(&texts[row]).replace(char::is_control, " "),

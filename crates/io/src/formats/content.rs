@@ -1,6 +1,6 @@
 //! What a file holds, and the network that it becomes.
 
-use crate::formats::tables::reader::{is_missing, plural};
+use crate::formats::tables::reader::{counted, is_missing};
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Network, RadiusRule, WELD_TOLERANCE, contract, millimetres};
 
@@ -53,11 +53,7 @@ impl Content {
     /// No vessel, one without length, or one without a radius where no default is given.
     pub fn into_network(self, rule: RadiusRule, default_radius: Option<f64>) -> Result<BuiltNetwork, Fault> {
         let mut notes = Vec::new();
-        let mut note = |count: usize, noun: &str, what: &str| {
-            if count > 0 {
-                notes.push(format!("{} {what}", plural(count, noun)));
-            }
-        };
+        let mut note = |count: usize, noun: &str, what: &str| notes.extend(counted(count, noun, what));
         let taken = default_radius.map_or(String::new(), |r| millimetres(r).to_string());
         let defaulted = format!("without any radius: took `default_radius`, {taken} mm");
         let (mut network, lines) = match self {

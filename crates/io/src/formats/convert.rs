@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 use std::collections::HashSet;
-use std::io;
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 use crate::formats::format::Written;
@@ -112,12 +112,7 @@ pub fn refusal(target: &Target, error: &io::Error) -> Error {
 /// # Errors
 ///
 /// A network that the format cannot hold at all (`InvalidInput`, see [`refusal`]), or the writers' own.
-pub fn write_into(
-    network: &Network,
-    target: &Target,
-    vessels: impl io::Write + io::Seek,
-    nodes: impl io::Write,
-) -> io::Result<Written> {
+pub fn write_into(network: &Network, target: &Target, vessels: impl Write + Seek, nodes: impl Write) -> io::Result<Written> {
     let mut written = Written::default();
     let drawn;
     let network = if consists_of_lines(target.format, network) {
@@ -201,7 +196,8 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let degree = network.degrees(|_| true);
     let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
     let lengths = vessels(&|ends, v| differs(drawn_length(network, v, ends), v.length));
-    let radii = vessels(&|_, v| differs(drawn_radius(v), v.radius));
+    // Points that are made keep the radius.
+    let radii = vessels(&|_, v| !v.path.is_empty() && differs(Some(RadiusRule::Mean.radius(&v.path)), v.radius));
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
@@ -238,9 +234,4 @@ fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<
         return Some(distance(a?, b?));
     }
     Some(length_of(&vessel.path))
-}
-
-/// The mean radius (m) over a vessel's points; none without points, since the ones that are then made keep the radius.
-fn drawn_radius(vessel: &Vessel) -> Option<f64> {
-    (!vessel.path.is_empty()).then(|| RadiusRule::Mean.radius(&vessel.path))
 }

@@ -24,7 +24,7 @@ use super::swc::write_swc;
 use super::tables::graph::{self, graph_columns, write_csv_graph};
 use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
 use super::tables::points::{read_points, write_points};
-use super::tables::reader::{delimiter, plural};
+use super::tables::reader::{counted, delimiter, plural};
 use super::vendors::amira::{is_amira, read_amira, write_amira};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::vendors::slicer_markups::{read_markups, write_markups};
@@ -245,9 +245,7 @@ fn centerlines_of(mask: Mask, options: &ReadOptions) -> Result<(Centerlines, For
         let (wide, are) = (cavities(filled.wide), if filled.wide == 1 { "is" } else { "are" });
         notes.push(format!("{wide} {are} wider than half of the vessel around it, as where only walls are segmented; `cavities=keep` leaves all as they are"));
     }
-    if traced.spurs > 0 {
-        notes.push(format!("{} removed that hardly left the lumen of another vessel", plural(traced.spurs, "spur")));
-    }
+    notes.extend(counted(traced.spurs, "spur", "removed that hardly left the lumen of another vessel"));
     if traced.specks > 0 {
         let length = millimetres(traced.speck_length);
         notes.push(format!("{} left out, shorter than wide: {length:.0} mm in all", plural(traced.specks, "speck")));
@@ -267,9 +265,7 @@ pub(crate) fn format_of(path: &Path, bytes: &[u8]) -> Result<Format, Fault> {
         return Ok(format);
     }
     match xml::root(bytes) {
-        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => {
-            return Ok(Format::Vtp);
-        }
+        Some(("VTKFile", tag)) if ["\"PolyData\"", "'PolyData'"].iter().any(|kind| tag.contains(kind)) => return Ok(Format::Vtp),
         Some(("VTKFile", _)) => return Err(Fault::file("a VTKFile of another type than PolyData", Format::expected())),
         Some(("graphml", _)) => return Ok(Format::GraphMl),
         Some((name, _)) => return Err(Fault::file(format!("XML with the root element <{name}>"), Format::expected())),
@@ -340,19 +336,13 @@ fn table(path: &Path, header: &str) -> Option<Format> {
     let columns: Vec<&str> = header.split(delimiter(header)).map(|column| column.trim().trim_matches('"')).collect();
     let has = |names: &[&str]| names.iter().all(|name| columns.iter().any(|column| column.eq_ignore_ascii_case(name)));
     let named = has(&["node"]) || has(&["id"]);
-    if has(&["node1id", "node2id"]) || (has(&["id", "pos_x", "pos_y", "pos_z"])) {
-        Some(Format::Voreen)
-    } else if has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)) {
-        Some(Format::VesselVio)
-    } else if graph::is_header(header) {
-        Some(Format::Csv)
-    } else if has(&["fragment"]) {
-        Some(Format::Points)
-    } else if icafe::is_header(&columns) {
-        Some(Format::ICafe)
-    } else if has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some() {
-        Some(Format::VesselVio)
-    } else {
-        None
-    }
+    let known = [
+        (has(&["node1id", "node2id"]) || has(&["id", "pos_x", "pos_y", "pos_z"]), Format::Voreen),
+        (has(&["source id", "target id"]) || (has(&["source", "target"]) && edges_refer_to_rows(path)), Format::VesselVio),
+        (graph::is_header(&columns), Format::Csv),
+        (has(&["fragment"]), Format::Points),
+        (icafe::is_header(&columns), Format::ICafe),
+        (has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some(), Format::VesselVio),
+    ];
+    known.into_iter().find(|(is_so, _)| *is_so).map(|(_, format)| format)
 }

@@ -45,10 +45,10 @@ pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Netwo
     let mut graph = Graph::default();
     let mut graphs = 0;
     while let Some(step) = events.next()? {
-        if step != XmlStep::Start || events.depth() == 1 {
+        if step != XmlStep::Start || events.depth == 1 {
             continue;
         }
-        match events.tag().name() {
+        match events.tag.name() {
             "key" => graph.keys.declare(&mut events)?,
             "graph" => {
                 graphs += 1;
@@ -77,10 +77,10 @@ fn simple(tag: &Tag) -> Result<(), Fault> {
 impl Graph {
     /// Reads a `<graph>`, which has begun, up to its end.
     fn read(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
-        self.directed = events.tag().attribute("edgedefault")?.as_deref() == Some("directed");
-        let depth = events.depth();
+        self.directed = events.tag.attribute("edgedefault")?.as_deref() == Some("directed");
+        let depth = events.depth;
         while events.next_child(depth)? {
-            let tag = events.tag();
+            let tag = &events.tag;
             simple(tag)?;
             match tag.name() {
                 "node" => {
@@ -172,10 +172,10 @@ impl Graph {
 
 /// Reads the data of a node or edge, which has begun, up to its end; `text` is for the texts.
 fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead>, text: &mut String) -> Result<(), Fault> {
-    records.begin(events.tag().line);
-    let depth = events.depth();
+    records.begin(events.tag.line);
+    let depth = events.depth;
     while events.next_child(depth)? {
-        let tag = events.tag();
+        let tag = &events.tag;
         if tag.name() != "data" {
             simple(tag)?;
             events.skip(simple)?;
@@ -186,7 +186,7 @@ fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead
             let line = tag.line;
             events.text(simple, text)?;
             // Attributes that are numbers are checked where they are read.
-            if keys.is_real_label(key) && text.trim().parse().is_ok_and(f64::is_infinite) {
+            if keys.keys[key].is_real_label && text.trim().parse().is_ok_and(f64::is_infinite) {
                 return Err(Fault::line(line, format!("label {}", text.trim()), "expected a finite number, as its key says"));
             }
             records.put(key, text);
@@ -209,8 +209,8 @@ struct Key {
     name: Option<String>,
     default: Option<String>,
     on: String,
-    /// Whether its values are real numbers.
-    is_real: bool,
+    /// Whether it holds labels that are real numbers.
+    is_real_label: bool,
     declared: bool,
     /// The line on which it was met.
     line: usize,
@@ -219,7 +219,7 @@ struct Key {
 impl Keys {
     /// Reads a `<key>`, which has begun, up to its end.
     pub(crate) fn declare(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
-        let (tag, line) = (events.tag(), events.tag().line);
+        let (tag, line) = (&events.tag, events.tag.line);
         let id = tag.attribute("id")?.ok_or_else(|| Fault::line(line, "a <key> has no id", "expected an id"))?;
         let number = self.number(&id, line);
         if self.keys[number].declared {
@@ -228,16 +228,17 @@ impl Keys {
         let on = tag.attribute("for")?.map_or_else(|| "all".to_owned(), Into::into);
         let name = tag.attribute("attr.name")?.map(Into::into);
         let is_real = tag.attribute("attr.type")?.is_some_and(|kind| kind == "double" || kind == "float");
+        let is_real_label = is_real && name.as_deref() == Some("label");
         let mut default = None;
-        let depth = events.depth();
+        let depth = events.depth;
         while events.next_child(depth)? {
-            if events.tag().name() == "default" && default.is_none() {
+            if events.tag.name() == "default" && default.is_none() {
                 events.text(|_| Ok(()), default.insert(String::new()))?;
             } else {
                 events.skip(|_| Ok(()))?;
             }
         }
-        self.keys[number] = Key { name, default, on, is_real, declared: true, line };
+        self.keys[number] = Key { name, default, on, is_real_label, declared: true, line };
         Ok(())
     }
 
@@ -247,19 +248,13 @@ impl Keys {
         !key.declared || key.name.as_deref().is_some_and(is_wanted)
     }
 
-    /// Whether a key names labels that are real numbers.
-    fn is_real_label(&self, number: usize) -> bool {
-        let key = &self.keys[number];
-        key.is_real && key.name.as_deref() == Some("label")
-    }
-
     /// The number of a key, which may be declared later.
     pub(crate) fn number(&mut self, id: &str, line: usize) -> usize {
         if let Some(number) = self.number_of.get(id) {
             return *number;
         }
         self.number_of.insert(id.to_owned(), self.keys.len());
-        self.keys.push(Key { name: None, default: None, on: String::new(), is_real: false, declared: false, line });
+        self.keys.push(Key { name: None, default: None, on: String::new(), is_real_label: false, declared: false, line });
         self.keys.len() - 1
     }
 
@@ -282,7 +277,7 @@ impl Keys {
                 defaults.insert(name.clone(), default.clone());
             }
         }
-        records.name(self.keys.iter().map(|key| key.name.clone()).collect(), defaults);
+        (records.names, records.defaults) = (self.keys.iter().map(|key| key.name.clone()).collect(), defaults);
         Ok(())
     }
 }
@@ -295,19 +290,14 @@ impl Keys {
 /// # Errors
 ///
 /// A column without one value for each row (`InvalidInput`), or the writer's own.
-pub fn write_graphml(
-    mut out: impl Write,
-    network: &Network,
-    node_columns: &[Column],
-    vessel_columns: &[Column],
-) -> io::Result<()> {
-    check_rows(node_columns, network.node_count())?;
-    check_rows(vessel_columns, network.vessel_count())?;
-    let with_points = network.vessels().any(|(_, v)| !v.path.is_empty()) && vessel_columns.iter().all(|c| c.name != "points");
+pub fn write_graphml(mut out: impl Write, network: &Network, of_nodes: &[Column], of_vessels: &[Column]) -> io::Result<()> {
+    check_rows(of_nodes, network.node_count())?;
+    check_rows(of_vessels, network.vessel_count())?;
+    let with_points = network.vessels().any(|(_, v)| !v.path.is_empty()) && of_vessels.iter().all(|c| c.name != "points");
     writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(out, r#"<graphml xmlns="http://graphml.graphdrawing.org/xmlns">"#)?;
-    keys(&mut out, "node", node_columns)?;
-    keys(&mut out, "edge", vessel_columns)?;
+    keys(&mut out, "node", of_nodes)?;
+    keys(&mut out, "edge", of_vessels)?;
     if with_points {
         writeln!(out, r#"  <key id="points" for="edge" attr.name="points" attr.type="string"/>"#)?;
     }
@@ -320,13 +310,13 @@ pub fn write_graphml(
     }
     for (row, node) in network.nodes().enumerate() {
         writeln!(out, r#"    <node id="{}">"#, escape(&node.id))?;
-        data(&mut out, "node", node_columns, row)?;
+        data(&mut out, "node", of_nodes, row)?;
         writeln!(out, "    </node>")?;
     }
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let [a, b] = ends.map(|end| escape(&network.node(end).id));
         writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
-        data(&mut out, "edge", vessel_columns, row)?;
+        data(&mut out, "edge", of_vessels, row)?;
         if with_points && !vessel.path.is_empty() {
             writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
         }

@@ -12,7 +12,8 @@ const SHOWN: usize = 40;
 
 /// A place in a file that mixes lines and binary data.
 pub(super) struct HeaderLines<'a> {
-    rest: &'a [u8],
+    /// The bytes that are left.
+    pub(super) rest: &'a [u8],
     line: usize,
 }
 
@@ -20,11 +21,6 @@ impl<'a> HeaderLines<'a> {
     /// At the start of a file.
     pub(super) fn new(bytes: &'a [u8]) -> Self {
         Self { rest: bytes, line: 1 }
-    }
-
-    /// How many bytes are left.
-    pub(super) fn left(&self) -> usize {
-        self.rest.len()
     }
 
     /// The next line without blanks around it, and its number; the place stays before it.
@@ -37,11 +33,9 @@ impl<'a> HeaderLines<'a> {
         if self.rest.is_empty() {
             return None;
         }
-        let (text, rest) = match self.rest.iter().position(|b| *b == b'\n') {
-            Some(at) => (&self.rest[..at], &self.rest[at + 1..]),
-            None => (self.rest, &self.rest[self.rest.len()..]),
-        };
-        self.rest = rest;
+        let mut parts = self.rest.splitn(2, |b| *b == b'\n');
+        let text = parts.next().unwrap_or_default();
+        self.rest = parts.next().unwrap_or_default();
         self.line += 1;
         Some((self.line - 1, text.trim_ascii()))
     }
@@ -72,6 +66,9 @@ impl<'a> HeaderLines<'a> {
 pub(super) fn shown(text: &str) -> String {
     text.chars().take(SHOWN).map(|c| if c.is_control() { '\u{fffd}' } else { c }).collect()
 }
+
+/// The numbers of a field, where it is there.
+type Numbers<N> = Result<Option<Vec<N>>, Fault>;
 
 /// The fields by name.
 pub(super) struct HeaderFields {
@@ -141,25 +138,13 @@ impl HeaderFields {
     }
 
     /// As many numbers as are asked for, of the first of some fields that is there.
-    pub(super) fn first_numbers(
-        &self,
-        names: &[&str],
-        count: usize,
-        accepted: &str,
-        admits: fn(&f64) -> bool,
-    ) -> Result<Option<Vec<f64>>, Fault> {
+    pub(super) fn first_numbers(&self, names: &[&str], count: usize, accepted: &str, admits: fn(&f64) -> bool) -> Numbers<f64> {
         let name = names.iter().find(|name| self.get(name).is_some());
         name.map_or(Ok(None), |name| self.numbers(name, count, accepted, admits))
     }
 
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
-    pub(super) fn numbers<N: FromStr>(
-        &self,
-        name: &str,
-        count: usize,
-        accepted: &str,
-        admits: fn(&N) -> bool,
-    ) -> Result<Option<Vec<N>>, Fault> {
+    pub(super) fn numbers<N: FromStr>(&self, name: &str, count: usize, accepted: &str, admits: fn(&N) -> bool) -> Numbers<N> {
         let Some((_, value)) = self.get(name) else { return Ok(None) };
         let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
         let wrong = || self.wrong(name, format!("expected {count} {accepted}"));

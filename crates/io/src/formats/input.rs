@@ -21,6 +21,9 @@ pub const MAX_INPUT: u64 = 2 << 30;
 const MOST_INFLATION: u64 = 100;
 const SMALL: u64 = 64 << 20;
 const OPTION: &str = "`max_input` allows more";
+/// Bytes.
+const MIB: f64 = 1_048_576.0;
+const GIB: f64 = 1_073_741_824.0;
 
 /// Reads a number of bytes from a text such as `500MB`, `2GiB` or `100000`.
 ///
@@ -29,21 +32,13 @@ const OPTION: &str = "`max_input` allows more";
 /// The accepted form.
 pub fn byte_count(text: &str) -> Result<u64, &'static str> {
     const ACCEPTED: &str = "expected a positive number of bytes, such as 500MB, 2GiB or 100000";
-    const UNITS: [(&str, u64); 8] = [
-        ("", 1),
-        ("B", 1),
-        ("kB", 1000),
-        ("KiB", 1 << 10),
-        ("MB", 1_000_000),
-        ("MiB", 1 << 20),
-        ("GB", 1_000_000_000),
-        ("GiB", 1 << 30),
-    ];
+    const UNITS: [(&str, f64); 8] =
+        [("", 1.0), ("B", 1.0), ("kB", 1e3), ("KiB", 1024.0), ("MB", 1e6), ("MiB", MIB), ("GB", 1e9), ("GiB", GIB)];
     let text = text.trim();
     let end = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
     let (number, unit) = (&text[..end], text[end..].trim());
     let (_, factor) = UNITS.iter().find(|(name, _)| name.eq_ignore_ascii_case(unit)).ok_or(ACCEPTED)?;
-    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * *factor as f64;
+    let bytes = number.parse::<f64>().map_err(|_| ACCEPTED)? * factor;
     if (1.0..=9e15).contains(&bytes) { Ok(bytes as u64) } else { Err(ACCEPTED) }
 }
 
@@ -51,8 +46,8 @@ pub fn byte_count(text: &str) -> Result<u64, &'static str> {
 fn size(bytes: u64) -> String {
     match bytes {
         0..1_048_576 => format!("{bytes} bytes"),
-        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / 1_048_576.0),
-        _ => format!("{:.1} GiB", bytes as f64 / 1_073_741_824.0),
+        1_048_576..1_073_741_824 => format!("{:.1} MiB", bytes as f64 / MIB),
+        _ => format!("{:.1} GiB", bytes as f64 / GIB),
     }
 }
 
@@ -111,7 +106,8 @@ pub fn regular_bytes_of(path: &Path) -> Result<Vec<u8>> {
 
 /// A file that counts and hashes what is read of it, up to a limit.
 pub(crate) struct LimitedFile {
-    file: Checksummed<File>,
+    /// The file, with the sum of what was read.
+    pub(crate) file: Checksummed<File>,
     most: u64,
     read: u64,
 }
@@ -122,11 +118,6 @@ impl LimitedFile {
         let file = open_named(path)?;
         length_within(&file, path, most, &format!("; {OPTION}"))?;
         Ok(Self { file: Checksummed::new(file), most, read: 0 })
-    }
-
-    /// The SHA-256 of what was read, in hexadecimal digits.
-    pub(crate) fn checksum(self) -> String {
-        self.file.finish()
     }
 }
 
@@ -222,10 +213,7 @@ pub(crate) fn unpacked_name(path: &Path) -> PathBuf {
 /// The file called `name` in the folder of `path`; nothing for a name that leads out of it.
 pub(crate) fn beside(path: &Path, name: &str) -> Option<PathBuf> {
     let mut parts = Path::new(name.strip_prefix("./").unwrap_or(name)).components();
-    match (parts.next(), parts.next()) {
-        (Some(Component::Normal(name)), None) => Some(path.with_file_name(name)),
-        _ => None,
-    }
+    if let (Some(Component::Normal(name)), None) = (parts.next(), parts.next()) { Some(path.with_file_name(name)) } else { None }
 }
 
 /// A limit on how much the compressed parts of a file may unpack to, all together.

@@ -1,15 +1,14 @@
 //! Landmarks in files: a CSV table, or a point list of 3D Slicer (`.mrk.json`, `.fcsv`).
 
 use std::io::{self, Write};
-use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use crate::formats::attributes::POSITION_COLUMNS;
 use crate::formats::input::without_mark;
-use crate::formats::tables::reader::{Row, TableReader};
+use crate::formats::tables::reader::{Row, TableReader, listed, uncommented};
 use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
-use crate::formats::vendors::slicer_markups::{SCHEMA, markups_of, unit};
+use crate::formats::vendors::slicer_markups::{SCHEMA, frame_called, markups_of, unit};
 use willis_core::error::{Fault, Place};
 use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
@@ -63,18 +62,6 @@ pub enum LandmarkFormat {
     Fcsv,
 }
 
-impl LandmarkFormat {
-    /// The format that the ending of a file's name means: `.csv`, `.json` (as in `.mrk.json`) or `.fcsv`.
-    pub fn of_path(path: &Path) -> Option<Self> {
-        match path.extension()?.to_str()?.to_lowercase().as_str() {
-            "csv" => Some(Self::Csv),
-            "json" => Some(Self::Markups),
-            "fcsv" => Some(Self::Fcsv),
-            _ => None,
-        }
-    }
-}
-
 /// Reads landmarks, in the format that the content shows.
 ///
 /// A table has the columns `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of `scale`; or `label,r,a,s` or `label,l,p,s`, as 3D Slicer
@@ -87,8 +74,8 @@ impl LandmarkFormat {
 pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
     let list = if without_mark(bytes).trim_ascii_start().starts_with(b"{") {
         read_markups(without_mark(bytes))?
-    } else if let Some(head) = FcsvHead::of(bytes)? {
-        read_fcsv(bytes, &head)?
+    } else if let Some((frame, columns)) = fcsv_head(bytes)? {
+        read_fcsv(bytes, frame, columns)?
     } else {
         read_table(bytes, scale)?
     };
@@ -100,13 +87,8 @@ pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault
 
 /// The list, with a note on the points that were left out.
 fn list(landmarks: Vec<ListedLandmark>, format: LandmarkFormat, frame: Frame, [undefined, doubtful]: [usize; 2]) -> LandmarkList {
-    let mut notes = Vec::new();
-    if undefined > 0 {
-        notes.push(format!("landmarks without a defined position, left out: {undefined}"));
-    }
-    if doubtful > 0 {
-        notes.push(format!("doubtful landmarks that nobody has confirmed, left out: {doubtful}"));
-    }
+    let doubtful = (doubtful, "doubtful landmarks that nobody has confirmed, left out");
+    let notes = listed([(undefined, "landmarks without a defined position, left out"), doubtful]).collect();
     LandmarkList { landmarks, frame, format, notes }
 }
 
@@ -188,58 +170,44 @@ fn read_markups(bytes: &[u8]) -> Result<LandmarkList, Fault> {
 /// 3D Slicer, the point is selected.
 pub const SURE: f64 = 0.5;
 
-/// What the comments at the top of an `.fcsv` file say.
-struct FcsvHead {
-    frame: Frame,
-    /// The line of the names of the columns, from 1, and the names.
-    columns: (usize, String),
-}
+/// Slicer's names of the columns, for a file that does not state them.
+const FCSV_COLUMNS: &str = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
 
-impl FcsvHead {
-    /// Slicer's names of the columns, for a file that does not state them.
-    const COLUMNS: &str = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
-
-    /// `None` for a file that is no `.fcsv`: one has a comment that names it, its columns or its coordinate system.
-    fn of(bytes: &[u8]) -> Result<Option<Self>, Fault> {
-        // Slicer wrote RAS before it stated the coordinate system.
-        let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
-        for (row, line) in without_mark(bytes).split(|b| *b == b'\n').enumerate() {
-            let line = String::from_utf8_lossy(line);
-            let line = line.trim();
-            if line.is_empty() {
-                continue;
-            }
-            let Some(comment) = line.strip_prefix('#').map(str::trim) else { break };
-            is_fcsv |= comment.starts_with("Markups fiducial file") || comment.starts_with("Fiducial List file");
-            let Some((name, value)) = comment.split_once('=') else { continue };
-            let (name, value) = (name.trim(), value.trim());
-            if name.eq_ignore_ascii_case("columns") {
-                columns = Some((row + 1, value.to_owned()));
-                is_fcsv = true;
-            } else if name.eq_ignore_ascii_case("CoordinateSystem") {
-                is_fcsv = true;
-                frame = match value {
-                    "LPS" | "1" => Frame::Lps,
-                    "RAS" | "0" => Frame::Ras,
-                    other => {
-                        let found = format!("CoordinateSystem {}", other.escape_debug());
-                        return Err(Fault::line(row + 1, found, "expected LPS, RAS, 0 or 1"));
-                    }
-                };
-            }
+/// What the comments at the top of an `.fcsv` file say: the frame, the line of the names of the columns, from 1, and the names. `None` for a
+/// file that is no `.fcsv`: one has a comment that names it, its columns or its coordinate system.
+fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, (usize, String))>, Fault> {
+    // Slicer wrote RAS before it stated the coordinate system.
+    let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
+    for (row, line) in without_mark(bytes).split(|b| *b == b'\n').enumerate() {
+        let line = String::from_utf8_lossy(line);
+        let line = line.trim();
+        if line.is_empty() {
+            continue;
         }
-        let columns = columns.unwrap_or_else(|| (0, Self::COLUMNS.to_owned()));
-        Ok(is_fcsv.then_some(Self { frame, columns }))
+        let Some(comment) = line.strip_prefix('#').map(str::trim) else { break };
+        is_fcsv |= comment.starts_with("Markups fiducial file") || comment.starts_with("Fiducial List file");
+        let Some((name, value)) = comment.split_once('=') else { continue };
+        let (name, value) = (name.trim(), value.trim());
+        if name.eq_ignore_ascii_case("columns") {
+            columns = Some((row + 1, value.to_owned()));
+            is_fcsv = true;
+        } else if name.eq_ignore_ascii_case("CoordinateSystem") {
+            is_fcsv = true;
+            let found = || format!("CoordinateSystem {}", value.escape_debug());
+            frame = frame_called(value).ok_or_else(|| Fault::line(row + 1, found(), "expected LPS, RAS, 0 or 1"))?;
+        }
     }
+    let columns = columns.unwrap_or_else(|| (0, FCSV_COLUMNS.to_owned()));
+    Ok(is_fcsv.then_some((frame, columns)))
 }
 
-fn read_fcsv(bytes: &[u8], head: &FcsvHead) -> Result<LandmarkList, Fault> {
+fn read_fcsv(bytes: &[u8], frame: Frame, (header_line, names): (usize, String)) -> Result<LandmarkList, Fault> {
     // The names of the columns stand in a comment; here they are the header, in a line of their own before the first.
-    let mut text = head.columns.1.clone().into_bytes();
+    let mut text = names.into_bytes();
     text.push(b'\n');
-    text.extend_from_slice(&crate::formats::tables::reader::uncommented(bytes));
+    text.extend_from_slice(&uncommented(bytes));
     let here = |fault: Fault| match fault.place {
-        Place::Line(line) => Fault { place: Place::Line(if line > 1 { line - 1 } else { head.columns.0.max(1) }), ..fault },
+        Place::Line(line) => Fault { place: Place::Line(if line > 1 { line - 1 } else { header_line.max(1) }), ..fault },
         _ => fault,
     };
     let (mut landmarks, mut undefined) = (Vec::new(), 0);
@@ -260,7 +228,7 @@ fn read_fcsv(bytes: &[u8], head: &FcsvHead) -> Result<LandmarkList, Fault> {
         let position = row.point(place, &Scale::default()).map_err(here)?;
         landmarks.push(ListedLandmark { place: Place::Line(row.line - 1), label: row.text(label).to_owned(), position });
     }
-    Ok(list(landmarks, LandmarkFormat::Fcsv, head.frame, [undefined, 0]))
+    Ok(list(landmarks, LandmarkFormat::Fcsv, frame, [undefined, 0]))
 }
 
 /// Writes landmarks whose positions are in `frame`.
@@ -295,7 +263,7 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
             out.flush()
         }
         LandmarkFormat::Fcsv => {
-            writeln!(out, "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = {}", FcsvHead::COLUMNS)?;
+            writeln!(out, "# Markups fiducial file version = 4.11\n# CoordinateSystem = LPS\n# columns = {FCSV_COLUMNS}")?;
             let mut rows = csv::Writer::from_writer(out);
             for (at, point) in landmarks.iter().enumerate() {
                 let ([x, y, z], id) = (lps(point), (at + 1).to_string());

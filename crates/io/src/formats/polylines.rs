@@ -35,12 +35,8 @@ pub(crate) fn node_points(network: &Network) -> io::Result<Vec<PathPoint>> {
             widest[end] = widest[end].max(vessel.radius);
         }
     }
-    let point = |((position, node), widest): ((Point, &Node), f64)| PathPoint {
-        position,
-        radius: node.radius.unwrap_or(widest),
-        id: None,
-    };
-    Ok(positions(network)?.into_iter().zip(network.nodes()).zip(widest).map(point).collect())
+    let radii = network.nodes().zip(widest).map(|(node, widest)| node.radius.unwrap_or(widest));
+    Ok(positions(network)?.into_iter().zip(radii).map(|(position, radius)| PathPoint { position, radius, id: None }).collect())
 }
 
 /// The position of each node, m.
@@ -55,12 +51,8 @@ pub(crate) fn positions(network: &Network) -> io::Result<Vec<Point>> {
 
 /// Every vessel from node to node: along its path, or straight where it has none.
 pub(crate) fn polylines(network: &Network) -> io::Result<Vec<Vec<PathPoint>>> {
-    let at = node_points(network)?;
-    let line = |([a, b], vessel): ([usize; 2], &Vessel)| {
-        let inner = between(&vessel.path, at[a].position, at[b].position, true);
-        [at[a]].into_iter().chain(inner).chain([at[b]]).collect()
-    };
-    Ok(network.vessels().map(line).collect())
+    let (points, lines) = cells(network)?;
+    Ok(lines.into_iter().map(|line| line.into_iter().map(|row| points[row as usize]).collect()).collect())
 }
 
 /// The points of a network, nodes first, and the rows of each vessel's from node to node.

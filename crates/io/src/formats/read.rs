@@ -72,9 +72,9 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
         let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
         let (graph, notes) = read_graphml(stream, options).map_err(|fault| fault.in_file(path))?;
         let (format, content) = (Format::GraphMl, Content::Graph(graph));
-        return Ok(Document { format, content, notes, sha256: file.checksum(), lumen: None });
+        return Ok(Document { format, content, notes, sha256: file.file.finish(), lumen: None });
     }
     file.read_to_end(&mut all).map_err(unread)?;
-    let sha256 = file.checksum();
+    let sha256 = file.file.finish();
     read_content(path, all, sha256, options)
 }

@@ -14,9 +14,6 @@ use willis_core::network::{Centerlines, Frame, Network, PathPoint, Role, Scale, 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
 
-/// A parent still to be found: the line that names it, and its id.
-type Parent = Option<(usize, u64)>;
-
 /// Reads SWC in any order of ids, with any number of roots; returns also notes for the user.
 ///
 /// The columns are separated by blanks or tabs; a zero, negative or infinite radius stands for a missing one and is kept as NaN,
@@ -31,7 +28,7 @@ type Parent = Option<(usize, u64)>;
 /// twice, a parent that does not exist or that descends from its child; a file without points.
 pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut lines = Centerlines::default();
-    let mut parents: Vec<Parent> = Vec::new();
+    let mut parents = Vec::new();
     let mut row_of = HashMap::new();
     let mut line_of = Vec::new();
     let mut wide = None;
@@ -62,10 +59,8 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
                 .ok_or_else(|| Fault::line(at, format!("id {id} is negative"), "expected a whole number from 0 on"))?;
             let kind = code(number(kind, at, 1)?);
             let position = [number(x, at, 2)?, number(y, at, 3)?, number(z, at, 4)?];
-            for (axis, value) in position.iter().enumerate() {
-                if !value.is_finite() {
-                    return Err(Fault::line(at, format!("{} {value}", COLUMNS[axis + 2]), "expected a finite number"));
-                }
+            if let Some(axis) = (0..3).find(|axis| !f64::is_finite(position[*axis])) {
+                return Err(Fault::line(at, format!("{} {}", COLUMNS[axis + 2], position[axis]), "expected a finite number"));
             }
             match row_of.entry(id) {
                 Entry::Vacant(slot) => slot.insert(lines.points.len() as u32),
@@ -79,7 +74,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             types.push(kind);
             lines.points.push(scale.position(position));
             lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
-            parents.push(index(parent, at, 6)?.map(|parent| (at, parent)));
+            parents.push(index(parent, at, 6)?);
             line_of.push(at);
         }
     }
@@ -87,20 +82,13 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
         return Err(Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)"));
     }
     let mut up = Vec::with_capacity(parents.len());
-    for (row, parent) in parents.iter().enumerate() {
-        let Some((at, id)) = parent else {
-            up.push(None);
-            continue;
-        };
-        let Some(parent) = row_of.get(id) else {
-            if *id == 0 {
-                up.push(None);
-                continue;
-            }
-            return Err(Fault::line(*at, format!("parent {id} does not exist"), "expected the id of a point, or -1"));
-        };
-        lines.links.push([*parent, row as u32]);
-        up.push(Some(*parent as usize));
+    for (row, id) in parents.into_iter().enumerate() {
+        let parent = id.and_then(|id| row_of.get(&id).copied());
+        if let Some(id) = id.filter(|id| *id != 0 && parent.is_none()) {
+            return Err(Fault::line(line_of[row], format!("parent {id} does not exist"), "expected the id of a point, or -1"));
+        }
+        lines.links.extend(parent.map(|parent| [parent, row as u32]));
+        up.push(parent.map(|parent| parent as usize));
     }
     let order = parents_first(&up).map_err(|row| {
         let found = format!("point {} is its own ancestor", lines.ids[row]);
@@ -222,13 +210,9 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
     for (point, parent) in parent.iter().enumerate() {
         let [x, y, z] = lines.points[point].map(millimetres);
         let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
-        match parent {
-            Some((parent, row)) => {
-                let (kind, parent) = (types.code(lines.labels.of(*row)), lines.ids[*parent]);
-                writeln!(out, "{} {kind} {x} {y} {z} {radius} {parent}", lines.ids[point])?;
-            }
-            None => writeln!(out, "{} 0 {x} {y} {z} {radius} -1", lines.ids[point])?,
-        }
+        let kind = parent.map_or(0, |(_, row)| types.code(lines.labels.of(row)));
+        let parent = parent.map_or("-1".to_owned(), |(parent, _)| lines.ids[parent].to_string());
+        writeln!(out, "{} {kind} {x} {y} {z} {radius} {parent}", lines.ids[point])?;
     }
     out.flush()?;
     Ok(loops)
@@ -275,12 +259,9 @@ pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNam
         return;
     }
     for row in 0..lines.links.len() {
-        match types[lines.links[row][1] as usize] {
-            0 => {}
-            code => match names.0.get(&code) {
-                Some(name) => lines.labels.set(row, name),
-                None => lines.labels.set(row, &code.to_string()),
-            },
+        let code = types[lines.links[row][1] as usize];
+        if code != 0 {
+            lines.labels.set(row, names.0.get(&code).unwrap_or(&code.to_string()));
         }
     }
 }
@@ -310,11 +291,9 @@ impl TypeCodes {
     pub fn of<'a>(labels: impl Iterator<Item = &'a str>) -> Self {
         let mut codes: BTreeMap<String, u64> = BTreeMap::new();
         let mut words = Vec::new();
-        let mut taken = BTreeSet::new();
         for label in labels.map(single_line).filter(|label| !label.is_empty()) {
             match label.parse::<u64>() {
                 Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
-                    taken.insert(whole);
                     codes.insert(label, whole);
                 }
                 _ => {
@@ -324,10 +303,8 @@ impl TypeCodes {
                 }
             }
         }
-        let mut free = (FIRST_FREE..).filter(|code| !taken.contains(code));
-        for (word, code) in words.into_iter().zip(&mut free) {
-            codes.insert(word, code);
-        }
+        let taken: BTreeSet<u64> = codes.values().copied().collect();
+        codes.extend(words.into_iter().zip((FIRST_FREE..).filter(|code| !taken.contains(code))));
         Self(codes)
     }
 

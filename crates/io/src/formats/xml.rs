@@ -19,20 +19,20 @@ const NO_ENTITIES: &str = "expected no entities but those of XML itself";
 
 /// What comes next in a file. An empty element has a start and an end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::formats) enum XmlStep {
-    /// An element begins: see [`Events::tag`].
+pub(super) enum XmlStep {
+    /// An element begins: see `tag`.
     Start,
     /// The innermost element ends.
     End,
-    /// A part of the text within the innermost element, see [`Events::part`]; comments and references cut a text into parts.
+    /// A part of the text within the innermost element, see `part`; comments and references cut a text into parts.
     Text,
 }
 
 /// The start of an element.
 #[derive(Debug, Clone, Default)]
-pub(in crate::formats) struct Tag {
+pub(super) struct Tag {
     /// Its line, counted from 1.
-    pub(in crate::formats) line: usize,
+    pub(super) line: usize,
     /// The text between the angle brackets.
     content: String,
     /// The length of the name with its prefix.
@@ -40,37 +40,25 @@ pub(in crate::formats) struct Tag {
 }
 
 /// Reads an XML file as a stream, element by element.
-pub(in crate::formats) struct Events<R> {
+pub(super) struct Events<R> {
     reader: Reader<CountedLines<R>>,
     buffer: Vec<u8>,
-    tag: Tag,
+    /// The last element that began.
+    pub(super) tag: Tag,
+    /// The part of a text that was read last.
     part: String,
-    depth: usize,
+    /// How many elements are open now.
+    pub(super) depth: usize,
     /// Whether the root element has been seen.
     rooted: bool,
 }
 
 impl<R: BufRead> Events<R> {
     /// At the start of a file in UTF-8.
-    pub(in crate::formats) fn new(input: R) -> Self {
+    pub(super) fn new(input: R) -> Self {
         let mut reader = Reader::from_reader(CountedLines::new(input));
         reader.config_mut().expand_empty_elements = true;
         Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
-    }
-
-    /// How many elements are open now.
-    pub(in crate::formats) fn depth(&self) -> usize {
-        self.depth
-    }
-
-    /// The last element that began.
-    pub(in crate::formats) fn tag(&self) -> &Tag {
-        &self.tag
-    }
-
-    /// The part of a text that was read last.
-    pub(in crate::formats) fn part(&self) -> &str {
-        &self.part
     }
 
     /// Reads the next start, end or text; `None` at the end of a well-formed file.
@@ -79,7 +67,7 @@ impl<R: BufRead> Events<R> {
     ///
     /// XML that is not well-formed, a document type with declarations, a reference to an entity other than the five
     /// of XML, elements nested too deeply or with too many attributes.
-    pub(in crate::formats) fn next(&mut self) -> Result<Option<XmlStep>, Fault> {
+    pub(super) fn next(&mut self) -> Result<Option<XmlStep>, Fault> {
         loop {
             self.buffer.clear();
             let line = self.reader.get_ref().passed + 1;
@@ -120,11 +108,8 @@ impl<R: BufRead> Events<R> {
                 }
                 Ok(Event::Eof) if inside || !self.rooted => {
                     let what = if inside { "the file ends within an element" } else { "no element" };
-                    return Err(Fault::line(
-                        line - self.reader.get_ref().trailing,
-                        format!("not well-formed XML: {what}"),
-                        ACCEPTED,
-                    ));
+                    let line = line - self.reader.get_ref().trailing;
+                    return Err(Fault::line(line, format!("not well-formed XML: {what}"), ACCEPTED));
                 }
                 Ok(Event::Eof) => return Ok(None),
                 Ok(Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::Empty(_) | Event::DocType(_)) => continue,
@@ -156,7 +141,7 @@ impl<R: BufRead> Events<R> {
     }
 
     /// Goes on to the next element within the one at `depth`; false at the end of that one.
-    pub(in crate::formats) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
+    pub(super) fn next_child(&mut self, depth: usize) -> Result<bool, Fault> {
         while self.depth >= depth {
             match self.next()? {
                 Some(XmlStep::Start) => return Ok(true),
@@ -168,17 +153,13 @@ impl<R: BufRead> Events<R> {
     }
 
     /// Skips the rest of the innermost element; `seen` is called for every element within it.
-    pub(in crate::formats) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
+    pub(super) fn skip(&mut self, seen: impl FnMut(&Tag) -> Result<(), Fault>) -> Result<(), Fault> {
         self.text(seen, &mut String::new())
     }
 
     /// Reads the text directly within the innermost element into `out`, up to its end; `seen` is called for every
     /// element within it.
-    pub(in crate::formats) fn text(
-        &mut self,
-        mut seen: impl FnMut(&Tag) -> Result<(), Fault>,
-        out: &mut String,
-    ) -> Result<(), Fault> {
+    pub(super) fn text(&mut self, mut seen: impl FnMut(&Tag) -> Result<(), Fault>, out: &mut String) -> Result<(), Fault> {
         out.clear();
         let depth = self.depth;
         while self.depth >= depth {
@@ -195,7 +176,7 @@ impl<R: BufRead> Events<R> {
 
 impl Tag {
     /// Its name without prefix.
-    pub(in crate::formats) fn name(&self) -> &str {
+    pub(super) fn name(&self) -> &str {
         self.content[..self.name_length].rsplit(':').next().unwrap_or_default()
     }
 
@@ -204,7 +185,7 @@ impl Tag {
     /// # Errors
     ///
     /// A reference to another entity than the five of XML, or to a character that XML forbids.
-    pub(in crate::formats) fn attribute(&self, name: &str) -> Result<Option<Cow<'_, str>>, Fault> {
+    pub(super) fn attribute(&self, name: &str) -> Result<Option<Cow<'_, str>>, Fault> {
         self.raw().find(|a| a.key.as_ref() == name).map(|a| self.value(&a)).transpose()
     }
 
@@ -213,7 +194,7 @@ impl Tag {
     /// # Errors
     ///
     /// Those of [`Tag::attribute`].
-    pub(in crate::formats) fn attributes(&self) -> Result<Vec<(String, String)>, Fault> {
+    pub(super) fn attributes(&self) -> Result<Vec<(String, String)>, Fault> {
         self.raw().map(|a| Ok((a.key.into_inner().to_owned(), self.value(&a)?.into_owned()))).collect()
     }
 
@@ -287,15 +268,16 @@ const MOST_ELEMENTS: usize = 1 << 18;
 
 /// An element with all that is in it.
 #[derive(Debug)]
-pub(in crate::formats) struct Element {
+pub(super) struct Element {
     /// Its name without prefix.
-    pub(in crate::formats) name: String,
+    pub(super) name: String,
     /// The name of the element around it; empty for the root.
-    pub(in crate::formats) within: String,
+    pub(super) within: String,
     /// The text directly within it.
-    pub(in crate::formats) text: String,
+    pub(super) text: String,
     attributes: Vec<(String, String)>,
-    children: Vec<Element>,
+    /// Its child elements.
+    pub(super) children: Vec<Element>,
 }
 
 impl Element {
@@ -304,14 +286,14 @@ impl Element {
     /// # Errors
     ///
     /// Those of [`Events::next`], or more elements than any file has.
-    pub(in crate::formats) fn root(bytes: &[u8]) -> Result<Self, Fault> {
+    pub(super) fn root(bytes: &[u8]) -> Result<Self, Fault> {
         let mut events = Events::new(bytes);
         // The innermost open element is the last one; a closed one goes to the element around it.
         let (mut open, mut count, mut root) = (Vec::<Self>::new(), 0, None);
         while let Some(step) = events.next()? {
             match step {
                 XmlStep::Start => {
-                    let tag = events.tag();
+                    let tag = &events.tag;
                     count += 1;
                     if count > MOST_ELEMENTS {
                         return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
@@ -326,7 +308,7 @@ impl Element {
                 },
                 XmlStep::Text => {
                     if let Some(element) = open.last_mut() {
-                        element.text.push_str(events.part());
+                        element.text.push_str(&events.part);
                     }
                 }
             }
@@ -335,18 +317,13 @@ impl Element {
         root.ok_or_else(|| Fault::file("no element", "expected a complete XML file"))
     }
 
-    /// Its child elements.
-    pub(in crate::formats) fn children(&self) -> impl Iterator<Item = &Self> {
-        self.children.iter()
-    }
-
     /// Its child elements with a name.
-    pub(in crate::formats) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
+    pub(super) fn named(&self, name: &str) -> impl Iterator<Item = &Self> {
         self.children.iter().filter(move |child| child.name == name)
     }
 
     /// An attribute; empty when there is none.
-    pub(in crate::formats) fn attribute(&self, name: &str) -> &str {
+    pub(super) fn attribute(&self, name: &str) -> &str {
         self.attributes.iter().find(|(key, _)| key == name).map_or("", |(_, value)| value)
     }
 }

@@ -140,9 +140,8 @@ impl Mask {
             if self.classes[voxel] == 0 {
                 self.classes[voxel] = class;
                 layers = layer;
-                open.extend(
-                    beside(voxel).into_iter().filter(|next| self.classes[*next] == 0).map(|next| (next, class, layer + 1)),
-                );
+                let inner = beside(voxel).into_iter().filter(|next| self.classes[*next] == 0);
+                open.extend(inner.map(|next| (next, class, layer + 1)));
             }
         }
         layers

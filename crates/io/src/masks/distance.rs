@@ -8,7 +8,7 @@ use super::foreground::Foreground;
 /// The distance of each voxel, in the unit of `spacing`; infinite where the image has no voxel outside vessels.
 pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
     let strides = vessels.strides();
-    let mut squared = vec![f64::INFINITY; vessels.len()];
+    let mut squared = vec![f64::INFINITY; vessels.count()];
     let (mut run, mut values) = (Vec::new(), Vec::new());
     for axis in 0..3 {
         for place in vessels.places() {
@@ -26,9 +26,7 @@ pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
             run.iter().zip(&lowest[1..]).for_each(|(row, value)| squared[*row] = *value);
         }
     }
-    for value in &mut squared {
-        *value = value.sqrt();
-    }
+    squared.iter_mut().for_each(|value| *value = value.sqrt());
     squared
 }
 

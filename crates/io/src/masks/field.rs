@@ -34,7 +34,7 @@ pub struct Field {
 impl Field {
     /// The field around the voxels of a mask.
     pub fn of(vessels: &Foreground) -> Self {
-        let steps = steps_of(vessels.affine());
+        let steps = steps_of(&vessels.affine);
         let spacing = steps.map(norm);
         let voxel = spacing.iter().copied().fold(f64::INFINITY, f64::min);
         let mut depth = vec![(OUTSIDE * voxel) as f32; vessels.box_size()];
@@ -52,8 +52,8 @@ impl Field {
         for (place, distance) in vessels.places().zip(inside) {
             depth[place] = (distance.min(DEEPEST * voxel) - 0.5 * voxel) as f32;
         }
-        let (shape, origin) = (vessels.box_shape(), vessels.box_origin());
-        let at = vessels.affine().map(|row| row[3]);
+        let (shape, origin) = (vessels.shape, vessels.box_origin());
+        let at = vessels.affine.map(|row| row[3]);
         Self { shape, origin, inverse: inverse_of(steps), at, voxel, depth, steps }
     }
 
@@ -103,14 +103,13 @@ impl Field {
         let range = |k: usize| {
             let low = (centre[k] - half[k]).floor().max(0.0);
             let high = (centre[k] + half[k]).ceil().min((self.shape[k] - 1) as f64);
-            (low as isize, high.max(-1.0) as isize)
+            low as isize..=high.max(-1.0) as isize
         };
-        let ranges = [0, 1, 2].map(range);
+        let [along_x, along_y, along_z] = [0, 1, 2].map(range);
         let mut out = Vec::new();
-        let span = |k: usize| ranges[k].0..=ranges[k].1;
-        for z in span(2) {
-            for y in span(1) {
-                for x in span(0) {
+        for z in along_z {
+            for y in along_y.clone() {
+                for x in along_x.clone() {
                     // Inside the depth is half a voxel at least, outside at most half a voxel the other way.
                     if self.at([x, y, z]) > 0.0 {
                         let to = [x as f64 - centre[0], y as f64 - centre[1], z as f64 - centre[2]];

@@ -11,13 +11,13 @@ const BITS: usize = 64;
 #[derive(Debug, Clone)]
 pub struct Foreground {
     /// The box's lengths; its first voxel is `origin`.
-    shape: [usize; 3],
+    pub(super) shape: [usize; 3],
     /// The indices in the image of the box's first voxel, which may be -1.
     origin: [isize; 3],
     /// The image's own lengths.
     image: [usize; 3],
     /// Where the centre of each of its voxels is, mm.
-    affine: Affine,
+    pub(super) affine: Affine,
     /// One bit for each place of the box.
     words: Vec<u64>,
     /// How many voxels come before each word, and all of them last.
@@ -67,13 +67,8 @@ impl Foreground {
     }
 
     /// How many voxels there are.
-    pub fn len(&self) -> usize {
+    pub fn count(&self) -> usize {
         self.before.last().map_or(0, |count| *count as usize)
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// How many voxels the box has.
@@ -81,19 +76,9 @@ impl Foreground {
         self.shape.iter().product()
     }
 
-    /// The lengths of the box.
-    pub fn box_shape(&self) -> [usize; 3] {
-        self.shape
-    }
-
     /// The indices in the image of the box's first voxel, which may be -1.
     pub fn box_origin(&self) -> [f64; 3] {
         self.origin.map(|index| index as f64)
-    }
-
-    /// Where the centre of each voxel of the image is, mm.
-    pub fn affine(&self) -> &Affine {
-        &self.affine
     }
 
     /// Steps from a place of the box to the next along each axis.

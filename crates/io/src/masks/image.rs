@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use super::mask::{Affine, inverse_of, steps_of};
 use willis_core::network::{metres, millimetres};
-use willis_core::support::geometry::{Point, dot, norm};
+use willis_core::support::geometry::{Point, bounds, dot, norm};
 use willis_core::support::in_chunks;
 
 /// A kernel reaches so many standard deviations to either side.
@@ -47,8 +47,10 @@ impl Image {
 /// The part of an image around some places, smoothed.
 #[derive(Debug, Clone)]
 pub struct Picture {
-    shape: [usize; 3],
-    values: Vec<f32>,
+    /// Voxels along the three axes.
+    pub(super) shape: [usize; 3],
+    /// The values, the first axis fastest.
+    pub(super) values: Vec<f32>,
     /// From mm to indices: rows of three, after subtracting `at`.
     inverse: [Point; 3],
     /// The position of the first voxel, mm.
@@ -68,11 +70,10 @@ impl Picture {
             let place = [0, 1, 2].map(|k| millimetres(if corner >> k & 1 == 0 { low[k] } else { high[k] }) - at[k]);
             inverse.map(|row| dot(row, place))
         };
-        let corners: Vec<[f64; 3]> = (0..8).map(index).collect();
+        let [least, most] = bounds((0..8).map(index));
         let mut range = [[0; 2]; 3];
         for (axis, range) in range.iter_mut().enumerate() {
-            let least = corners.iter().map(|c| c[axis]).fold(f64::INFINITY, f64::min);
-            let most = corners.iter().map(|c| c[axis]).fold(f64::NEG_INFINITY, f64::max);
+            let (least, most) = (least[axis], most[axis]);
             let last = (image.shape[axis] - 1) as f64;
             if !(most >= 0.0 && least <= last) {
                 return None;
@@ -112,16 +113,6 @@ impl Picture {
                 *value -= a + share * (b - a);
             }
         });
-    }
-
-    /// Voxels along the three axes.
-    pub fn shape(&self) -> [usize; 3] {
-        self.shape
-    }
-
-    /// The values, the first axis fastest.
-    pub fn values(&self) -> &[f32] {
-        &self.values
     }
 
     /// The row of a voxel in the values.

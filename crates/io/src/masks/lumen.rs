@@ -26,12 +26,9 @@ pub fn nearest_seeds(mask: &Mask, vessels: &Foreground, seeds: &[u32]) -> Vec<u3
     let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
     let seeds: Vec<(usize, [f64; 3])> =
         seeds.iter().map(|row| vessels.place(*row as usize)).map(|place| (place, indices(place))).collect();
-    let apart = |at: [f64; 3], seed: u32| {
-        let (_, from) = seeds[seed as usize];
-        squared_distance(steps, at, from)
-    };
+    let apart = |at: [f64; 3], seed: u32| squared_distance(steps, at, seeds[seed as usize].1);
     // The nearest seed so far of each voxel, or the settled one.
-    let mut best = vec![NONE; vessels.len()];
+    let mut best = vec![NONE; vessels.count()];
     // Lengths are not negative, so that their bits are in their order.
     let mut open: BinaryHeap<Reverse<(u64, u32, u32)>> =
         (0_u32..).zip(&seeds).map(|(seed, (place, _))| Reverse((0, seed, *place as u32))).collect();

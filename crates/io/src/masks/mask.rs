@@ -63,12 +63,8 @@ impl Mask {
 
     /// The volume of a voxel, mm³.
     pub fn voxel_volume(&self) -> f64 {
-        dot(self.column(0), cross(self.column(1), self.column(2))).abs()
-    }
-
-    /// The step of one voxel along an axis, mm.
-    pub fn column(&self, axis: usize) -> Point {
-        [0, 1, 2].map(|row| self.affine[row][axis])
+        let [a, b, c] = steps_of(&self.affine);
+        dot(a, cross(b, c)).abs()
     }
 
     /// The position of a voxel, or of a place between voxels, mm.
@@ -127,11 +123,5 @@ fn axes_by_direction(affine: &Affine) -> [usize; 3] {
     const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
     let length = steps_of(affine).map(norm);
     let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
-    let mut best = WAYS[0];
-    for way in &WAYS[1..] {
-        if along(way) > along(&best) + 1e-9 {
-            best = *way;
-        }
-    }
-    best
+    WAYS[1..].iter().fold(WAYS[0], |best, way| if along(way) > along(&best) + 1e-9 { *way } else { best })
 }

@@ -34,7 +34,7 @@ impl RunLengths {
 
     /// The voxels in blocks of one size; `None` where that is more than is allowed. One block is always allowed.
     fn in_blocks(vessels: &Foreground, block: usize, faces: usize, cells: usize) -> Option<Self> {
-        let inner = vessels.box_shape().map(|length| length - 2);
+        let inner = vessels.shape.map(|length| length - 2);
         let shape = inner.map(|length| length.div_ceil(block) + 2);
         let is_one = shape == [3; 3];
         if shape.iter().product::<usize>() > cells && !is_one {
@@ -54,25 +54,19 @@ impl RunLengths {
             }
             runs(blocks.into_iter())
         };
-        Some(Self { bytes, ..Self::frame(vessels, block, shape) })
-    }
-
-    /// The place in space of blocks of this size, without content.
-    fn frame(vessels: &Foreground, block: usize, shape: [usize; 3]) -> Self {
-        let of = vessels.affine();
         // The centre of the first block, in voxels of the image: the block of background before the first one of the box within.
         let first = vessels.box_origin().map(|origin| origin + 1.0 + 0.5 * (block as f64 - 1.0) - block as f64);
-        let affine = of.map(|row| {
+        let affine = vessels.affine.map(|row| {
             let at = row[3] + (0..3).map(|axis| row[axis] * first[axis]).sum::<f64>();
             [row[0] * block as f64, row[1] * block as f64, row[2] * block as f64, at]
         });
-        Self { shape, affine, block, bytes: Vec::new() }
+        Some(Self { shape, affine, block, bytes })
     }
 }
 
 /// The blocks that count as vessel, by their places in a box of this shape, rising.
 fn blocks_of(vessels: &Foreground, block: usize, shape: [usize; 3]) -> Vec<usize> {
-    let [x, y, _] = vessels.box_shape();
+    let [x, y, _] = vessels.shape;
     let of = |at: usize| (at - 1) / block + 1;
     let mut all: Vec<usize> =
         vessels.places().map(|place| (of(place / (x * y)) * shape[1] + of(place / x % y)) * shape[0] + of(place % x)).collect();
@@ -95,26 +89,15 @@ fn faces_of(places: impl Iterator<Item = usize>, strides: [usize; 3], contains: 
 
 /// The lengths of the runs that rising places make.
 fn runs(places: impl Iterator<Item = usize>) -> Vec<u8> {
-    let (mut bytes, mut end, mut begin) = (Vec::new(), 0, None);
-    let mut close = |from: usize, to: usize, end: &mut usize| {
-        put(&mut bytes, from - *end);
-        put(&mut bytes, to - from);
-        *end = to;
-    };
-    let mut last = 0;
-    for place in places {
-        match begin {
-            Some(from) if place != last + 1 => {
-                close(from, last + 1, &mut end);
-                begin = Some(place);
-            }
-            Some(_) => {}
-            None => begin = Some(place),
+    let (mut bytes, mut before, mut places) = (Vec::new(), 0, places.peekable());
+    while let Some(begin) = places.next() {
+        let mut end = begin + 1;
+        while places.next_if_eq(&end).is_some() {
+            end += 1;
         }
-        last = place;
-    }
-    if let Some(from) = begin {
-        close(from, last + 1, &mut end);
+        put(&mut bytes, begin - before);
+        put(&mut bytes, end - begin);
+        before = end;
     }
     bytes
 }

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::image::{Image, Picture};
 use willis_core::network::millimetres;
-use willis_core::support::geometry::{Point, dot, norm, norm_squared};
+use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
 use willis_core::support::statistics::median;
 
 /// The image is averaged with a Gaussian of so many spacings.
@@ -124,8 +124,7 @@ impl Scene {
     /// [`Unseen`], where the image does not show the vessels.
     pub fn new(e: &ScanCenterlines, View { image, appearance }: View) -> Result<Self, Unseen> {
         let h = e.spacing;
-        let bound = |pick: fn(f64, f64) -> f64, start: f64| [0, 1, 2].map(|k| e.position.iter().map(|p| p[k]).fold(start, pick));
-        let (low, high) = (bound(f64::min, f64::INFINITY), bound(f64::max, f64::NEG_INFINITY));
+        let [low, high] = bounds(e.position.iter().copied());
         let wider = [low.map(|x| x - MARGIN * h), high.map(|x| x + MARGIN * h)];
         let away = apart(&image, [low, high]);
         let Some(mut picture) = Picture::of(image, wider, SIGMA * h) else { return Err(Unseen::Beside(away)) };
@@ -167,10 +166,8 @@ impl Scene {
 
     /// Background and noise at a place (m).
     pub fn level(&self, place: Point) -> Level {
-        Level {
-            background: self.sign * self.background.at(&self.picture, place),
-            noise: self.noise.at(&self.picture, place).max(f64::MIN_POSITIVE),
-        }
+        let background = self.sign * self.background.at(&self.picture, place);
+        Level { background, noise: self.noise.at(&self.picture, place).max(f64::MIN_POSITIVE) }
     }
 
     /// How bright a place (m) is, or how dark where vessels are; `None` where it is not known.
@@ -195,7 +192,7 @@ impl Scene {
 
     /// As [`Scene::is_inside`], at indices.
     pub fn is_inside_at(&self, index: [f64; 3]) -> bool {
-        let shape = self.picture.shape();
+        let shape = self.picture.shape;
         let nearest = index.map(|x| x + 0.5);
         let inside = (0..3).all(|axis| nearest[axis] >= 0.0 && nearest[axis] < shape[axis] as f64);
         inside && self.lumen.has(self.picture.row(nearest.map(|x| x as usize)))
@@ -208,11 +205,8 @@ fn apart(image: &Image, [low, high]: [Point; 2]) -> f64 {
         let far = |axis: usize| if n >> axis & 1 == 1 { (image.shape[axis] - 1) as f64 } else { 0.0 };
         1e-3 * ((0..3).map(|axis| image.affine[row][axis] * far(axis)).sum::<f64>() + image.affine[row][3])
     };
-    let gap = |row: usize| {
-        let all = || (0..8).map(|n| corner(n, row));
-        let (least, most) = (all().fold(f64::INFINITY, f64::min), all().fold(f64::NEG_INFINITY, f64::max));
-        (least - high[row]).max(low[row] - most).max(0.0)
-    };
+    let [least, most] = bounds((0..8).map(|n| [0, 1, 2].map(|row| corner(n, row))));
+    let gap = |row: usize| (least[row] - high[row]).max(low[row] - most[row]).max(0.0);
     (0..3).map(gap).fold(0.0, f64::max)
 }
 
@@ -222,8 +216,8 @@ pub struct Bits(Vec<u64>);
 impl Bits {
     /// The voxels that are no further from a point than its radius and so much (m).
     pub fn around(picture: &Picture, e: &ScanCenterlines, more: f64) -> Self {
-        let shape = picture.shape();
-        let mut words = vec![0_u64; picture.values().len().div_ceil(64)];
+        let shape = picture.shape;
+        let mut words = vec![0_u64; picture.values.len().div_ceil(64)];
         let steps = [0, 1, 2].map(|axis| picture.step(axis));
         // A box of indices that holds a ball of radius 1 m.
         let unit = {
@@ -317,14 +311,14 @@ impl Cells {
 /// Background and noise by cells about so wide (m): median and spread of the voxels that are not near vessels; `None` where no voxel of
 /// them is known.
 fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> {
-    let voxels = picture.shape();
+    let voxels = picture.shape;
     let along = [0, 1, 2].map(|axis| norm(picture.step(axis)));
     let shape = [0, 1, 2].map(|axis| ((voxels[axis] as f64 * along[axis] / width).round() as usize).clamp(1, voxels[axis]));
     let size = [0, 1, 2].map(|axis| voxels[axis] as f64 / shape[axis] as f64);
     let stride = size.map(|size| (size / CELL_SAMPLES as f64).floor().max(1.0) as usize);
     let count = shape.iter().product();
     let mut samples: Vec<Vec<f32>> = vec![Vec::new(); count];
-    let values = picture.values();
+    let values = &picture.values;
     let cell = |axis: usize, index: usize| (((index as f64 + 0.5) / size[axis]) as usize).min(shape[axis] - 1);
     for z in (0..voxels[2]).step_by(stride[2]) {
         for y in (0..voxels[1]).step_by(stride[1]) {
@@ -339,8 +333,7 @@ fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> 
     }
     let mut found: Vec<Option<[f64; 2]>> = samples.iter_mut().map(|of| spread(of)).collect();
     while found.iter().any(Option::is_none) {
-        let filled = filled_from_neighbours(&found, shape)?;
-        found = filled;
+        found = filled_from_neighbours(&found, shape)?;
     }
     let part = |k: usize| Cells { shape, size, value: found.iter().flatten().map(|of| of[k]).collect() };
     Some((part(0), part(1)))

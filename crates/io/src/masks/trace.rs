@@ -9,7 +9,7 @@ use super::cavities::Cavities;
 use super::distance::distances;
 use super::foreground::Foreground;
 use super::lumen::{nearest_seeds, volumes};
-use super::mask::Mask;
+use super::mask::{Mask, steps_of};
 use super::skeleton::{Branch, Skeleton, skeleton};
 use super::thinning::thin;
 use willis_core::network::walks::other;
@@ -72,21 +72,16 @@ pub struct Traced {
 pub fn trace(mask: &Mask, radius_from: RadiusFrom, cavities: Cavities) -> Option<Traced> {
     let vessels = Foreground::of(mask)?;
     let thinned = thin(&vessels);
-    let depths = depths_of(&thinned, &distances(&vessels, mask.spacing()));
+    // The distances of the skeleton's voxels alone; the others are as many as the mask is large.
+    let all = distances(&vessels, mask.spacing());
+    let depths = thinned.iter().map(|row| all[*row as usize]).collect();
+    drop(all);
     let mut graph = skeleton(&vessels, &thinned);
     let tracer = Tracer { mask, vessels: &vessels, thinned: &thinned, depths };
     let spurs = graph.prune(|graph, branch, junction| tracer.reach(graph, branch, junction));
-    let (specks, speck_length) = match cavities {
-        Cavities::Fill => tracer.leave_out_specks(&mut graph),
-        Cavities::Keep => (0, 0.0),
-    };
+    let (specks, speck_length) = if cavities == Cavities::Fill { tracer.leave_out_specks(&mut graph) } else { (0, 0.0) };
     let lines = tracer.lines(&graph, radius_from);
     Some(Traced { lines, lumen: vessels, spurs, specks: graph.specks + specks, speck_length })
-}
-
-/// The distances of the skeleton's voxels alone; the others are as many as the mask is large.
-fn depths_of(thinned: &[u32], distances: &[f64]) -> Vec<f64> {
-    thinned.iter().map(|row| distances[*row as usize]).collect()
 }
 
 struct Tracer<'a> {
@@ -230,7 +225,7 @@ impl Tracer<'_> {
     fn held(&self, from: Point, to: Point) -> Point {
         let by = sub(to, from);
         let along = |axis: usize| {
-            let column = self.mask.column(axis);
+            let column = steps_of(&self.mask.affine)[axis];
             dot(by, column) / dot(column, column)
         };
         let voxels = (0..3).map(|axis| along(axis).powi(2)).sum::<f64>().sqrt();
@@ -294,7 +289,7 @@ impl Tracer<'_> {
                     let voxel = self.vessels.voxel_at(place);
                     let at = self.mask.position(voxel.map(|index| index as f64));
                     let share = direction[node].map_or(0.0, |(tip, to)| {
-                        let width: f64 = (0..3).map(|axis| dot(to, self.mask.column(axis)).abs()).sum();
+                        let width: f64 = steps_of(&self.mask.affine).map(|step| dot(to, step).abs()).iter().sum();
                         (dot(sub(at, tip), to) / width + 0.5).clamp(0.0, 1.0)
                     });
                     let is_border =
@@ -305,9 +300,7 @@ impl Tracer<'_> {
                 }
             }
         }
-        for line in &mut *lines {
-            line.measure();
-        }
+        lines.iter_mut().for_each(TracedLine::measure);
         // The lumen at a junction belongs to the vessels that meet there, in the shares of their cross-sections.
         let mut shares: Vec<Vec<(usize, bool, f64)>> = vec![Vec::new(); graph.nodes.len()];
         for (row, branch) in graph.branches.iter().enumerate() {
@@ -355,7 +348,6 @@ impl Tracer<'_> {
 impl TracedLine {
     /// The length that each point stands for: half of the way to its neighbours.
     fn measure(&mut self) {
-        self.lengths.fill(0.0);
         for n in 1..self.points.len() {
             let half = distance(self.points[n - 1], self.points[n]) / 2.0;
             self.lengths[n - 1] += half;
@@ -400,18 +392,10 @@ fn smooth(points: &[Point]) -> Vec<Point> {
     let gaussian = |k: isize, spread: f64| (-0.5 * (k as f64 / spread).powi(2)).exp() / spread;
     let weights: Vec<f64> = (-reach..=reach).map(|k| 2.0 * gaussian(k, once) - gaussian(k, twice)).collect();
     let total: f64 = weights.iter().sum();
-    let turned = |k: isize, about: isize| {
-        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
-        [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis])
-    };
     let at = |k: isize| {
-        if k < 0 {
-            turned(k, 0)
-        } else if k >= n {
-            turned(k, n - 1)
-        } else {
-            points[k as usize]
-        }
+        let about = k.clamp(0, n - 1);
+        let (end, other) = (points[about as usize], points[(2 * about - k).clamp(0, n - 1) as usize]);
+        if k == about { end } else { [0, 1, 2].map(|axis| 2.0 * end[axis] - other[axis]) }
     };
     (0..n)
         .map(|here| {

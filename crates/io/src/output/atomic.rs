@@ -68,7 +68,7 @@ impl StagedFolder {
         Self::check_target(target, true)?;
         let in_progress = InProgress::new(target)?;
         // Under this name it is not moved back.
-        fs::rename(in_progress.target(), in_progress.new_path()).map_err(write_error(target))
+        fs::rename(&in_progress.target, in_progress.new_path()).map_err(write_error(target))
     }
 
     /// Starts a folder that will replace `target`.
@@ -104,7 +104,7 @@ impl StagedFolder {
 
     /// The folder with the checkpoints.
     pub fn checkpoint_folder(&self) -> &Path {
-        self.in_progress.folder()
+        &self.in_progress.folder
     }
 
     /// Moves the folder to its place, with the earlier one set aside until then, and removes the checkpoints.
@@ -125,9 +125,7 @@ impl StagedFolder {
 
 /// Flushes the names in a folder and below it to the disk; the contents are there already.
 fn sync_all(folder: &Path) -> Result<()> {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| path.is_dir()) {
-        sync_all(&path)?;
-    }
+    entries(folder).unwrap_or_default().iter().filter(|path| path.is_dir()).try_for_each(|path| sync_all(path))?;
     sync_folder(folder)
 }
 

@@ -46,10 +46,7 @@ impl DiskFile {
 
     /// Flushes the file to the disk, or returns the first error.
     pub fn finish(self) -> io::Result<()> {
-        match self.fault {
-            None => self.file.sync_all(),
-            Some(fault) => Err(fault),
-        }
+        self.fault.map_or_else(|| self.file.sync_all(), Err)
     }
 }
 
@@ -166,8 +163,7 @@ pub fn relative(file: &Path, folder: &Path) -> Option<String> {
     let (file, folder) = (plain(file)?, plain(folder)?);
     let shared = file.iter().zip(&folder).take_while(|(a, b)| a == b).count();
     // On another drive there is no path.
-    let steps = if shared == 0 { None } else { Some(folder.len() - shared) };
-    let up = std::iter::repeat_n("..".to_owned(), steps?);
+    let up = std::iter::repeat_n("..".to_owned(), (shared > 0).then(|| folder.len() - shared)?);
     Some(up.chain(file[shared..].iter().cloned()).collect::<Vec<_>>().join("/"))
 }
 

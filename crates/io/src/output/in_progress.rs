@@ -34,8 +34,10 @@ pub fn is_in_progress(path: &Path) -> bool {
 /// An output being written, in its hidden folder.
 #[derive(Debug)]
 pub struct InProgress {
-    target: PathBuf,
-    folder: PathBuf,
+    /// Where the output goes.
+    pub target: PathBuf,
+    /// The folder.
+    pub folder: PathBuf,
     /// Parents of the target that were created for it, the innermost first.
     parents: Vec<PathBuf>,
     /// Held until everything is removed.
@@ -77,16 +79,6 @@ impl InProgress {
         clear(&folder, Some(&place));
         discard(&folder);
         Ok(())
-    }
-
-    /// Where the output goes.
-    pub fn target(&self) -> &Path {
-        &self.target
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// Where the output is written.

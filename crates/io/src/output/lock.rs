@@ -146,14 +146,20 @@ fn is_only_name(_: &Metadata) -> bool {
 }
 
 /// Whether an open file is still the one at a path: its last holder may have removed it.
-#[cfg(unix)]
 fn is_at(file: &File, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let same = |a: &Metadata, b: &Metadata| (a.dev(), a.ino()) == (b.dev(), b.ino());
-    file.metadata().ok().zip(fs::symlink_metadata(path).ok()).is_some_and(|(a, b)| same(&a, &b))
+    file.metadata().ok().zip(fs::symlink_metadata(path).ok()).is_some_and(|(a, b)| identity(&a) == identity(&b))
 }
 
+/// The device and the number of a file, which stay when it is renamed.
+#[cfg(unix)]
+pub fn identity(about: &Metadata) -> [u64; 2] {
+    use std::os::unix::fs::MetadataExt;
+    [about.dev(), about.ino()]
+}
+
+/// Its size and its time, which stay too.
 #[cfg(not(unix))]
-fn is_at(_: &File, path: &Path) -> bool {
-    path.exists()
+pub fn identity(about: &Metadata) -> [u64; 2] {
+    let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
+    [about.len(), time.map_or(0, |time| time.as_nanos() as u64)]
 }

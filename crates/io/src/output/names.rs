@@ -105,49 +105,19 @@ pub const COHORT_PAGE: &str = "cohort.html";
 /// The files that a set has put in their places, in the hidden folder of the main file.
 pub const SET: &str = "set.json";
 
-/// The files that the folder of a run may hold besides pictures and topologies; --force replaces no folder with others.
-pub const FILES: [&str; 30] = [
-    RECORD,
-    COMPARISON,
-    OCCLUSIONS,
-    VESSELS,
-    BIFURCATIONS,
-    ENDS,
-    INTERVALS,
-    SUBJECTS,
-    LEDGER,
-    EDGES,
-    NODES,
-    SUGGESTED_CUTS,
-    PAIRINGS,
-    REVIEW,
-    DENSE_LIKELIHOOD,
-    LIKELIHOOD,
-    PAGE,
-    GRAPH,
-    CLASSES,
-    HYPERTENSION,
-    INSTANCES,
-    PHENOTYPE,
-    PHENOTYPE_TABLE,
-    COLLATERAL,
-    TERRITORIES,
-    TRANSIT,
-    WAVEFORMS,
-    WAVEFORM_TABLE,
-    HARMONICS,
-    SUPPLY,
+/// The files that the folder of a run may hold besides pictures and topologies, in groups; --force replaces no folder with others.
+pub const FILES: [&[&str]; 6] = [
+    &[RECORD, LEDGER, PAGE, GRAPH, COMPARISON, INTERVALS, SUBJECTS],
+    &[EDGES, NODES, VESSELS, BIFURCATIONS, ENDS, SUGGESTED_CUTS, PAIRINGS, REVIEW, DENSE_LIKELIHOOD, LIKELIHOOD],
+    &[OCCLUSIONS, TERRITORIES, TRANSIT, WAVEFORMS, WAVEFORM_TABLE, HARMONICS, SUPPLY],
+    &[CLASSES, HYPERTENSION, INSTANCES],
+    &[PHENOTYPE, PHENOTYPE_TABLE, COLLATERAL],
+    &LANDMARKS,
 ];
 /// The pictures of a run, each with an ending for each format.
-pub const PICTURES: [&str; 8] = [
-    SUMMARY_PICTURE,
-    TERRITORY_PICTURE,
-    WAVEFORM_PICTURE,
-    LIKELIHOOD_PICTURE,
-    CONVERGENCE_PICTURE,
-    FLOW_PICTURE,
-    MODULATION_PICTURE,
-    HYPERTENSION_PICTURE,
+pub const PICTURES: [&[&str]; 2] = [
+    &[SUMMARY_PICTURE, LIKELIHOOD_PICTURE, CONVERGENCE_PICTURE, MODULATION_PICTURE, HYPERTENSION_PICTURE],
+    &[FLOW_PICTURE, TERRITORY_PICTURE, WAVEFORM_PICTURE],
 ];
 /// The files in the folder of a cohort besides the folders of its subjects.
 pub const COHORT_FILES: &[&str] = &[COHORT, COHORT_TABLE, COHORT_PAGE, ACCURACY];

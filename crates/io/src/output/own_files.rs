@@ -8,8 +8,7 @@ use serde::de::IgnoredAny;
 
 use super::in_progress::{entries, is_in_progress};
 use super::names::{
-    AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, LANDMARKS, MEDIAN_TOPOLOGY, PICTURES, RECORD,
-    TOPOLOGY,
+    AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, MEDIAN_TOPOLOGY, PICTURES, RECORD, TOPOLOGY,
 };
 use crate::output::files::read_json;
 
@@ -26,10 +25,9 @@ fn is_named(path: &Path, names: &[&str]) -> bool {
 fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
-    let is_known = is_named(path, &FILES) || is_named(path, &LANDMARKS);
-    is_known
+    is_named(path, &FILES.concat())
         || is_labelled(path)
-        || is(&PICTURES, &["png", "svg"])
+        || is(&PICTURES.concat(), &["png", "svg"])
         || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::files::{read_json, replace_file};
 use super::in_progress::folder_of;
-use super::lock::is_own_folder;
+use super::lock::{identity, is_own_folder};
 use super::names::SET;
 use super::target::followed;
 use willis_core::error::Result;
@@ -59,18 +59,4 @@ impl PartialSet {
         self.files.extend(files.filter_map(|(target, staged)| Member::of(&staged, target)));
         replace_file(&self.place, |out| Ok(serde_json::to_writer(out, &self.files)?))
     }
-}
-
-/// The device and the number of a file, which stay when it is renamed.
-#[cfg(unix)]
-fn identity(about: &Metadata) -> [u64; 2] {
-    use std::os::unix::fs::MetadataExt;
-    [about.dev(), about.ino()]
-}
-
-/// Its size and its time, which stay too.
-#[cfg(not(unix))]
-fn identity(about: &Metadata) -> [u64; 2] {
-    let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
-    [about.len(), time.map_or(0, |time| time.as_nanos() as u64)]
 }

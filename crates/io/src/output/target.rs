@@ -72,12 +72,9 @@ pub fn check_vacant(target: &Path, force: bool) -> Result<()> {
         Ok(_) => Ok(()),
         Err(e) => {
             // Other system messages mislead: a folder that exists but takes no entry is "not found".
-            let why = match e.kind() {
-                kind @ (ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem | ErrorKind::StorageFull) => {
-                    format!(": {kind}")
-                }
-                _ => String::new(),
-            };
+            use ErrorKind::{PermissionDenied, ReadOnlyFilesystem, StorageFull};
+            let is_plain = matches!(e.kind(), PermissionDenied | ReadOnlyFilesystem | StorageFull);
+            let why = if is_plain { format!(": {}", e.kind()) } else { String::new() };
             refused(&format!("cannot be made: nothing can be written into {}{why}", folder.display()))
         }
     }

@@ -42,7 +42,7 @@ impl VariantFrequencies {
     /// A missing column, a segment that is none of the ring, a share that is no number from 0 on, or none above 0.
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let mut rows = TableReader::ragged(bytes)?;
-        let line = rows.header_line();
+        let line = rows.header_line;
         let column = |name: &str| {
             rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected missing,share"))
         };

@@ -44,7 +44,7 @@ impl Serialize for PageTable {
         let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("columns", &columns.collect::<Vec<_>>())?;
         map.serialize_entry("of_vessels", &self.of_vessels)?;
-        map.serialize_entry("rows", &self.columns.first().map_or(0, |column| column.values.len()))?;
+        map.serialize_entry("rows", &self.columns.first().map_or(0, |column| column.values.rows()))?;
         map.serialize_entry("title", &self.title)?;
         map.end()
     }
@@ -122,7 +122,7 @@ impl<'a> ArrayData<'a> {
 
 /// The distinct words in the order of their first rows, and the number of the word for each row.
 fn words(values: &Texts) -> (Vec<&str>, Vec<i64>) {
-    let (mut number, mut list, mut rows) = (HashMap::new(), Vec::new(), Vec::with_capacity(values.len()));
+    let (mut number, mut list, mut rows) = (HashMap::new(), Vec::new(), Vec::with_capacity(values.iter().len()));
     for text in values.iter() {
         let next = list.len() as i64;
         let row = *number.entry(text).or_insert_with(|| {

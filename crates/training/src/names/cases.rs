@@ -123,7 +123,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
 /// The label of each point.
 fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, ArteryLabel>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
-    let line = rows.header_line();
+    let line = rows.header_line;
     let column =
         |name: &str| rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected id,label"));
     let (id, label) = (column("id")?, column("label")?);

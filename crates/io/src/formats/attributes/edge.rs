@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use super::item::{AREA, Item, Name, RESISTANCE};
 use super::records::Records;
 use crate::formats::options::ReadOptions;
-use crate::formats::tables::reader::plural;
+use crate::formats::tables::reader::{counted, plural};
 use willis_core::error::Fault;
 use willis_core::network::path_places::length_of;
 use willis_core::network::units::{megapascals, pascal_seconds_per_cubic_metre};
@@ -13,21 +13,10 @@ use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRul
 use willis_core::support::geometry::distance;
 
 /// The attributes of an edge, besides its length and radius.
-pub(crate) const ATTRIBUTES: [&str; 14] = [
-    "label",
-    "origin",
-    "prior",
-    "certain",
-    "probability",
-    "hangs_a",
-    "hangs_b",
-    "continues_a",
-    "continues_b",
-    "kept",
-    "points",
-    SPEED,
-    YOUNG,
-    THICKNESS,
+pub(crate) const ATTRIBUTES: [&[&str]; 3] = [
+    &["label", "origin", "prior", "certain", "kept", "points"],
+    &["probability", "hangs_a", "hangs_b", "continues_a", "continues_b"],
+    &[SPEED, YOUNG, THICKNESS],
 ];
 /// The wall: the speed of a pulse wave, or Young's modulus and the thickness.
 pub(crate) const SPEED: &str = "pwv_m_per_s";
@@ -103,9 +92,7 @@ pub(in crate::formats) fn vessels(
     if origins == 0 && !ends.is_empty() {
         notes.push("no edge has an origin: the file is taken as a candidate graph".to_owned());
     }
-    if straight > 0 {
-        notes.push(format!("{} without length_mm: took the distance between the nodes", plural(straight, "edge")));
-    }
+    notes.extend(counted(straight, "edge", "without length_mm: took the distance between the nodes"));
     for (name, edges) in names {
         let means = match name {
             AREA => "sqrt(avgCrossSection/π)".to_owned(),
@@ -114,9 +101,7 @@ pub(in crate::formats) fn vessels(
         };
         notes.push(format!("the radius of {} is {means}", plural(edges, "edge")));
     }
-    if from_nodes > 0 {
-        notes.push(format!("{} without radius_mm: took the smaller radius of the nodes", plural(from_nodes, "edge")));
-    }
+    notes.extend(counted(from_nodes, "edge", "without radius_mm: took the smaller radius of the nodes"));
     Ok(notes)
 }
 

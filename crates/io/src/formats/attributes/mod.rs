@@ -19,8 +19,8 @@ const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
 /// Whether an attribute of this name is read, or named in a message.
 pub(crate) fn is_wanted(name: &str) -> bool {
     let lower = name.to_ascii_lowercase();
-    let asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &edge::ATTRIBUTES, &SIZES];
-    lower.contains("radius") || lower.contains("length") || asked.iter().any(|names| names.contains(&name))
+    let mut asked = [POSITION_KEYS.as_flattened(), &ATTRIBUTES, &SIZES].into_iter().chain(edge::ATTRIBUTES);
+    lower.contains("radius") || lower.contains("length") || asked.any(|names| names.contains(&name))
 }
 
 /// The columns with the position of a node.
@@ -115,9 +115,7 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
     // Not before: an inner node may have any.
     item.positive(RESISTANCE)?;
     Ok(match (resistance, flow, pressure) {
-        (Some(_), Some(_), _) => {
-            return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition"));
-        }
+        (Some(_), Some(_), _) => return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition")),
         (Some(resistance), None, _) => Some(Condition::Resistance {
             resistance: pascal_seconds_per_cubic_metre(resistance),
             venous: pascals(venous.unwrap_or(0.0)),
@@ -142,9 +140,8 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
     if let (Some(r), Some(total)) = (proximal, item.real(RESISTANCE)?) {
         // Where both are printed with a few digits they may be equal but for the last one.
         if r > total * (1.0 + 1e-9) {
-            return Err(
-                item.fault(format!("{PROXIMAL} {r}"), format!("expected at most {RESISTANCE} {total}, which it is part of"))
-            );
+            let accepted = format!("expected at most {RESISTANCE} {total}, which it is part of");
+            return Err(item.fault(format!("{PROXIMAL} {r}"), accepted));
         }
     }
     let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?;

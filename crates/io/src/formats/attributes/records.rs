@@ -8,9 +8,9 @@ use crate::formats::tables::reader::is_missing;
 #[derive(Debug, Clone, Default)]
 pub(in crate::formats) struct Records {
     /// The names of the attributes by number; none for those that are not read.
-    names: Vec<Option<String>>,
+    pub(in crate::formats) names: Vec<Option<String>>,
     /// The values of items that state none.
-    defaults: HashMap<String, String>,
+    pub(in crate::formats) defaults: HashMap<String, String>,
     text: String,
     fields: Vec<RecordField>,
     items: Vec<RecordStart>,
@@ -42,11 +42,6 @@ impl Records {
     /// Without items, of attributes with these names.
     pub(in crate::formats) fn named(names: &[impl AsRef<str>]) -> Self {
         Self { names: names.iter().map(|name| Some(name.as_ref().to_owned())).collect(), ..Self::default() }
-    }
-
-    /// Names the attributes, in the order of their numbers, and sets the values of items that state none.
-    pub(in crate::formats) fn name(&mut self, names: Vec<Option<String>>, defaults: HashMap<String, String>) {
-        (self.names, self.defaults) = (names, defaults);
     }
 
     /// Begins an item.

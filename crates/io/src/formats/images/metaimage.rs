@@ -70,12 +70,12 @@ impl MetaHeader {
         // A line that begins within the header is read whole.
         let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
         let (mut fields, mut lines) = (HeaderFields::default(), HeaderLines::new(head));
-        while head.len() - lines.left() < MOST_HEADER
+        while head.len() - lines.rest.len() < MOST_HEADER
             && let Some((line, key, value)) = lines.entry()?
         {
             fields.insert(&key, line, &value);
             if key == DATA {
-                return Ok(Self { fields, end: head.len() - lines.left() });
+                return Ok(Self { fields, end: head.len() - lines.rest.len() });
             }
         }
         Err(Fault::file("no ElementDataFile", "expected it as the last line of the header"))

@@ -46,16 +46,16 @@ struct Layout {
     dim: (usize, usize),
     datatype: usize,
     pixdim: usize,
+    /// The first byte of the voxels, followed by slope and intercept.
     offset: usize,
-    slope: usize,
     /// Bytes of a real number.
     real: usize,
-    qform_code: usize,
-    sform_code: usize,
+    /// That of qform, followed by that of sform.
+    codes: usize,
     /// Bytes of a code.
     code: usize,
-    quaternion: usize,
-    sform: usize,
+    /// The quaternion and the origin of qform, followed by the rows of sform.
+    frames: usize,
     units: (usize, usize),
 }
 
@@ -65,13 +65,10 @@ const ONE: Layout = Layout {
     datatype: 70,
     pixdim: 76,
     offset: 108,
-    slope: 112,
     real: 4,
-    qform_code: 252,
-    sform_code: 254,
+    codes: 252,
     code: 2,
-    quaternion: 256,
-    sform: 280,
+    frames: 256,
     units: (123, 1),
 };
 
@@ -81,13 +78,10 @@ const TWO: Layout = Layout {
     datatype: 12,
     pixdim: 104,
     offset: 168,
-    slope: 176,
     real: 8,
-    qform_code: 344,
-    sform_code: 348,
+    codes: 344,
     code: 4,
-    quaternion: 352,
-    sform: 400,
+    frames: 352,
     units: (500, 4),
 };
 
@@ -108,7 +102,7 @@ pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Rea
         stream.by_ref().take((HEAD - 348) as u64).read_to_end(&mut head).map_err(cut)?;
     }
     let (layout, big) = version(&head)
-        .filter(|(layout, _)| head.len() >= layout.sform + 12 * layout.real)
+        .filter(|(layout, _)| head.len() >= layout.frames + 18 * layout.real)
         .ok_or_else(|| Fault::file(format!("a header of {} bytes", head.len()), ACCEPTED))?;
     let header = NiftiHeader { head: &head, layout, big };
     let (voxels, offset) = header.voxels()?;
@@ -176,19 +170,19 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
         put(ONE.pixdim + 4 * (n + 1), &real(spacing));
     }
     put(ONE.offset, &real(352.0));
-    put(ONE.slope, &slope.to_le_bytes());
+    put(ONE.offset + ONE.real, &slope.to_le_bytes());
     // Millimetres.
     put(ONE.units.0, &[2]);
-    put(ONE.sform_code, &1_i16.to_le_bytes());
+    put(ONE.codes + ONE.code, &1_i16.to_le_bytes());
     for (n, x) in affine.iter().flatten().enumerate() {
-        put(ONE.sform + 4 * n, &real(*x));
+        put(ONE.frames + 4 * (6 + n), &real(*x));
     }
     let is_straight =
         (0..3).all(|row| (0..3).all(|column| if row == column { affine[row][column] > 0.0 } else { affine[row][column] == 0.0 }));
     if is_straight {
-        put(ONE.qform_code, &1_i16.to_le_bytes());
+        put(ONE.codes, &1_i16.to_le_bytes());
         for (n, row) in affine.iter().enumerate() {
-            put(ONE.quaternion + 4 * (3 + n), &real(row[3]));
+            put(ONE.frames + 4 * (3 + n), &real(row[3]));
         }
     }
     put(344, b"n+1\0");
@@ -203,6 +197,11 @@ impl NiftiHeader<'_> {
     fn real(&self, first: usize, n: usize) -> f64 {
         let at = first + n * self.layout.real;
         NumberType::Real.value(&self.head[at..at + self.layout.real], self.big)
+    }
+
+    /// The code of qform, or of sform.
+    fn code(&self, form: usize) -> i64 {
+        self.whole(self.layout.codes + form * self.layout.code, self.layout.code)
     }
 
     /// How the voxels are stored, and where they begin.
@@ -234,12 +233,12 @@ impl NiftiHeader<'_> {
             64 => (NumberType::Real, 8),
             _ => return Err(Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel")),
         };
-        let slope = [self.real(layout.slope, 0), self.real(layout.slope, 1)];
+        let slope = [self.real(layout.offset, 1), self.real(layout.offset, 2)];
         let scaled = slope[0].is_finite() && slope[0] != 0.0;
         let offset = if layout.real == 4 { self.real(layout.offset, 0) as i64 } else { self.whole(layout.offset, 8) };
         let affine = self.affine([x, y, z])?;
         let slope = if scaled { [slope[0], if slope[1].is_finite() { slope[1] } else { 0.0 }] } else { [1.0, 0.0] };
-        let states_sides = [layout.sform_code, layout.qform_code].iter().any(|at| self.whole(*at, layout.code) > 0);
+        let states_sides = [0, 1].into_iter().any(|form| self.code(form) > 0);
         let frame = if states_sides { Frame::Ras } else { Frame::Unknown };
         let offset = u64::try_from(offset).unwrap_or(0);
         Ok((Voxels { shape: [x, y, z], kind, size, big: self.big, slope, affine, frame, reversed: false }, offset))
@@ -253,14 +252,13 @@ impl NiftiHeader<'_> {
             3 => 1e-3,
             _ => 1.0,
         };
-        let code = |at: usize| self.whole(at, layout.code);
         let spacing = [1, 2, 3].map(|n| self.real(layout.pixdim, n));
-        let affine = if code(layout.sform_code) > 0 {
-            std::array::from_fn(|row| std::array::from_fn(|column| self.real(layout.sform, 4 * row + column)))
+        let affine = if self.code(1) > 0 {
+            std::array::from_fn(|row| std::array::from_fn(|column| self.real(layout.frames, 6 + 4 * row + column)))
         } else if spacing.iter().any(|s| !(s.is_finite() && *s > 0.0)) {
             let found = format!("voxels of {} x {} x {} mm", spacing[0], spacing[1], spacing[2]);
             return Err(Fault::file(found, "expected a positive spacing along every axis (pixdim)"));
-        } else if code(layout.qform_code) > 0 {
+        } else if self.code(0) > 0 {
             self.qform(spacing)?
         } else {
             let middle = [0, 1, 2].map(|axis| (shape[axis] - 1) as f64 / 2.0 * spacing[axis]);
@@ -272,7 +270,7 @@ impl NiftiHeader<'_> {
 
     /// The frame of a rotation by a quaternion.
     fn qform(&self, spacing: [f64; 3]) -> Result<Affine, Fault> {
-        let at = |n: usize| self.real(self.layout.quaternion, n);
+        let at = |n: usize| self.real(self.layout.frames, n);
         let (b, c, d) = (at(0), at(1), at(2));
         let square = 1.0 - (b * b + c * c + d * d);
         // Three numbers of single precision may exceed 1 by their rounding.

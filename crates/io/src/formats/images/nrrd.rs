@@ -127,13 +127,13 @@ impl NrrdHeader {
         let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
         let mut lines = HeaderLines::new(head);
         loop {
-            let at = head.len() - lines.left();
+            let at = head.len() - lines.rest.len();
             if at >= MOST_HEADER {
                 return Err(Fault::file(format!("no empty line in {MOST_HEADER} bytes"), "expected one after the header"));
             }
             // A header whose voxels are in another file may end with the file.
             let Some((line, text)) = lines.line().filter(|(_, text)| !text.is_empty()) else {
-                return Ok(Self { fields, keys, end: head.len() - lines.left() });
+                return Ok(Self { fields, keys, end: head.len() - lines.rest.len() });
             };
             let text = String::from_utf8_lossy(text);
             if line == 1 || text.starts_with('#') {
@@ -149,11 +149,6 @@ impl NrrdHeader {
                 return Err(Fault::line(line, format!("\"{text}\""), "expected a line `field: value`"));
             }
         }
-    }
-
-    /// The numbers of a field, one for each axis; NaN where an axis has none.
-    fn numbers(&self, name: &str, axes: usize) -> Result<Option<Vec<f64>>, Fault> {
-        self.fields.numbers(name, axes, "numbers", |_| true)
     }
 
     fn encoding(&self) -> Result<Encoding, Fault> {
@@ -229,7 +224,7 @@ impl NrrdHeader {
         {
             return Ok(axis);
         }
-        if let Some(spacings) = self.numbers("spacings", 4)?
+        if let Some(spacings) = self.fields.numbers::<f64>("spacings", 4, "numbers", |_| true)?
             && let Some(axis) = only(spacings.iter().map(|spacing| spacing.is_nan()).collect())
         {
             return Ok(axis);
@@ -256,8 +251,8 @@ impl NrrdHeader {
                 *step = directions[axis].ok_or_else(none)?;
             }
         } else {
-            let spacings = self.numbers("spacings", count)?;
-            let least = self.numbers("axis mins", count)?;
+            let [spacings, least] = ["spacings", "axis mins"].map(|name| self.fields.numbers(name, count, "numbers", |_| true));
+            let (spacings, least): (Option<Vec<f64>>, Option<Vec<f64>>) = (spacings?, least?);
             for (n, axis) in of_space.into_iter().enumerate() {
                 steps[n][n] = spacings.as_ref().map_or(1.0, |spacings| spacings[axis]);
                 origin[n] = least.as_ref().map_or(0.0, |least| least[axis]);

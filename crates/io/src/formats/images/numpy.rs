@@ -46,10 +46,8 @@ pub(crate) fn open_numpy<'a>(
         axes = fewer;
     }
     let Ok([x, y, z]) = <[usize; 3]>::try_from(axes) else {
-        return Err(array.fault(
-            format!("{} dimensions", array.shape.len()),
-            "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii",
-        ));
+        let accepted = "expected a mask of three, or a skeleton graph as .npz: coords, edges, radii";
+        return Err(array.fault(format!("{} dimensions", array.shape.len()), accepted));
     };
     let (rows, frame) = match (stated.affine, stated.spacing.or(spacing)) {
         (Some(affine), _) => (affine, Frame::Ras),
@@ -57,15 +55,13 @@ pub(crate) fn open_numpy<'a>(
             let row = |axis: usize| std::array::from_fn(|column| if column == axis { spacing[axis] } else { 0.0 });
             (std::array::from_fn(row), Frame::Unknown)
         }
-        (None, None) => {
-            return Err(array.fault("no spacing: NumPy states none", "expected `spacing=SX,SY,SZ`, in mm"));
-        }
+        (None, None) => return Err(array.fault("no spacing: NumPy states none", "expected `spacing=SX,SY,SZ`, in mm")),
     };
     let (kind, size, big) = array.numbers()?;
     // In C order the last axis runs fastest.
     let reversed = !array.fortran;
     let (shape, affine) = if reversed { ([z, y, x], rows.map(|[x, y, z, origin]| [z, y, x, origin])) } else { ([x, y, z], rows) };
-    *other = array.into_bytes();
+    *other = array.data;
     Ok((Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame, reversed }, Box::new(other.as_slice())))
 }
 

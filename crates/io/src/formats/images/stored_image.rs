@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use super::pieces::{PIECE, Pieces};
 use super::voxels::{Voxels, fill};
 use crate::formats::binary::NumberType;
-use crate::formats::tables::reader::plural;
+use crate::formats::tables::reader::{counted, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
 
@@ -71,16 +71,11 @@ impl Layers {
             return voxels.read(stream, level, most);
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
-        let classes =
-            ClassesOfLayers { segments: &segments, layers: self.count, voxels: &voxels, unnamed: &unnamed, shared: &shared };
+        let classes = classes_of(stream, &segments, self.count, &voxels, [&unnamed, &shared]);
         let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
-        let mut mask = as_bytes.read(classes.of(stream), level, most)?;
-        if unnamed.get() > 0 {
-            mask.notes.push(format!("{} with a value of no segment: left out", plural(unnamed.get(), "voxel")));
-        }
-        if shared.get() > 0 {
-            mask.notes.push(format!("{} in several segments: taken to the last of them", plural(shared.get(), "voxel")));
-        }
+        let mut mask = as_bytes.read(classes, level, most)?;
+        mask.notes.extend(counted(unnamed.get(), "voxel", "with a value of no segment: left out"));
+        mask.notes.extend(counted(shared.get(), "voxel", "in several segments: taken to the last of them"));
         let names = (1..).zip(segments).filter(|(_, segment)| !segment.name.is_empty());
         mask.names = names.map(|(class, segment)| (class, segment.name)).collect();
         Ok(mask)
@@ -132,46 +127,38 @@ struct SlicerSegment {
     name: String,
 }
 
-/// How the values of all layers of a voxel become its class.
-struct ClassesOfLayers<'a> {
+/// The class of each voxel as a byte, from the stored values of all its layers, which follow one another, each as `voxels` says. Counted are
+/// the voxels with a value of no segment, and those in several segments.
+fn classes_of<'a>(
+    mut stored: impl Read + 'a,
     segments: &'a [SlicerSegment],
     layers: usize,
-    /// How a value of a layer is stored.
     voxels: &'a Voxels,
-    /// Voxels with a value of no segment, and with several segments.
-    unnamed: &'a Cell<usize>,
-    shared: &'a Cell<usize>,
-}
-
-impl<'a> ClassesOfLayers<'a> {
-    /// The class of each voxel as a byte, from the stored values of all its layers, which follow one another.
-    fn of(self, mut stored: impl Read + 'a) -> impl Read + 'a {
-        let bytes = self.voxels.size * self.layers;
-        let mut block = vec![0; PIECE * bytes];
-        // Most voxels are as the one before.
-        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
-        Pieces::new(move |piece| {
-            let found = fill(&mut stored, &mut block)?;
-            for voxel in block[..found].chunks_exact(bytes) {
-                if last.0 != voxel {
-                    let (class, is_unnamed, is_shared) = self.class(voxel);
-                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
-                }
-                self.unnamed.set(self.unnamed.get() + usize::from(last.2));
-                self.shared.set(self.shared.get() + usize::from(last.3));
-                piece.push(last.1);
-            }
-            Ok(())
-        })
-    }
-
-    /// The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
-    fn class(&self, voxel: &[u8]) -> (u8, bool, bool) {
-        let values: Vec<f64> =
-            voxel.chunks_exact(self.voxels.size).map(|stored| self.voxels.kind.value(stored, self.voxels.big)).collect();
-        let mut of = (1_u8..).zip(self.segments).filter(|(_, segment)| values[segment.layer] == segment.value);
+    [unnamed, shared]: [&'a Cell<usize>; 2],
+) -> impl Read + 'a {
+    let bytes = voxels.size * layers;
+    // The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
+    let class_of = move |voxel: &[u8]| {
+        let values: Vec<f64> = voxel.chunks_exact(voxels.size).map(|stored| voxels.kind.value(stored, voxels.big)).collect();
+        let mut of = (1_u8..).zip(segments).filter(|(_, segment)| values[segment.layer] == segment.value);
         let (first, last) = (of.next(), of.last());
         let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
         (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
-    }
+    };
+    let mut block = vec![0; PIECE * bytes];
+    // Most voxels are as the one before.
+    let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
+    Pieces::new(move |piece| {
+        let found = fill(&mut stored, &mut block)?;
+        for voxel in block[..found].chunks_exact(bytes) {
+            if last.0 != voxel {
+                let (class, is_unnamed, is_shared) = class_of(voxel);
+                last = (voxel.to_vec(), class, is_unnamed, is_shared);
+            }
+            unnamed.set(unnamed.get() + usize::from(last.2));
+            shared.set(shared.get() + usize::from(last.3));
+            piece.push(last.1);
+        }
+        Ok(())
+    })
 }

@@ -36,10 +36,8 @@ pub(crate) fn is_tiff(bytes: &[u8]) -> bool {
 
 /// A fault of the file from one of the library.
 fn broken(error: &tiff::TiffError) -> Fault {
-    Fault::file(
-        format!("unreadable: {error}"),
-        "expected a whole TIFF file of grey values, as they are or packed by Deflate, LZW or PackBits",
-    )
+    let accepted = "expected a whole TIFF file of grey values, as they are or packed by Deflate, LZW or PackBits";
+    Fault::file(format!("unreadable: {error}"), accepted)
 }
 
 /// Reads the headers of all pages, and hands over how the voxels are stored with their bytes. `spacing` (mm) stands for what the file states;
@@ -103,10 +101,8 @@ fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
     let bits = match color {
         ColorType::Gray(bits @ (8 | 16 | 32 | 64)) => bits,
         other => {
-            return Err(Fault::file(
-                format!("pixels of type {other:?}"),
-                "expected one grey value each, of 8, 16, 32 or 64 bits",
-            ));
+            let found = format!("pixels of type {other:?}");
+            return Err(Fault::file(found, "expected one grey value each, of 8, 16, 32 or 64 bits"));
         }
     };
     let kind = match pages.find_tag_unsigned::<u16>(Tag::SampleFormat).map_err(|error| broken(&error))? {
@@ -174,9 +170,7 @@ impl Stated {
     fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
         let lines = description.lines().filter_map(|line| line.trim().split_once('='));
         let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
-        for name in ["channels", "frames"] {
-            one_of(&fields, name, |several| format!("{several} {name}"))?;
-        }
+        ["channels", "frames"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{several} {name}")))?;
         let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
         let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
             Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
@@ -198,13 +192,11 @@ impl Stated {
         let mut events = Events::new(description.as_bytes());
         // What comes after that element may be cut off.
         while let Some(step) = events.next()? {
-            if !matches!(step, XmlStep::Start) || events.tag().name() != "Pixels" {
+            if !matches!(step, XmlStep::Start) || events.tag.name() != "Pixels" {
                 continue;
             }
-            let fields: HashMap<String, String> = events.tag().attributes()?.into_iter().collect();
-            for name in ["SizeC", "SizeT"] {
-                one_of(&fields, name, |several| format!("{name} {several}"))?;
-            }
+            let fields: HashMap<String, String> = events.tag.attributes()?.into_iter().collect();
+            ["SizeC", "SizeT"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{name} {several}")))?;
             let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
                 let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
                 Some(fields.get(name)?.parse::<f64>().ok()? * unit?)

@@ -8,13 +8,6 @@ use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
 use willis_core::error::Fault;
 use willis_core::support::geometry::{Point, bounds, distance, sub};
 
-/// Goes to the next line that begins an object.
-fn skip_to_object(lines: &mut HeaderLines) {
-    while lines.peek().is_some_and(|(_, line)| !line.starts_with(b"ObjectType")) {
-        lines.line();
-    }
-}
-
 /// An object of a scene.
 #[derive(Default)]
 pub struct Object {
@@ -78,7 +71,9 @@ pub fn read_scene(bytes: &[u8]) -> Result<Vec<Object>, Fault> {
                 objects.extend(open.take());
             }
             "Points" => {
-                skip_to_object(&mut cursor);
+                while cursor.peek().is_some_and(|(_, line)| !line.starts_with(b"ObjectType")) {
+                    cursor.line();
+                }
                 objects.extend(open.take());
             }
             "EndGroup" => objects.extend(open.take()),
@@ -213,11 +208,8 @@ pub fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -
     }
     let columns = Columns::of(object, None)?;
     if object.fields.is_true("CompressedData") {
-        return Err(Fault::line(
-            line,
-            format!("{}: CompressedData = True", object.name()),
-            "expected points without compression",
-        ));
+        let found = format!("{}: CompressedData = True", object.name());
+        return Err(Fault::line(line, found, "expected points without compression"));
     }
     let size = match object.fields.get("ElementType") {
         None | Some((_, "MET_FLOAT")) => 4,

@@ -7,6 +7,7 @@ use crate::formats::itk::scene::{Nearest, Object, read_scene};
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{parents_first, polylines};
 use crate::formats::swc::single_line;
+use crate::formats::tables::reader::listed;
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
 use willis_core::network::walks::{other_end, vessels_at};
@@ -28,16 +29,12 @@ use willis_core::support::geometry::{Point, cross, dot};
 /// radii are optional, no tube.
 pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let objects = read_scene(bytes)?;
-    let mut notes = Vec::new();
     let mut row_of = HashMap::new();
     let mut twice = 0;
     for (row, object) in objects.iter().enumerate() {
         if let Some(id) = object.index("ID")? {
             twice += usize::from(*row_of.entry(id).or_insert(row) != row);
         }
-    }
-    if twice > 0 {
-        notes.push(format!("objects that repeat the ID of an earlier object, which keeps the children: {twice}"));
     }
     let parents = parents(&objects, &row_of)?;
     let to_scene = to_scene(&objects, &parents)?;
@@ -59,11 +56,8 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
             let own = [0, 1, 2].map(|axis| sample.position[axis] * spacing[axis]);
             let position = scale.position(to_scene[row].map_or(own, |transform| transform.apply(own)));
             if position.iter().any(|x| !x.is_finite()) {
-                return Err(Fault::line(
-                    object.line,
-                    format!("{}: a point that is not finite", object.name()),
-                    "expected finite numbers",
-                ));
+                let found = format!("{}: a point that is not finite", object.name());
+                return Err(Fault::line(object.line, found, "expected finite numbers"));
             }
             let radius = scale.length(sample.radius * spacing[0] * stretch);
             let at = lines.add_point(position, if is_radius(radius) { radius } else { f64::NAN }, 0, row as u32);
@@ -99,14 +93,13 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         };
         lines.add_link(ends.map(|p| p as u32), object.fields.get("Name").map_or("", |(_, name)| name));
     }
-    if lost > 0 {
-        notes.push(format!("tubes whose parent is missing, read as roots: {lost}"));
-    }
     let others = objects.iter().filter(|o| !o.is_tube() && o.kind != "Group" && o.kind != "AffineTransform").count();
-    if others > 0 {
-        notes.push(format!("objects that are no tubes, left out: {others}"));
-    }
-    Ok((lines, notes))
+    let notes = listed([
+        (twice, "objects that repeat the ID of an earlier object, which keeps the children"),
+        (lost, "tubes whose parent is missing, read as roots"),
+        (others, "objects that are no tubes, left out"),
+    ]);
+    Ok((lines, notes.collect()))
 }
 
 /// The frame that all tubes state. `AnatomicalOrientation` names the side where each axis begins.
@@ -274,9 +267,7 @@ pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
         }
         let root = if links[row].is_none() { "True" } else { "False" };
         writeln!(out, "Root = {root}\nArtery = True\nPointDim = x y z r\nNPoints = {}\nPoints = ", tube.len())?;
-        for point in tube {
-            writeln!(out, "{}", figures(point, "0").join(" "))?;
-        }
+        tube.iter().try_for_each(|point| writeln!(out, "{}", figures(point, "0").join(" ")))?;
     }
     out.flush()
 }

@@ -47,7 +47,8 @@ pub(crate) struct NumpyArray {
     big: bool,
     /// Whether the first axis runs fastest.
     pub(crate) fortran: bool,
-    data: Vec<u8>,
+    /// The values as they are stored.
+    pub(crate) data: Vec<u8>,
 }
 
 impl NumpyArray {
@@ -171,11 +172,6 @@ impl NumpyArray {
         }
     }
 
-    /// The values as they are stored.
-    pub(crate) fn into_bytes(self) -> Vec<u8> {
-        self.data
-    }
-
     /// A fault of this array.
     pub(crate) fn fault(&self, found: impl Into<String>, accepted: impl Into<String>) -> Fault {
         Fault::item(format!("array {}", self.name), found, accepted)
@@ -208,11 +204,8 @@ impl<'a> Archive<'a> {
 
     /// The array under the first of the names that is there.
     pub(crate) fn first(&mut self, names: &[&str]) -> Result<Option<NumpyArray>, Fault> {
-        let Some((row, name)) =
-            names.iter().find_map(|name| self.names.iter().position(|known| known == name).map(|row| (row, *name)))
-        else {
-            return Ok(None);
-        };
+        let found = names.iter().find_map(|name| Some((self.names.iter().position(|known| known == name)?, *name)));
+        let Some((row, name)) = found else { return Ok(None) };
         let broken = |e| Fault::item(format!("array {name}"), format!("cannot be read: {e}"), "expected stored or deflated");
         let member = self.zip.by_index(row).map_err(broken)?;
         let stored = member.compressed_size();
@@ -224,19 +217,14 @@ impl<'a> Archive<'a> {
 fn header(member: &mut impl Read) -> Option<String> {
     let mut start = [0; 8];
     member.read_exact(&mut start).ok()?;
-    let length = match (&start[..6], start[6]) {
-        (b"\x93NUMPY", 1) => {
-            let mut length = [0; 2];
-            member.read_exact(&mut length).ok()?;
-            usize::from(u16::from_le_bytes(length))
-        }
-        (b"\x93NUMPY", 2 | 3) => {
-            let mut length = [0; 4];
-            member.read_exact(&mut length).ok()?;
-            u32::from_le_bytes(length) as usize
-        }
+    let width = match (&start[..6], start[6]) {
+        (b"\x93NUMPY", 1) => 2,
+        (b"\x93NUMPY", 2 | 3) => 4,
         _ => return None,
     };
+    let mut length = [0; 4];
+    member.read_exact(&mut length[..width]).ok()?;
+    let length = u32::from_le_bytes(length) as usize;
     let mut text = vec![0; Some(length).filter(|length| *length <= MOST_HEADER)?];
     member.read_exact(&mut text).ok()?;
     // The parser takes twice as long for each bracket within another: a header has two or three.

@@ -114,13 +114,10 @@ pub struct NamedArray<T = f64> {
 /// # Errors
 ///
 /// Values that do not fill their shape (`InvalidInput`), or the writer's own.
-pub fn write_arrays<T: WritableElement>(
-    out: impl Write + Seek,
-    arrays: impl IntoIterator<Item = NamedArray<T>>,
-) -> io::Result<()> {
+pub fn write_arrays<T: WritableElement>(out: impl Write + Seek, all: impl IntoIterator<Item = NamedArray<T>>) -> io::Result<()> {
     let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored).large_file(true);
     let mut npz = NpzWriter::new_with_options(out, options);
-    for NamedArray { name, shape, values } in arrays {
+    for NamedArray { name, shape, values } in all {
         let array = ArrayD::from_shape_vec(shape, values).map_err(|e| io::Error::new(io::ErrorKind::InvalidInput, e))?;
         npz.add_array(name, &array).map_err(io::Error::other)?;
     }

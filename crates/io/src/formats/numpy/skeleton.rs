@@ -3,7 +3,7 @@
 use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2};
-use ndarray_npy::{WritableElement, WriteNpyExt};
+use ndarray_npy::WriteNpyExt;
 use zip::write::SimpleFileOptions;
 use zip::{CompressionMethod, ZipWriter};
 
@@ -11,9 +11,7 @@ use super::array::{Archive, NumpyArray};
 use crate::formats::content::Content;
 use crate::formats::input::UnpackLimit;
 use crate::formats::options::ReadOptions;
-use crate::formats::polylines::add_straight;
-use crate::formats::polylines::positions;
-use crate::formats::polylines::{centerlines, is_straight, radii_of_points, skeleton};
+use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, radii_of_points, skeleton};
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Frame, Network, Node, is_radius, millimetres};
 use willis_core::support::geometry::Point;
@@ -53,10 +51,8 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     let edges = archive.first(&["edges"])?.ok_or_else(|| archive.lacks("edges"))?;
     let radii = archive.first(&RADII)?;
     if radii.is_none() && !radius_optional {
-        return Err(Fault::file(
-            format!("no array radii among {}", archive.names.join(", ")),
-            "expected radii, or give `default_radius`",
-        ));
+        let found = format!("no array radii among {}", archive.names.join(", "));
+        return Err(Fault::file(found, "expected radii, or give `default_radius`"));
     }
     let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
     let lengths = archive.first(&["lengths"])?;
@@ -103,12 +99,11 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
         network.frame = frame;
         return Ok((Content::Vessels(network), Vec::new()));
     }
-    if sizes.len() == n {
-        return Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), Vec::new()));
-    }
-    let note = "radii are those of edges: each point takes the mean of its edges over length".to_owned();
-    let sizes = radii_of_points(&points, &links, &sizes);
-    Ok((Content::Centerlines(Centerlines { frame, ..centerlines(&points, &sizes, &links, label) }), vec![note]))
+    let are_of_edges = sizes.len() != n;
+    let note = are_of_edges.then(|| "radii are those of edges: each point takes the mean of its edges over length".to_owned());
+    let sizes = if are_of_edges { radii_of_points(&points, &links, &sizes) } else { sizes };
+    let lines = Centerlines { frame, ..centerlines(&points, &sizes, &links, label) };
+    Ok((Content::Centerlines(lines), note.into_iter().collect()))
 }
 
 /// The edges as vessels.
@@ -164,18 +159,15 @@ fn links(edges: &NumpyArray, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
 pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Result<()> {
     let mut zip = ZipWriter::new(out);
     let names: Vec<&str> = if is_straight(network) {
-        let points = positions(network)?;
         let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-        write(&mut zip, "coords", &coords(points.iter()))?;
-        write(&mut zip, "edges", &edges(&links))?;
-        write(&mut zip, "radii", &network.vessels().map(|(_, v)| millimetres(v.radius)).collect::<Array1<f64>>())?;
+        let radii = network.vessels().map(|(_, v)| v.radius);
+        write_graph(&mut zip, &positions(network)?, &links, radii)?;
         write(&mut zip, "lengths", &network.vessels().map(|(_, v)| millimetres(v.length)).collect::<Array1<f64>>())?;
         network.vessels().map(|(_, v)| v.label.as_str()).collect()
     } else {
         let found = skeleton(network)?;
-        write(&mut zip, "coords", &coords(found.points.iter().map(|p| &p.position)))?;
-        write(&mut zip, "edges", &edges(&found.links))?;
-        write(&mut zip, "radii", &found.points.iter().map(|p| millimetres(p.radius)).collect::<Array1<f64>>())?;
+        let points: Vec<Point> = found.points.iter().map(|p| p.position).collect();
+        write_graph(&mut zip, &points, &found.links, found.points.iter().map(|p| p.radius))?;
         found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
     };
     texts(&mut zip, "labels", &names)?;
@@ -183,15 +175,16 @@ pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Resu
     zip.finish().map_err(io::Error::other)?.flush()
 }
 
-fn coords<'a>(points: impl ExactSizeIterator<Item = &'a Point>) -> Array2<f64> {
-    let n = points.len();
-    let values: Vec<f64> = points.flatten().map(|x| millimetres(*x)).collect();
-    Array2::from_shape_vec((n, 3), values).unwrap_or_default()
-}
-
-fn edges(links: &[[usize; 2]]) -> Array2<i64> {
-    let values: Vec<i64> = links.iter().flatten().map(|row| *row as i64).collect();
-    Array2::from_shape_vec((links.len(), 2), values).unwrap_or_default()
+/// Writes the points, the links between them, and the radii of either.
+fn write_graph(
+    zip: &mut ZipWriter<impl Write + Seek>,
+    points: &[Point],
+    links: &[[usize; 2]],
+    radii: impl Iterator<Item = f64>,
+) -> io::Result<()> {
+    write(zip, "coords", &Array2::from(points.iter().map(|p| p.map(millimetres)).collect::<Vec<_>>()))?;
+    write(zip, "edges", &Array2::from(links.iter().map(|link| link.map(|row| row as i64)).collect::<Vec<_>>()))?;
+    write(zip, "radii", &radii.map(millimetres).collect::<Array1<f64>>())
 }
 
 fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {
@@ -199,11 +192,7 @@ fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {
     zip.start_file(format!("{name}.npy"), options).map_err(io::Error::other)
 }
 
-fn write<T: WritableElement, D: ndarray::Dimension>(
-    zip: &mut ZipWriter<impl Write + Seek>,
-    name: &str,
-    array: &ndarray::Array<T, D>,
-) -> io::Result<()> {
+fn write(zip: &mut ZipWriter<impl Write + Seek>, name: &str, array: &impl WriteNpyExt) -> io::Result<()> {
     start(zip, name)?;
     array.write_npy(zip).map_err(io::Error::other)
 }

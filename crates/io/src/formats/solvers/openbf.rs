@@ -64,10 +64,8 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
     let mut inlets = Vec::new();
     for (row, [begins, stops]) in ends.turned.iter().enumerate() {
         let vessel = network.vessel(row);
-        let thickness = match vessel.wall {
-            Some(Wall::Elastic { thickness, .. }) => thickness,
-            _ => THICKNESS * vessel.radius,
-        };
+        let thickness =
+            if let Some(Wall::Elastic { thickness, .. }) = vessel.wall { thickness } else { THICKNESS * vessel.radius };
         // A JSON string is a YAML string; two vessels may have one label.
         let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
         writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
@@ -100,9 +98,8 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
             Some(Condition::Pressure(0.0)) => writeln!(out, "    outlet: reflection\n    Rt: -1.0")?,
             Some(Condition::Pressure(_) | Condition::Flow(_)) => {
                 let node = &network.node(*stops).id;
-                return refused(format!(
-                    "node {node} is an outlet of fixed pressure or flow; openBF has resistances, ground and closed ends"
-                ));
+                let known = "openBF has resistances, ground and closed ends";
+                return refused(format!("node {node} is an outlet of fixed pressure or flow; {known}"));
             }
         }
     }

@@ -52,13 +52,9 @@ pub fn write_svzerod(out: &mut impl Write, network: &Network, setting: &SolverSe
                 "stenosis_coefficient": 0.0,
             },
         });
-        let mut at = serde_json::Map::new();
-        if let Some(name) = name(*begins, row, true) {
-            at.insert("inlet".to_owned(), json!(name));
-        }
-        if let Some(name) = name(*stops, row, false) {
-            at.insert("outlet".to_owned(), json!(name));
-        }
+        let named = [("inlet", name(*begins, row, true)), ("outlet", name(*stops, row, false))];
+        let named = named.into_iter().filter_map(|(end, name)| Some((end.to_owned(), json!(name?))));
+        let at: serde_json::Map<String, Value> = named.collect();
         if !at.is_empty() {
             entry["boundary_conditions"] = Value::Object(at);
         }

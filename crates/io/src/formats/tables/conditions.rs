@@ -106,13 +106,13 @@ fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault
     const COLUMNS: [&str; 9] = ["node", "label", "x_mm", "y_mm", "z_mm", "kind", "value", "unit", VENOUS];
     let text = uncommented(bytes);
     let mut rows = TableReader::open(&text)?;
-    let wrong = |found: String| Fault::line(rows.header_line(), found, format!("expected the columns {}", COLUMNS.join(",")));
-    if let Some(other) = rows.header().iter().find(|name| !COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name))) {
+    let wrong = |found: String| Fault::line(rows.header_line, found, format!("expected the columns {}", COLUMNS.join(",")));
+    if let Some(other) = rows.header.iter().find(|name| !COLUMNS.iter().any(|known| known.eq_ignore_ascii_case(name))) {
         return Err(wrong(format!("column \"{other}\"")));
     }
     let [node, label, x, y, z, kind, value, unit, venous] = COLUMNS.map(|name| rows.find(&[name]));
     if kind.is_none() && usual.is_none() {
-        return Err(wrong(format!("no column kind in {}", columns(rows.header()))));
+        return Err(wrong(format!("no column kind in {}", columns(&rows.header))));
     }
     let mut out = Vec::new();
     while let Some(row) = rows.row()? {

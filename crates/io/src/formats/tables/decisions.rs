@@ -110,10 +110,8 @@ pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
             let found = format!("edge {edge} comes again, after line {first}");
             return Err(Fault::line(line, found, "expected one decision an edge"));
         }
-        let places = match Edit::parse("join", &placed) {
-            Ok(Edit::Join(way)) => <[[f64; 3]; 2]>::try_from(way).ok(),
-            _ => None,
-        };
+        let places =
+            if let Ok(Edit::Join(way)) = Edit::parse("join", &placed) { <[[f64; 3]; 2]>::try_from(way).ok() } else { None };
         if places.is_none() && !placed.is_empty() {
             let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
             return Err(Fault::line(line, format!("places \"{placed}\""), expected));

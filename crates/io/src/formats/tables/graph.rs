@@ -8,9 +8,10 @@ use crate::formats::attributes::records::Records;
 use crate::formats::attributes::{self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, nodes};
 use crate::formats::input::checksum;
 use crate::formats::options::ReadOptions;
+use crate::formats::polylines::is_straight;
 use crate::formats::tables::conditions::VENOUS;
 use crate::formats::tables::points::HEADER as POINTS_HEADER;
-use crate::formats::tables::reader::{TableReader, columns, delimiter};
+use crate::formats::tables::reader::{TableReader, columns};
 use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
@@ -23,6 +24,9 @@ use willis_core::support::geometry::{Point, box_diagonal, distance};
 const NAMES: [&str; 2] = ["node", "id"];
 const ENDS: [[&str; 2]; 2] = [["node_a", "node_b"], ["source", "target"]];
 
+/// The row and the side of the edge that states the position of a node, if one does.
+type EdgeEnd = Option<(usize, usize)>;
+
 /// The nodes of a table, and the row of each by the name that the edges use.
 #[derive(Debug, Clone)]
 pub struct NodeTable {
@@ -32,9 +36,8 @@ pub struct NodeTable {
     pub(crate) has_lengths_without_unit: bool,
 }
 
-/// Whether a line is the header of a table of edges.
-pub(crate) fn is_header(line: &str) -> bool {
-    let columns: Vec<&str> = line.split(delimiter(line)).map(|column| column.trim().trim_matches('"')).collect();
+/// Whether these columns are those of a table of edges.
+pub(crate) fn is_header(columns: &[&str]) -> bool {
     ENDS.iter().any(|ends| ends.iter().all(|end| columns.contains(end)))
 }
 
@@ -70,11 +73,7 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
 /// # Errors
 ///
 /// A table without the two columns or without rows, a node that is missing in the table of nodes, an attribute that is wrong.
-pub fn read_csv_edges(
-    bytes: &[u8],
-    table_of_nodes: Option<NodeTable>,
-    options: &ReadOptions,
-) -> Result<(Network, Vec<String>), Fault> {
+pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
     let (header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let has = |names: [&str; 2]| header.iter().any(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)));
@@ -87,12 +86,12 @@ pub fn read_csv_edges(
         };
         return Err(Fault::line(1, columns(&header), accepted));
     };
-    let given = table_of_nodes.is_some();
-    let has_unit = table_of_nodes.as_ref().is_some_and(|table| table.has_lengths_without_unit);
-    let (found, mut row_of) = table_of_nodes.map_or_else(Default::default, |table| (table.nodes, table.row_of));
+    let given = known.is_some();
+    let has_unit = known.as_ref().is_some_and(|table| table.has_lengths_without_unit);
+    let (found, mut row_of) = known.map_or_else(Default::default, |table| (table.nodes, table.row_of));
     // Without a table of nodes: the name of each node, and the edge and the end that give its position.
     let mut made: Vec<&str> = Vec::new();
-    let mut placed: Vec<Option<(usize, usize)>> = Vec::new();
+    let mut placed: Vec<EdgeEnd> = Vec::new();
     let mut rows = Vec::with_capacity(records.len());
     for (row, record) in records.iter().enumerate() {
         let mut both = [0; 2];
@@ -141,13 +140,7 @@ pub fn read_csv_edges(
 const SAME_PLACE: f64 = 1e-3;
 
 /// Refuses a table of nodes that has nodes elsewhere than the table of edges: it is of another network.
-fn same_places(
-    nodes: &[Node],
-    places: &Records,
-    edges: &Records,
-    placed: &[Option<(usize, usize)>],
-    scale: &Scale,
-) -> Result<(), Fault> {
+fn same_places(nodes: &[Node], places: &Records, edges: &Records, placed: &[EdgeEnd], scale: &Scale) -> Result<(), Fault> {
     let names: Vec<&str> = nodes.iter().take(placed.len()).map(|node| &*node.id).collect();
     let stated = attributes::nodes(&names, places, scale)?;
     let most = SAME_PLACE * box_diagonal(nodes.iter().filter_map(|node| node.position));
@@ -167,7 +160,7 @@ fn same_places(
 }
 
 /// The position of each node, from the columns of one end of an edge.
-fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
+fn places(edges: &Records, placed: &[EdgeEnd]) -> Records {
     let mut nodes = Records::named(&POSITION_COLUMNS);
     for place in placed {
         let edge = place.map(|(row, side)| (edges.get(row), END_POSITION_COLUMNS[side]));
@@ -189,7 +182,9 @@ fn places(edges: &Records, placed: &[Option<(usize, usize)>]) -> Records {
 /// The writers' own.
 pub fn write_csv_graph(mut nodes: impl Write, edges: impl Write, network: &Network) -> io::Result<()> {
     let (node_columns, mut vessel_columns) = graph_columns(network);
-    vessel_columns.extend(points_column(network));
+    if !is_straight(network) {
+        vessel_columns.push(Column::text("points", network.vessels().map(|(_, v)| points(&v.path))));
+    }
     let mut table = Vec::new();
     write_csv(&mut table, &node_columns)?;
     let checksum = checksum_of_pair(&table);
@@ -224,7 +219,7 @@ pub(crate) fn is_wanted(name: &str) -> bool {
 /// The header and the rows of a file; of the rows only the columns that are read.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let header = rows.header().to_vec();
+    let header = rows.header.to_vec();
     let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
     let mut records = Records::named(&header);
     while let Some(row) = rows.row()? {
@@ -366,12 +361,6 @@ pub fn graph_columns_with(network: &Network, stated: &[(Option<Role>, Option<Con
         vessels.push(Column::real("continues_b", figure(|e| e.continuation_odds[1])));
     }
     (nodes, vessels)
-}
-
-/// The column with the centerline points of the vessels, where any vessel has some.
-pub(crate) fn points_column(network: &Network) -> Option<Column> {
-    let any = network.vessels().any(|(_, v)| !v.path.is_empty());
-    any.then(|| Column::text("points", network.vessels().map(|(_, v)| points(&v.path))))
 }
 
 /// A path as the attribute `points`, mm: `x y z r;x y z r`.

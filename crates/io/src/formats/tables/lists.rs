@@ -88,10 +88,10 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
     let [a, b] = if let [Some(a), Some(b)] = [rows.find(&["id_a", "a"]), rows.find(&["id_b", "b"])] {
         [a, b]
     } else {
-        let [a, b] = rows.header() else {
-            return Err(Fault::line(rows.header_line(), format!("\"{}\"", rows.header().join(",")), ACCEPTED));
+        let [a, b] = rows.header.as_slice() else {
+            return Err(Fault::line(rows.header_line, format!("\"{}\"", rows.header.join(",")), ACCEPTED));
         };
-        link(rows.header_line(), [a, b])?;
+        link(rows.header_line, [a, b])?;
         added += 1;
         [0, 1]
     };
@@ -109,8 +109,6 @@ pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> 
 /// The writer's own.
 pub fn write_loops(mut out: impl Write, loops: &[[u64; 2]]) -> io::Result<()> {
     writeln!(out, "id_a,id_b")?;
-    for [a, b] in loops {
-        writeln!(out, "{a},{b}")?;
-    }
+    loops.iter().try_for_each(|[a, b]| writeln!(out, "{a},{b}"))?;
     out.flush()
 }

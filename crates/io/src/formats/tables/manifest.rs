@@ -49,7 +49,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     let Some(input) = rows.find(&[INPUT]) else { return Ok(None) };
     let name = rows.find(&NAMES);
     let (mut options, mut covariates) = (Vec::new(), Vec::new());
-    for (at, column) in rows.header().iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
+    for (at, column) in rows.header.iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
         let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
         if let Some(option) = OPTIONS.split_whitespace().find(|option| *option == plain) {
             options.push((at, option));
@@ -58,7 +58,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
         let meant = did_you_mean(&plain, OPTIONS.split_whitespace().chain(NAMES));
         if !meant.is_empty() {
             let accepted = format!("{meant}options of a subject are {}", OPTIONS.replace(' ', ", "));
-            return Err(Fault::line(rows.header_line(), format!("column \"{column}\""), accepted));
+            return Err(Fault::line(rows.header_line, format!("column \"{column}\""), accepted));
         }
         covariates.push((at, column.clone()));
     }
@@ -99,7 +99,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
 pub fn read_participants(bytes: &[u8]) -> Result<Vec<(String, Covariates)>, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let id = rows.column(&[NAMES[1], NAMES[0], NAMES[2]], "the participant of each row")?;
-    let columns: Vec<(usize, String)> = rows.header().iter().cloned().enumerate().filter(|(at, _)| *at != id).collect();
+    let columns: Vec<(usize, String)> = rows.header.iter().cloned().enumerate().filter(|(at, _)| *at != id).collect();
     let mut found = Vec::new();
     while let Some(row) = rows.row()? {
         let covariates = columns.iter().map(|(at, column)| (column.clone(), row.text(*at).to_owned()));

@@ -98,30 +98,19 @@ pub(crate) fn read_table_pair<N, C>(
     read_nodes: impl Fn(&[u8], &Scale) -> Result<N, Fault>,
     read_edges: impl Fn(&[u8], N, &ReadOptions) -> Result<(C, Vec<String>), Fault>,
 ) -> Result<(C, Vec<String>)> {
-    let (nodes, edges, note) = both(path, bytes, options.max_input)?;
-    let table = read_nodes(&nodes.1, &options.scale).map_err(|fault| fault.in_file(&nodes.0))?;
-    let (content, mut notes) = read_edges(&edges.1, table, options).map_err(|fault| fault.in_file(&edges.0))?;
-    notes.push(note);
-    Ok((content, notes))
-}
-
-type Table = (PathBuf, Vec<u8>);
-
-/// The table of nodes, the table of edges, and a note about the one that was found.
-fn both(path: &Path, bytes: &[u8], most: u64) -> Result<(Table, Table, String)> {
-    let given = || (path.to_owned(), bytes.to_vec());
     let missing = |what: &str| {
         let renamed = "with \"nodes\" for \"edges\" in its name, or nodes.csv and edges.csv";
         Fault::file(format!("no table of {what} beside it"), format!("expected two tables, {renamed}")).in_file(path)
     };
     let (is_edges, other) = other_table(path, bytes).map_err(|fault| fault.in_file(path))?;
     let other = other.ok_or_else(|| missing(if is_edges { "nodes" } else { "edges" }))?;
-    let found = (other.clone(), content_beside(&other, most)?);
-    if is_edges {
-        Ok((found, given(), format!("nodes are those of {}", other.display())))
-    } else {
-        Ok((given(), found, format!("edges are those of {}", other.display())))
-    }
+    let content = content_beside(&other, options.max_input)?;
+    let (given, found) = ((path, bytes), (other.as_path(), content.as_slice()));
+    let (nodes, edges) = if is_edges { (found, given) } else { (given, found) };
+    let table = read_nodes(nodes.1, &options.scale).map_err(|fault| fault.in_file(nodes.0))?;
+    let (content, mut notes) = read_edges(edges.1, table, options).map_err(|fault| fault.in_file(edges.0))?;
+    notes.push(format!("{} are those of {}", if is_edges { "nodes" } else { "edges" }, other.display()));
+    Ok((content, notes))
 }
 
 /// Reads a table of edges, and the table of nodes in its folder if there is one. A table of edges that was written with one has no conditions

@@ -4,10 +4,9 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::reader::{TableReader, columns as describe};
-use super::write::escape_formula;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::tables::write::figures;
+use crate::formats::tables::write::{escape_formula, figures};
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Network, is_radius};
 
@@ -27,19 +26,12 @@ pub(crate) const HEADER: &str =
 /// coordinate that is not finite, an id that comes twice, no row.
 pub fn read_points(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let header = rows.header_line();
-    let names: [&[&str]; 7] = [
-        &["fragment"],
-        &["x", "x_mm"],
-        &["y", "y_mm"],
-        &["z", "z_mm"],
-        &["radius", "radius_mm", "r", "r_mm"],
-        &["label"],
-        &["id"],
-    ];
-    let columns = names.map(|names| rows.find(names));
-    let [Some(fragment), Some(x), Some(y), Some(z), radius, label, id] = columns else {
-        return Err(Fault::line(header, describe(rows.header()), HEADER));
+    let header = rows.header_line;
+    let [fragment, label, id] = ["fragment", "label", "id"].map(|name| rows.find(&[name]));
+    let [x, y, z] = [["x", "x_mm"], ["y", "y_mm"], ["z", "z_mm"]].map(|names| rows.find(&names));
+    let radius = rows.find(&["radius", "radius_mm", "r", "r_mm"]);
+    let (Some(fragment), Some(x), Some(y), Some(z)) = (fragment, x, y, z) else {
+        return Err(Fault::line(header, describe(&rows.header), HEADER));
     };
     if radius.is_none() && !options.is_radius_optional() {
         return Err(Fault::line(header, "no column radius", "expected one, or give `default_radius`"));

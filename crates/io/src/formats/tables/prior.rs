@@ -41,7 +41,7 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
     let (edge, ends) = (rows.find(&["edge"]), [rows.find(&["node_a"]), rows.find(&["node_b"])]);
     if edge.is_none() && ends.contains(&None) {
         let accepted = "expected a column edge, or columns node_a,node_b";
-        return Err(Fault::line(rows.header_line(), columns(rows.header()), accepted));
+        return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
     }
     let mut between = std::collections::HashMap::<[usize; 2], Vec<usize>>::new();
     for vessel in 0..network.vessel_count() {
@@ -60,10 +60,8 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
             (Some(edge), _) => vec![below(&row, edge, network.vessel_count())?],
             (None, [Some(a), Some(b)]) => {
                 let [a, b] = [below(&row, a, network.node_count())?, below(&row, b, network.node_count())?];
-                let vessels = between.get(&[a.min(b), a.max(b)]);
-                vessels
-                    .cloned()
-                    .ok_or_else(|| Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins"))?
+                let apart = || Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins");
+                between.get(&[a.min(b), a.max(b)]).cloned().ok_or_else(apart)?
             }
             _ => Vec::new(),
         };
@@ -77,8 +75,7 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
 /// A whole number below a count.
 fn below(row: &Row<'_>, column: usize, count: usize) -> Result<usize, Fault> {
     let text = row.text(column);
-    text.parse::<usize>()
-        .ok()
-        .filter(|n| *n < count)
-        .ok_or_else(|| Fault::line(row.line, format!("{} \"{text}\"", row.name(column)), format!("expected a row below {count}")))
+    text.parse::<usize>().ok().filter(|n| *n < count).ok_or_else(|| {
+        Fault::line(row.line, format!("{} \"{text}\"", row.header[column]), format!("expected a row below {count}"))
+    })
 }

@@ -19,19 +19,21 @@ pub(crate) fn is_missing(text: &str) -> bool {
 /// A reader of a table whose header has been read.
 pub struct TableReader<'a> {
     reader: csv::Reader<&'a [u8]>,
-    header: Vec<String>,
+    /// The names of the columns.
+    pub(crate) header: Vec<String>,
     record: csv::StringRecord,
     /// The file from its header on.
     text: &'a [u8],
-    /// Lines before the header.
-    skipped: usize,
+    /// The line of the header.
+    pub header_line: usize,
     /// Rows read so far.
     count: usize,
 }
 
 /// One row.
 pub struct Row<'a> {
-    header: &'a [String],
+    /// The names of the columns.
+    pub(crate) header: &'a [String],
     fields: &'a csv::StringRecord,
     /// Its line, counted from 1.
     pub line: usize,
@@ -75,31 +77,26 @@ impl<'a> TableReader<'a> {
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
         refuse_utf16(bytes)?;
-        let (mut rest, mut skipped) = (without_mark(bytes), 0);
+        let (mut rest, mut line) = (without_mark(bytes), 1);
         let first = loop {
             let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
-            let line = rest[..end].trim_ascii();
-            if !line.is_empty() && !line.starts_with(b"#") {
-                break line;
+            let text = rest[..end].trim_ascii();
+            if !text.is_empty() && !text.starts_with(b"#") {
+                break text;
             }
             if end == rest.len() {
                 return Err(Fault::file("the table is empty", "expected a header and rows"));
             }
-            (rest, skipped) = (&rest[end + 1..], skipped + 1);
+            (rest, line) = (&rest[end + 1..], line + 1);
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).flexible(ragged).trim(csv::Trim::All).from_reader(rest);
-        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, skipped))?.iter().map(str::to_owned).collect();
+        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, line))?.iter().map(str::to_owned).collect();
         let mut seen = HashSet::new();
         if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
-            return Err(Fault::line(skipped + 1, format!("column \"{twice}\" comes twice"), "expected every column once"));
+            return Err(Fault::line(line, format!("column \"{twice}\" comes twice"), "expected every column once"));
         }
-        Ok(Self { reader, header, record: csv::StringRecord::new(), text: rest, skipped, count: 0 })
-    }
-
-    /// The names of the columns.
-    pub(crate) fn header(&self) -> &[String] {
-        &self.header
+        Ok(Self { reader, header, record: csv::StringRecord::new(), text: rest, header_line: line, count: 0 })
     }
 
     /// The column with the first of these names that the header has, in any case.
@@ -110,7 +107,7 @@ impl<'a> TableReader<'a> {
     /// As [`Self::find`], for a column that must be there; `what` describes its content for the error.
     pub(crate) fn column(&self, names: &[&str], what: &str) -> Result<usize, Fault> {
         let accepted = || format!("expected {what}: a column {}", names.join(" or "));
-        self.find(names).ok_or_else(|| Fault::line(self.skipped + 1, columns(&self.header), accepted()))
+        self.find(names).ok_or_else(|| Fault::line(self.header_line, columns(&self.header), accepted()))
     }
 
     /// The same for several columns.
@@ -122,32 +119,22 @@ impl<'a> TableReader<'a> {
         Ok(found)
     }
 
-    /// The line of the header.
-    pub fn header_line(&self) -> usize {
-        self.skipped + 1
-    }
-
     /// The next row.
     ///
     /// # Errors
     ///
     /// A row with another number of columns than the header, or that is not UTF-8.
     pub fn row(&mut self) -> Result<Option<Row<'_>>, Fault> {
-        if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.text, self.skipped))? {
+        if !self.reader.read_record(&mut self.record).map_err(|e| fault(&e, self.text, self.header_line))? {
             return Ok(None);
         }
         self.count += 1;
-        let line = self.record.position().map_or(0, |p| line_of(p, self.text)) + self.skipped;
+        let line = self.record.position().map_or(0, |p| line_of(p, self.text)) + self.header_line - 1;
         Ok(Some(Row { header: &self.header, fields: &self.record, line, number: self.count - 1 }))
     }
 }
 
 impl Row<'_> {
-    /// The name of a column.
-    pub(crate) fn name(&self, column: usize) -> &str {
-        &self.header[column]
-    }
-
     /// The text of a column; empty where the row has none, or a missing value.
     pub fn text(&self, column: usize) -> &str {
         let text = unescape_formula(self.fields.get(column).unwrap_or_default());
@@ -176,11 +163,8 @@ impl Row<'_> {
 
     /// The finite numbers in three columns.
     pub(crate) fn position(&self, columns: [usize; 3]) -> Result<[f64; 3], Fault> {
-        let mut position = [0.0; 3];
-        for (x, column) in position.iter_mut().zip(columns) {
-            *x = self.finite(column)?;
-        }
-        Ok(position)
+        let [x, y, z] = columns;
+        Ok([self.finite(x)?, self.finite(y)?, self.finite(z)?])
     }
 
     /// The finite number in a column.
@@ -202,7 +186,7 @@ impl Row<'_> {
     }
 
     fn scale(&self, column: usize, scale: &Scale) -> Scale {
-        if self.name(column).to_ascii_lowercase().ends_with("_mm") { Scale::default() } else { *scale }
+        if self.header[column].to_ascii_lowercase().ends_with("_mm") { Scale::default() } else { *scale }
     }
 }
 
@@ -213,8 +197,8 @@ fn line_of(position: &csv::Position, text: &[u8]) -> usize {
     position.line() as usize + skipped.filter(|b| **b == b'\n').count()
 }
 
-fn fault(error: &csv::Error, text: &[u8], skipped: usize) -> Fault {
-    let line = error.position().map_or(1, |p| line_of(p, text)) + skipped;
+fn fault(error: &csv::Error, text: &[u8], header_line: usize) -> Fault {
+    let line = error.position().map_or(1, |p| line_of(p, text)) + header_line - 1;
     match error.kind() {
         csv::ErrorKind::UnequalLengths { expected_len, len, .. } => {
             Fault::line(line, plural(*len as usize, "column"), format!("expected {expected_len}, as in the header"))
@@ -244,6 +228,16 @@ pub fn number(text: &str) -> Result<f64, &'static str> {
 /// A count with its noun: "1 edge", "2 edges".
 pub fn plural(n: usize, noun: &str) -> String {
     format!("{n} {noun}{}", if n == 1 { "" } else { "s" })
+}
+
+/// A note on things of which there is one at least: "2 edges without length".
+pub(crate) fn counted(n: usize, noun: &str, what: &str) -> Option<String> {
+    (n > 0).then(|| format!("{} {what}", plural(n, noun)))
+}
+
+/// A note on each of several things of which there is one at least: "points left out: 2".
+pub(crate) fn listed<const N: usize>(counts: [(usize, &str); N]) -> impl Iterator<Item = String> {
+    counts.into_iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{what}: {n}"))
 }
 
 /// `[-]0xH.HHHp[+-]D`: the significand in hexadecimal digits, times a power of two.

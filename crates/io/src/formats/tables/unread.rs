@@ -8,9 +8,8 @@ use crate::formats::attributes;
 use crate::formats::input::{regular_bytes_of, stream_of};
 use crate::formats::known::Format;
 use crate::formats::options::ReadOptions;
-use crate::formats::vtk::polydata;
-use crate::formats::xml::{Events, Tag, XmlStep};
-use willis_core::error::Fault;
+use crate::formats::vtk::polydata::is_wanted;
+use crate::formats::xml::{Events, XmlStep};
 
 /// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
 fn is_structure(name: &str) -> bool {
@@ -21,12 +20,10 @@ fn is_structure(name: &str) -> bool {
 /// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
-    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header().to_vec());
+    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header.to_vec());
     let (names, is_read): (_, fn(&str) -> bool) = match format {
         Format::GraphMl => (named(path, ("key", "attr.name"), "graph"), attributes::is_wanted),
-        Format::Vtp => {
-            (named(path, ("DataArray", "Name"), "AppendedData"), |name| polydata::is_wanted(name, &ReadOptions::default()))
-        }
+        Format::Vtp => (named(path, ("DataArray", "Name"), "AppendedData"), |name| is_wanted(name, &ReadOptions::default())),
         Format::Csv => (header(), graph::is_wanted),
         _ => return Vec::new(),
     };
@@ -39,15 +36,12 @@ pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
 fn named(path: &Path, (element, attribute): (&str, &str), end: &str) -> Option<Vec<String>> {
     let mut events = Events::new(stream_of(path).ok()?);
     let mut names = Vec::new();
-    let mut add = |tag: &Tag| -> Result<bool, Fault> {
-        if tag.name() == element {
-            names.extend(tag.attribute(attribute)?.map(|name| name.trim().to_owned()));
-        }
-        Ok(tag.name() != end)
-    };
     while let Some(step) = events.next().ok()? {
-        if step == XmlStep::Start && !add(events.tag()).ok()? {
+        if step == XmlStep::Start && events.tag.name() == end {
             break;
+        }
+        if step == XmlStep::Start && events.tag.name() == element {
+            names.extend(events.tag.attribute(attribute).ok()?.map(|name| name.trim().to_owned()));
         }
     }
     Some(names)

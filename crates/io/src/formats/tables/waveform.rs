@@ -18,10 +18,7 @@ type TimedValue = (usize, f64, f64);
 ///
 /// No column of times; both a pressure and a flow, or neither; fewer than two rows; a time that falls by more; a number that is not finite.
 pub fn read_waveform(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
-    match inlet_of_openbf(bytes) {
-        Some((quantity, rows)) => in_order(quantity, rows),
-        None => read_table(bytes),
-    }
+    inlet_of_openbf(bytes).map_or_else(|| read_table(bytes), |(quantity, rows)| in_order(quantity, rows))
 }
 
 /// The rows of an inlet file of openBF, which has no header: a time and a flow in m³/s, or a pressure in Pa. No heart gives 1 m³/s, and
@@ -41,26 +38,22 @@ fn inlet_of_openbf(bytes: &[u8]) -> Option<(Quantity, Vec<TimedValue>)> {
 fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let time = rows.column(&["time_s"], "the time of each row")?;
-    let quantity = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
+    let (quantity, column) = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
         (Some(_), Some(_)) => {
             let found = format!("both {PRESSURE} and {FLOW}");
-            return Err(Fault::line(rows.header_line(), found, "expected one of them: an inlet has a pressure or a flow"));
+            return Err(Fault::line(rows.header_line, found, "expected one of them: an inlet has a pressure or a flow"));
         }
         (Some(column), None) => (Quantity::Pressure, column),
         (None, Some(column)) => (Quantity::Flow, column),
         (None, None) => {
             let accepted = format!("expected a column {PRESSURE} or {FLOW}");
-            return Err(Fault::line(rows.header_line(), columns(rows.header()), accepted));
+            return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
         }
     };
-    let (quantity, column) = quantity;
     let mut read = Vec::new();
     while let Some(row) = rows.row()? {
         let (t, x) = (row.finite(time)?, row.finite(column)?);
-        let value = match quantity {
-            Quantity::Pressure => pascals(x),
-            Quantity::Flow => cubic_metres_per_second(x),
-        };
+        let value = if quantity == Quantity::Pressure { pascals(x) } else { cubic_metres_per_second(x) };
         read.push((row.line, t, value));
     }
     in_order(quantity, read)
@@ -68,10 +61,7 @@ fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
 
 /// The waveform of rows whose times may fall a little.
 fn in_order(quantity: Quantity, mut read: Vec<TimedValue>) -> Result<(Waveform, Option<String>), Fault> {
-    let step = match read.as_slice() {
-        [(_, first, _), .., (_, last, _)] => (last - first) / (read.len() - 1) as f64,
-        _ => 0.0,
-    };
+    let step = if let [(_, first, _), .., (_, last, _)] = read[..] { (last - first) / (read.len() - 1) as f64 } else { 0.0 };
     let falls: Vec<&[TimedValue]> = read.windows(2).filter(|pair| pair[1].1 < pair[0].1).collect();
     if let Some([(_, before, _), (line, t, _)]) = falls.iter().copied().find(|pair| pair[0].1 - pair[1].1 > step) {
         return Err(Fault::line(*line, format!("time_s {t} after {before}"), "expected times that never fall"));

@@ -34,19 +34,9 @@ pub struct Texts {
 }
 
 impl Texts {
-    /// How many there are.
-    pub fn len(&self) -> usize {
-        self.ends.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.ends.is_empty()
-    }
-
     /// All by row.
     pub fn iter(&self) -> impl ExactSizeIterator<Item = &str> {
-        (0..self.len()).map(|row| &self[row])
+        (0..self.ends.len()).map(|row| &self[row])
     }
 }
 
@@ -96,17 +86,12 @@ pub fn coordinate_columns<I: Iterator<Item = [f64; 3]>>(names: [&'static str; 3]
 
 impl Values {
     /// How many rows there are.
-    pub fn len(&self) -> usize {
+    pub fn rows(&self) -> usize {
         match self {
             Self::Real(values) => values.len(),
             Self::Integer(values) => values.len(),
-            Self::Text(values) => values.len(),
+            Self::Text(values) => values.ends.len(),
         }
-    }
-
-    /// Whether there is no row.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// The value of a row as text; empty for a missing number.
@@ -140,8 +125,8 @@ pub(crate) fn figures(point: &PathPoint, missing: &str) -> [String; 4] {
 /// Checks that every column has one value for each of `rows`.
 pub(crate) fn check_rows(columns: &[Column], rows: usize) -> io::Result<()> {
     for column in columns {
-        if column.values.len() != rows {
-            let found = format!("column {} has {} values for {rows} rows", column.name, column.values.len());
+        if column.values.rows() != rows {
+            let found = format!("column {} has {} values for {rows} rows", column.name, column.values.rows());
             return Err(io::Error::new(io::ErrorKind::InvalidInput, found));
         }
     }
@@ -159,7 +144,7 @@ pub fn write_csv(out: impl Write, columns: &[Column]) -> io::Result<()> {
 
 /// The same with another delimiter.
 pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) -> io::Result<()> {
-    let rows = columns.first().map_or(0, |c| c.values.len());
+    let rows = columns.first().map_or(0, |c| c.values.rows());
     check_rows(columns, rows)?;
     let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
     if !columns.is_empty() {

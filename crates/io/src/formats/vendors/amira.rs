@@ -14,7 +14,7 @@ use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{cells, centerlines};
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
-use willis_core::network::{Centerlines, LengthUnit, Network, Scale, WELD_TOLERANCE, is_radius};
+use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
 use willis_core::support::geometry::{Point, distance, radius_of};
 
 /// No header is longer.
@@ -32,12 +32,8 @@ pub(crate) fn is_amira(bytes: &[u8]) -> bool {
     ["# AmiraMesh", "# Avizo"].iter().any(|signature| bytes.starts_with(signature.as_bytes()))
 }
 
-/// How the numbers of a file are stored.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Storage {
-    Text,
-    Binary { big: bool },
-}
+/// The groups that a parameter is in, its name, its value.
+type Parameter = (Vec<String>, String, String);
 
 /// An array that the header declares, such as `POINT { float thickness } @5`.
 struct Declared {
@@ -57,11 +53,11 @@ struct Declared {
 
 /// The header, and where the sections begin.
 struct AmiraHeader {
-    storage: Storage,
+    /// Whether the most significant byte of a number is first; `None` where numbers are text.
+    big: Option<bool>,
     counts: HashMap<String, usize>,
     arrays: Vec<Declared>,
-    /// The groups that a parameter is in, its name, its value.
-    parameters: Vec<(Vec<String>, String, String)>,
+    parameters: Vec<Parameter>,
     end: usize,
 }
 
@@ -133,14 +129,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         line.push(a as u32);
         for row in own.clone() {
             let is_end = |vertex: usize| distance(points[vertex], course[row]) <= WELD_TOLERANCE;
-            let end = if row == own.start && is_end(a) {
-                Some(a)
-            } else if row + 1 == own.end && is_end(b) {
-                Some(b)
-            } else {
-                None
-            };
-            if let Some(vertex) = end {
+            let mut tips = [(row == own.start, a), (row + 1 == own.end, b)].into_iter();
+            if let Some((_, vertex)) = tips.find(|(is_here, vertex)| *is_here && is_end(*vertex)) {
                 if is_radius(sizes[row]) {
                     at_vertex[vertex].0 += sizes[row];
                     at_vertex[vertex].1 += 1.0;
@@ -169,15 +159,9 @@ impl AmiraHeader {
         let end = end.ok_or_else(|| Fault::file("no section @1 after the header", ACCEPTED))?;
         let text = String::from_utf8_lossy(&head[..end]);
         let first = text.lines().next().unwrap_or_default();
-        let storage = if first.contains("BINARY-LITTLE-ENDIAN") {
-            Storage::Binary { big: false }
-        } else if first.contains("BINARY") {
-            Storage::Binary { big: true }
-        } else if first.contains("ASCII") {
-            Storage::Text
-        } else {
-            return Err(Fault::line(1, format!("\"{first}\""), "expected ASCII, BINARY or BINARY-LITTLE-ENDIAN"));
-        };
+        let kinds = [("BINARY-LITTLE-ENDIAN", Some(false)), ("BINARY", Some(true)), ("ASCII", None)];
+        let unknown = || Fault::line(1, format!("\"{first}\""), "expected ASCII, BINARY or BINARY-LITTLE-ENDIAN");
+        let (_, big) = kinds.into_iter().find(|(word, _)| first.contains(word)).ok_or_else(unknown)?;
         let (mut counts, mut arrays, mut parameters) = (HashMap::new(), Vec::new(), Vec::new());
         let mut groups: Vec<String> = Vec::new();
         for (row, line) in text.lines().enumerate().skip(1) {
@@ -199,7 +183,7 @@ impl AmiraHeader {
             }
             read_parameters(number, line, &mut groups, &mut parameters)?;
         }
-        Ok(Self { storage, counts, arrays, parameters, end })
+        Ok(Self { big, counts, arrays, parameters, end })
     }
 
     /// The value of a parameter in some groups.
@@ -260,9 +244,9 @@ impl AmiraHeader {
             let section = section.ok_or_else(wrong)?;
             let start = at + (end + 1).min(rest.len());
             let rest = &bytes[start..];
-            let length = match self.storage {
-                Storage::Text => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
-                Storage::Binary { .. } => {
+            let length = match self.big {
+                None => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
+                Some(_) => {
                     let array = self.arrays.iter().find(|array| array.section == section);
                     let array =
                         array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
@@ -291,7 +275,7 @@ impl AmiraHeader {
         let wanted = self.numbers(array)?;
         let bytes = data.get(&array.section).copied().unwrap_or_default();
         let cut = |found: usize| here(format!("{found} of {wanted} numbers"), "expected all of them; is the file cut off?");
-        let Storage::Binary { big } = self.storage else {
+        let Some(big) = self.big else {
             let mut values = Vec::new();
             for word in bytes.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
                 let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f64>().ok());
@@ -329,13 +313,11 @@ impl AmiraHeader {
         let found = named.map_or_else(|| RADIUS.iter().find_map(|name| called(name)), called);
         let Some(array) = found else {
             let all = self.arrays.iter().map(|array| array.name.as_str()).collect::<Vec<_>>().join(", ");
+            let accepted = "expected it, or give `radius_array` or `default_radius`";
             return match named {
                 Some(name) => Err(Fault::file(format!("no {name} among {all}"), "expected the array that `radius_array` names")),
                 None if options.is_radius_optional() => Ok(None),
-                None => Err(Fault::file(
-                    format!("no thickness among {all}"),
-                    "expected it, or give `radius_array` or `default_radius`",
-                )),
+                None => Err(Fault::file(format!("no thickness among {all}"), accepted)),
             };
         };
         let mut values = self.values(array, data, options.max_input)?;
@@ -442,17 +424,12 @@ fn declaration(number: usize, line: &str) -> Result<Option<Declared>, Fault> {
 }
 
 /// Adds the parameters of a line, which may begin and end groups.
-fn read_parameters(
-    number: usize,
-    line: &str,
-    groups: &mut Vec<String>,
-    parameters: &mut Vec<(Vec<String>, String, String)>,
-) -> Result<(), Fault> {
+fn read_parameters(number: usize, line: &str, groups: &mut Vec<String>, found: &mut Vec<Parameter>) -> Result<(), Fault> {
     let mut words: Vec<String> = Vec::new();
     let mut finish = |words: &mut Vec<String>, groups: &[String]| {
         if !words.is_empty() && !groups.is_empty() {
             let value = words[1..].join(" ");
-            parameters.push((groups.to_vec(), words.swap_remove(0), value));
+            found.push((groups.to_vec(), words.swap_remove(0), value));
         }
         words.clear();
     };
@@ -528,30 +505,19 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
     }
     let place = |row: usize| figures(&points[row], "0")[..3].join(" ");
     writeln!(out, "\n# Data section follows\n@1")?;
-    for row in 0..vertices {
-        writeln!(out, "{}", place(row))?;
-    }
+    (0..vertices).try_for_each(|row| writeln!(out, "{}", place(row)))?;
     writeln!(out, "\n@2")?;
-    for ([a, b], _) in network.vessels() {
-        writeln!(out, "{a} {b}")?;
-    }
+    network.vessels().try_for_each(|([a, b], _)| writeln!(out, "{a} {b}"))?;
     writeln!(out, "\n@3")?;
-    for line in &lines {
-        writeln!(out, "{}", line.len())?;
-    }
+    lines.iter().try_for_each(|line| writeln!(out, "{}", line.len()))?;
     writeln!(out, "\n@4")?;
-    for row in lines.iter().flatten() {
-        writeln!(out, "{}", place(*row as usize))?;
-    }
+    lines.iter().flatten().try_for_each(|row| writeln!(out, "{}", place(*row as usize)))?;
     writeln!(out, "\n@5")?;
-    for row in lines.iter().flatten() {
-        writeln!(out, "{}", figures(&points[*row as usize], "0")[3])?;
-    }
+    lines.iter().flatten().try_for_each(|row| writeln!(out, "{}", figures(&points[*row as usize], "0")[3]))?;
     if !numbers.is_empty() {
         writeln!(out, "\n@6")?;
-        for (_, vessel) in network.vessels() {
-            writeln!(out, "{}", numbers.get(vessel.label.as_str()).unwrap_or(&0))?;
-        }
+        let number = |vessel: &Vessel| numbers.get(vessel.label.as_str()).copied().unwrap_or(0);
+        network.vessels().try_for_each(|(_, vessel)| writeln!(out, "{}", number(vessel)))?;
     }
     out.flush()
 }

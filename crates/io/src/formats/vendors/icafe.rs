@@ -64,21 +64,16 @@ pub(crate) fn image_spacing(tracing: &Path) -> Result<Option<f64>> {
 ///
 /// A missing column, a position that is no number, a type that is no whole number.
 pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
-    const ENDS: [[&str; 3]; 2] = [
-        ["StartPointPositionX", "StartPointPositionY", "StartPointPositionZ"],
-        ["EndPointPositionX", "EndPointPositionY", "EndPointPositionZ"],
-    ];
     let mut rows = TableReader::ragged(bytes)?;
-    let line = rows.header_line();
+    let line = rows.header_line;
     let column = |name: &str| {
         rows.find(&[name])
             .ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE_OF_VESSELS}")))
     };
     let kind = column("VesselType")?;
-    let mut ends = [[0; 3]; 2];
-    for (at, name) in ends.iter_mut().flatten().zip(ENDS.iter().flatten()) {
-        *at = column(name)?;
-    }
+    let axis = |end: &str, axis: char| column(&format!("{end}PointPosition{axis}"));
+    let end = |end: &str| -> Result<[usize; 3], Fault> { Ok([axis(end, 'X')?, axis(end, 'Y')?, axis(end, 'Z')?]) };
+    let ends = [end("Start")?, end("End")?];
     let count = rows.find(&["NumPts"]);
     let mut vessels = Vec::new();
     while let Some(row) = rows.row()? {
@@ -188,12 +183,8 @@ pub(crate) fn read_table_of_vessels(path: &Path, bytes: &[u8], options: &ReadOpt
     let traced = content_beside(&tracing, options.max_input)?;
     let (mut lines, mut notes) = read_swc(without_mark(&traced), &options.scale).map_err(|fault| fault.in_file(&tracing))?;
     notes.push(format!("the points are those of {}", tracing.display()));
-    let wrong = || {
-        Fault::file(
-            "none of its vessels begins and ends at points of the tracing",
-            "expected a table and a tracing of the same image",
-        )
-    };
+    let found = "none of its vessels begins and ends at points of the tracing";
+    let wrong = || Fault::file(found, "expected a table and a tracing of the same image");
     notes.push(name_vessels(&mut lines, bytes, path, &options.scale)?.ok_or_else(wrong).map_err(here)?);
     notes.extend(spacing_note(&tracing, &options.scale)?);
     Ok((Content::Centerlines(lines), notes))
@@ -232,11 +223,8 @@ pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
         many => {
             let names: Vec<_> =
                 found.iter().filter_map(|path| path.file_name()).map(|name| name.to_string_lossy()).take(3).collect();
-            let found = format!(
-                "{many} SWC files beside the table of vessels ({}{})",
-                names.join(", "),
-                if many > 3 { ", ..." } else { "" }
-            );
+            let (names, more) = (names.join(", "), if many > 3 { ", ..." } else { "" });
+            let found = format!("{many} SWC files beside the table of vessels ({names}{more})");
             Err(Fault::file(found, "give the SWC file that it belongs to as INPUT"))
         }
     }

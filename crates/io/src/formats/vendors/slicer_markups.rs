@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
+use crate::formats::tables::reader::listed;
 use crate::formats::tables::write::figures;
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Scale, is_radius};
@@ -54,15 +55,21 @@ impl Markup {
         self.name.as_deref().unwrap_or_default().trim()
     }
 
-    /// The frame of its positions, LPS where it states none; Slicer's older files say 0 for RAS and 1 for LPS.
+    /// The frame of its positions, LPS where it states none.
     pub(in crate::formats) fn frame(&self, item: impl Fn() -> String) -> Result<Frame, Fault> {
         let Some(system) = &self.coordinate_system else { return Ok(Frame::Lps) };
         let text = system.as_str().map_or_else(|| system.to_string(), str::to_owned);
-        match text.as_str() {
-            "LPS" | "1" => Ok(Frame::Lps),
-            "RAS" | "0" => Ok(Frame::Ras),
-            other => Err(Fault::item(item(), format!("coordinateSystem {}", other.escape_debug()), "expected LPS or RAS")),
-        }
+        let other = || Fault::item(item(), format!("coordinateSystem {}", text.escape_debug()), "expected LPS or RAS");
+        frame_called(&text).ok_or_else(other)
+    }
+}
+
+/// The frame that Slicer calls so; its older files say 0 for RAS and 1 for LPS.
+pub(in crate::formats) fn frame_called(word: &str) -> Option<Frame> {
+    match word {
+        "LPS" | "1" => Some(Frame::Lps),
+        "RAS" | "0" => Some(Frame::Ras),
+        _ => None,
     }
 }
 
@@ -84,10 +91,7 @@ impl ControlPoint {
 
     /// Its three numbers.
     pub(in crate::formats) fn position(&self) -> Option<Point> {
-        match self.position.as_deref()? {
-            [Some(x), Some(y), Some(z)] => Some([*x, *y, *z]),
-            _ => None,
-        }
+        if let [Some(x), Some(y), Some(z)] = self.position.as_deref()? { Some([*x, *y, *z]) } else { None }
     }
 }
 
@@ -174,17 +178,12 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     if lines.points.is_empty() {
         return Err(Fault::file("curves without points", "expected control points"));
     }
-    let mut notes = Vec::new();
-    if flipped > 0 {
-        notes.push(format!("markups in RAS, whose x and y changed sign because positions are kept in LPS: {flipped}"));
-    }
-    if undefined > 0 {
-        notes.push(format!("control points without a defined position, left out: {undefined}"));
-    }
-    if !others.is_empty() {
-        notes.push(format!("markups that are no curves, left out: {}", others.len()));
-    }
-    Ok((lines, notes))
+    let notes = listed([
+        (flipped, "markups in RAS, whose x and y changed sign because positions are kept in LPS"),
+        (undefined, "control points without a defined position, left out"),
+        (others.len(), "markups that are no curves, left out"),
+    ]);
+    Ok((lines, notes.collect()))
 }
 
 /// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.

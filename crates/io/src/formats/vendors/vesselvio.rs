@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use crate::formats::content::Content;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, skeleton};
-use crate::formats::tables::reader::{Row, TableReader, plural};
+use crate::formats::tables::reader::{Row, TableReader, counted};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv};
 use willis_core::error::Fault;
 use willis_core::network::{Network, Node, PathPoint, Scale, is_radius, millimetres};
@@ -58,7 +58,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     let radius = rows.find(&["radius_avg", "radius"]);
     if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
         let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
-        return Err(Fault::line(rows.header_line(), "no radius", accepted));
+        return Err(Fault::line(rows.header_line, "no radius", accepted));
     }
     let (length, label) = (rows.find(&["length"]), rows.find(&["label"]));
     let name = |row: &Row| label.map_or("", |label| row.text(label)).to_owned();
@@ -86,7 +86,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
         let size = options.scale.length(row.real(radius)?);
         if !is_radius(size) && !options.is_radius_optional() {
-            let found = format!("{} \"{}\"", row.name(radius), row.text(radius));
+            let found = format!("{} \"{}\"", row.header[radius], row.text(radius));
             return Err(fault(found, "expected a positive number, or give `default_radius`"));
         }
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
@@ -99,25 +99,21 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         return Err(none());
     }
     let mut notes = vec!["edges refer to vertices by row, as VesselVio's do".to_owned()];
-    if straight > 0 {
-        notes.push(format!("{} without length: took the distance between the vertices", plural(straight, "edge")));
-    }
+    notes.extend(counted(straight, "edge", "without length: took the distance between the vertices"));
     Ok((Content::Vessels(network), notes))
 }
 
 /// The rows of the vertices that an edge joins.
 fn linked(row: &Row, ends: [usize; 2], vertices: usize) -> Result<[u32; 2], Fault> {
-    let mut at = [0; 2];
-    for (end, column) in at.iter_mut().zip(ends) {
-        let x = row.real(column)?;
-        if !(x >= 0.0 && x < vertices as f64 && x.fract() == 0.0) {
-            let found = format!("edge {}: {} \"{}\"", row.number, row.name(column), row.text(column));
+    let end = |column: usize| match row.real(column)? {
+        x if x >= 0.0 && x < vertices as f64 && x.fract() == 0.0 => Ok(x as u32),
+        _ => {
+            let found = format!("edge {}: {} \"{}\"", row.number, row.header[column], row.text(column));
             let last = vertices.saturating_sub(1);
-            return Err(Fault::line(row.line, found, format!("expected a row of the vertices, 0 to {last}")));
+            Err(Fault::line(row.line, found, format!("expected a row of the vertices, 0 to {last}")))
         }
-        *end = x as u32;
-    }
-    Ok(at)
+    };
+    Ok([end(ends[0])?, end(ends[1])?])
 }
 
 /// Writes both tables, mm, under the names that VesselVio offers by default.

@@ -6,7 +6,7 @@ use std::io::{self, Write};
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::{add_straight, positions};
 use crate::formats::tables::graph::NodeTable;
-use crate::formats::tables::reader::{TableReader, plural};
+use crate::formats::tables::reader::{TableReader, counted, plural};
 use crate::formats::tables::write::{Column, coordinate_columns, write_table};
 use willis_core::error::Fault;
 use willis_core::network::{Network, Node, Scale, is_radius, millimetres};
@@ -88,9 +88,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
     let radii = radii.into_iter().filter(|(edges, _)| *edges > 0);
     let mut notes: Vec<String> =
         radii.map(|(edges, means)| format!("the radius of {} is {means}", plural(edges, "edge"))).collect();
-    if straight > 0 {
-        notes.push(format!("{} without a valid length: took the distance between the nodes", plural(straight, "edge")));
-    }
+    notes.extend(counted(straight, "edge", "without a valid length: took the distance between the nodes"));
     Ok((network, notes))
 }
 
@@ -137,19 +135,13 @@ pub fn write_voreen(nodes: impl Write, edges: impl Write, network: &Network) -> 
         Column::real("curveness", network.vessels().map(|(ends, v)| curveness(v.length, gap(ends)))),
         Column::real("volume", area().zip(vessels()).map(|(area, v)| area * millimetres(v.length))),
         Column::real("avgCrossSection", area()),
-        missing("minRadiusAvg"),
-        missing("minRadiusStd"),
-        Column::real("avgRadiusAvg", vessels().map(|v| millimetres(v.radius))),
-        missing("avgRadiusStd"),
-        missing("maxRadiusAvg"),
-        missing("maxRadiusStd"),
-        missing("roundnessAvg"),
-        missing("roundnessStd"),
-        Column::whole("node1_degree", network.vessels().map(|(ends, _)| degree[ends[0]])),
-        Column::whole("node2_degree", network.vessels().map(|(ends, _)| degree[ends[1]])),
-        missing("num_voxels"),
-        missing("hasNodeAtSampleBorder"),
     ];
+    table.extend(["minRadiusAvg", "minRadiusStd"].map(missing));
+    table.push(Column::real("avgRadiusAvg", vessels().map(|v| millimetres(v.radius))));
+    table.extend(["avgRadiusStd", "maxRadiusAvg", "maxRadiusStd", "roundnessAvg", "roundnessStd"].map(missing));
+    table.push(Column::whole("node1_degree", network.vessels().map(|(ends, _)| degree[ends[0]])));
+    table.push(Column::whole("node2_degree", network.vessels().map(|(ends, _)| degree[ends[1]])));
+    table.extend(["num_voxels", "hasNodeAtSampleBorder"].map(missing));
     if vessels().any(|v| !v.label.is_empty()) {
         table.push(Column::text("label", vessels().map(|v| v.label.clone())));
     }

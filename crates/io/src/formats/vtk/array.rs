@@ -45,11 +45,8 @@ impl Arrays<'_> {
             }
             values.map(|bytes| kind.value(bytes, !self.little)).collect()
         };
-        if found.len() == count {
-            Ok(found)
-        } else {
-            Err(fault(array, format!("{} values", found.len()), format!("expected {count}")))
-        }
+        let other = || fault(array, format!("{} values", found.len()), format!("expected {count}"));
+        if found.len() == count { Ok(found) } else { Err(other()) }
     }
 
     /// The first `count` indices of an array.
@@ -93,7 +90,7 @@ impl Arrays<'_> {
         let own;
         let source = match array.attribute("format") {
             "binary" => {
-                own = without_blanks(array.text.trim_ascii().as_bytes());
+                own = array.text.bytes().filter(|b| !b.is_ascii_whitespace()).collect::<Vec<u8>>();
                 Some(Source::Base64(&own))
             }
             "appended" => {
@@ -136,15 +133,6 @@ fn number_type(array: &Element) -> Result<(NumberType, usize), Fault> {
 
 fn is_ascii(array: &Element) -> bool {
     matches!(array.attribute("format"), "ascii" | "")
-}
-
-/// Base64 without blanks and line ends.
-fn without_blanks(text: &[u8]) -> Cow<'_, [u8]> {
-    if text.iter().any(u8::is_ascii_whitespace) {
-        text.iter().copied().filter(|b| !b.is_ascii_whitespace()).collect()
-    } else {
-        Cow::Borrowed(text)
-    }
 }
 
 fn ascii(array: &Element, kind: (NumberType, usize), count: usize) -> Result<Vec<f64>, Fault> {

@@ -1,5 +1,7 @@
 //! Reads a legacy VTK file from left to right: words, lines, numbers and texts, in ASCII or big-endian binary.
 
+use std::str::FromStr;
+
 use crate::formats::binary::{NumberType, word};
 use willis_core::error::Fault;
 
@@ -111,23 +113,13 @@ impl<'a> VtkCursor<'a> {
         if self.binary {
             return Ok(self.numbers(kind, count)?.into_iter().map(|x| x as i64).collect());
         }
-        let mut out = Vec::new();
-        for _ in 0..count {
-            let word = self.entry(out.len(), count)?;
-            out.push(word.parse().map_err(|_| self.fault(format!("\"{word}\""), "expected a whole number"))?);
-        }
-        Ok(out)
+        self.entries(count, "expected a whole number")
     }
 
     /// Numbers of any type.
     pub(crate) fn numbers(&mut self, kind: VtkType, count: usize) -> Result<Vec<f64>, Fault> {
         if !self.binary {
-            let mut out = Vec::new();
-            for _ in 0..count {
-                let word = self.entry(out.len(), count)?;
-                out.push(word.parse().map_err(|_| self.fault(format!("\"{word}\""), "expected a number"))?);
-            }
-            return Ok(out);
+            return self.entries(count, "expected a number");
         }
         let bytes = self.bytes(count.saturating_mul(kind.bits as usize).div_ceil(8), true)?;
         if kind.bits == 1 {
@@ -157,8 +149,13 @@ impl<'a> VtkCursor<'a> {
         Ok(out)
     }
 
-    fn entry(&mut self, n: usize, count: usize) -> Result<&'a str, Fault> {
-        self.word().ok_or_else(|| self.fault(format!("{n} values"), format!("expected {count}")))
+    /// Numbers in digits.
+    fn entries<N: FromStr>(&mut self, count: usize, accepted: &str) -> Result<Vec<N>, Fault> {
+        let entry = |n: usize| {
+            let word = self.word().ok_or_else(|| self.fault(format!("{n} values"), format!("expected {count}")))?;
+            word.parse().map_err(|_| self.fault(format!("\"{word}\""), accepted))
+        };
+        (0..count).map(entry).collect()
     }
 
     /// The next bytes; those of an array begin on the next line.

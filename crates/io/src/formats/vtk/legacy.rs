@@ -50,13 +50,6 @@ fn head(cursor: &mut VtkCursor) -> Result<Frame, Fault> {
     Ok(Frame::of_header(&title))
 }
 
-/// Whether arrays belong to the points or to the cells.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Group {
-    Points,
-    Cells,
-}
-
 /// What has been read of a file.
 #[derive(Debug)]
 pub(crate) struct Reader<'a> {
@@ -65,8 +58,8 @@ pub(crate) struct Reader<'a> {
     pub(crate) data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
-    /// Whether arrays belong to the points or to the cells, and how many values each has.
-    pub(crate) group: Option<(Group, usize)>,
+    /// Whether arrays belong to the points, or else to the cells, and how many values each has.
+    pub(crate) group: Option<(bool, usize)>,
 }
 
 impl Reader<'_> {
@@ -91,21 +84,18 @@ impl Reader<'_> {
             "LINES" => self.connectivity(1),
             "POLYGONS" => self.connectivity(2),
             "TRIANGLE_STRIPS" => self.connectivity(3),
-            "POINT_DATA" | "CELL_DATA" => self.data_of(if keyword == "POINT_DATA" { Group::Points } else { Group::Cells }),
+            "POINT_DATA" | "CELL_DATA" => self.data_of(keyword == "POINT_DATA"),
             _ => self.attribute(&keyword),
         }
     }
 
-    fn data_of(&mut self, group: Group) -> Result<(), Fault> {
+    fn data_of(&mut self, of_points: bool) -> Result<(), Fault> {
         let count = self.cursor.count("a number of values", LIMIT)?;
-        let (expected, what) = match group {
-            Group::Points => (self.data.points.len(), "points"),
-            Group::Cells => (self.cells.iter().sum(), "cells"),
-        };
+        let (expected, what) = if of_points { (self.data.points.len(), "points") } else { (self.cells.iter().sum(), "cells") };
         if count != expected {
             return Err(self.cursor.fault(format!("{count} values"), format!("expected {expected}, one for each of the {what}")));
         }
-        self.group = Some((group, count));
+        self.group = Some((of_points, count));
         Ok(())
     }
 
@@ -266,10 +256,9 @@ impl Reader<'_> {
         };
         let name = name.trim().to_owned();
         let values = if width == 1 && is_wanted(&name, self.options) { values } else { ArrayValues::Unread };
-        match self.group {
-            Some((Group::Points, _)) => self.data.point_data.push(NamedValues { name, values }),
-            Some((Group::Cells, _)) => self.data.line_data.push(NamedValues { name, values }),
-            None => {}
+        if let Some((of_points, _)) = self.group {
+            let arrays = if of_points { &mut self.data.point_data } else { &mut self.data.line_data };
+            arrays.push(NamedValues { name, values });
         }
         Ok(())
     }

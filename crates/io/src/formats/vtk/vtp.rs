@@ -57,7 +57,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
 
 /// The frame that the field data state as 3D Slicer does, in an array of texts called `SPACE`.
 fn frame(polydata: &Element, arrays: &Arrays) -> Result<Frame, Fault> {
-    let mut fields = polydata.named("FieldData").flat_map(|fields| fields.children().filter(|child| is_array(child)));
+    let mut fields = polydata.named("FieldData").flat_map(|fields| fields.children.iter().filter(|child| is_array(child)));
     match fields.find(|field| field.attribute("Name").trim() == SPACE && field.attribute("type") == "String") {
         Some(field) => Ok(arrays.texts(field, 1)?.first().map_or(Frame::Unknown, |word| Frame::of_word(word))),
         None => Ok(Frame::Unknown),
@@ -94,7 +94,7 @@ fn named(
     [skipped, count]: [usize; 2],
 ) -> Result<Vec<NamedValues>, Fault> {
     let mut out = Vec::new();
-    for array in piece.named(group).flat_map(|group| group.children().filter(|c| is_array(c))) {
+    for array in piece.named(group).flat_map(|group| group.children.iter().filter(|c| is_array(c))) {
         let name = array.attribute("Name").trim();
         let scalar = matches!(array.attribute("NumberOfComponents").trim(), "" | "1");
         let values = if !scalar || !is_wanted(name, options) {

@@ -57,8 +57,7 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     let wholes = |values: &[i64]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
     let radius = reals(&mut points.iter().map(|p| millimetres(p.radius)));
     array(&mut out, r#"type="Float64" Name="MaximumInscribedSphereRadius""#, &radius)?;
-    writeln!(out, "      </PointData>")?;
-    writeln!(out, "      <CellData>")?;
+    writeln!(out, "      </PointData>\n      <CellData>")?;
     for column in vessel_columns {
         let name = xml::escape(&column.name);
         match &column.values {
@@ -73,16 +72,13 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
             }
         }
     }
-    writeln!(out, "      </CellData>")?;
-    writeln!(out, "      <Points>")?;
+    writeln!(out, "      </CellData>\n      <Points>")?;
     let coordinates = reals(&mut points.iter().flat_map(|p| p.position).map(millimetres));
     array(&mut out, r#"type="Float64" Name="Points" NumberOfComponents="3""#, &coordinates)?;
-    writeln!(out, "      </Points>")?;
-    writeln!(out, "      <Lines>")?;
+    writeln!(out, "      </Points>\n      <Lines>")?;
     array(&mut out, r#"type="Int64" Name="connectivity""#, &wholes(&connectivity))?;
     array(&mut out, r#"type="Int64" Name="offsets""#, &wholes(&offsets))?;
-    writeln!(out, "      </Lines>")?;
-    writeln!(out, "    </Piece>\n  </PolyData>\n</VTKFile>")?;
+    writeln!(out, "      </Lines>\n    </Piece>\n  </PolyData>\n</VTKFile>")?;
     out.flush()
 }
 
@@ -117,9 +113,7 @@ pub fn write_vtk(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     let frame = network.frame.name().map_or(String::new(), |name| format!("; {SPACE}={name}"));
     writeln!(out, "# vtk DataFile Version 4.2\nvessels, lengths in mm{frame}\nASCII\nDATASET POLYDATA")?;
     writeln!(out, "POINTS {} double", points.len())?;
-    for point in &points {
-        reals(&mut out, &point.position.map(millimetres))?;
-    }
+    points.iter().try_for_each(|point| reals(&mut out, &point.position.map(millimetres)))?;
     let entries: usize = lines.iter().map(|line| line.len() + 1).sum();
     writeln!(out, "LINES {} {entries}", lines.len())?;
     for line in &lines {

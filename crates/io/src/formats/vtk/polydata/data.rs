@@ -14,6 +14,14 @@ pub(crate) struct NamedValues {
     pub(crate) values: ArrayValues,
 }
 
+/// The numbers of the first of some arrays that has this name and holds numbers.
+pub(super) fn numbers<'a>(arrays: &'a [NamedValues], wanted: &str) -> Option<&'a Vec<f64>> {
+    arrays.iter().find_map(|NamedValues { name, values }| match values {
+        ArrayValues::Numbers(values) if name == wanted => Some(values),
+        _ => None,
+    })
+}
+
 /// The values of an array.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) enum ArrayValues {
@@ -43,7 +51,7 @@ pub(crate) struct PolyData {
 }
 
 /// A line of the file, or the rest of it after merging.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct PolyLine {
     /// The rows of its points.
     pub(super) points: Vec<u32>,

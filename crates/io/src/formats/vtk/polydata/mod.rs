@@ -173,10 +173,8 @@ fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
         }
         let number = *number as i64;
         let known = usize::try_from(number).ok().and_then(|number| CIRCLE.get(number)).filter(|_| circle);
-        match known {
-            Some(name) if number == 0 || !name.is_empty() => (*name).to_owned(),
-            _ => number.to_string(),
-        }
+        let known = known.filter(|name| number == 0 || !name.is_empty());
+        known.map_or_else(|| number.to_string(), |name| (*name).to_owned())
     };
     match &array.values {
         ArrayValues::Texts(texts) => Some(texts.clone()),

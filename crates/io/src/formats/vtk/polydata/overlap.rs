@@ -54,14 +54,12 @@ pub(crate) fn merge(all: &mut PolyLines) -> Option<String> {
         });
         for (shared, end) in [(front, line.points.first()), (back, line.points.last())] {
             if let (None, Some(end)) = (shared, end) {
-                tree.add_end(*end);
+                tree.ends.push(*end);
             }
         }
-        let rest = match (front, back) {
-            (None, None) => Some(line.clone()),
-            _ => rest(all, &radii, line, front, back),
-        };
-        if front.is_some() || back.is_some() {
+        let is_merged = front.is_some() || back.is_some();
+        let rest = if is_merged { rest(all, &radii, line, front, back) } else { Some(line.clone()) };
+        if is_merged {
             merged += 1;
             length += arc(&all.at, &line.points) - rest.as_ref().map_or(0.0, |rest| arc(&all.at, &rest.points));
         }
@@ -97,13 +95,10 @@ fn knows_its_nodes(lines: &[PolyLine]) -> bool {
             *shared |= *first != row;
         }
     }
-    lines.iter().any(|line| {
-        let ends = [line.points.get(..2), line.points.len().checked_sub(2).and_then(|n| line.points.get(n..))];
-        let at = [0, 1];
-        ends.into_iter()
-            .zip(at)
-            .any(|(pair, at)| pair.is_some_and(|pair| points[&pair[at]].1 && !links[&link(pair[0], pair[1])].1))
-    })
+    let meets = |pair: &[u32; 2], at: usize| points[&pair[at]].1 && !links[&link(pair[0], pair[1])].1;
+    let begins = |line: &PolyLine| line.points.first_chunk().is_some_and(|pair| meets(pair, 0));
+    let ends = |line: &PolyLine| line.points.last_chunk().is_some_and(|pair| meets(pair, 1));
+    lines.iter().any(|line| begins(line) || ends(line))
 }
 
 /// The lines in an order in which each has an end in common with one before it, where there is such a one.
@@ -238,11 +233,6 @@ impl<'a> Tree<'a> {
             self.links.push([pair[0], pair[1]]);
             self.seen.push(0);
         }
-    }
-
-    /// Adds an end of a line of the file.
-    pub(crate) fn add_end(&mut self, point: u32) {
-        self.ends.push(point);
     }
 
     /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends; and for each of

@@ -1,6 +1,6 @@
 //! Finds the array of a VTK file that holds the radius, or computes it from areas.
 
-use super::data::{ArrayValues, NamedValues, PolyData};
+use super::data::{NamedValues, PolyData, numbers};
 use crate::formats::options::ReadOptions;
 use willis_core::error::Fault;
 use willis_core::network::is_radius;
@@ -71,7 +71,8 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
     } else {
         return Ok((first.values, first.of_lines.then(|| format!("each point has the mean \"{}\" of its cells", first.name))));
     };
-    let used = used(cells, piece.points.len());
+    let mut used = vec![false; piece.points.len()];
+    cells.iter().flatten().for_each(|point| used[*point] = true);
     let holes: Vec<usize> = (0..first.values.len()).filter(|p| used[*p] && !is_radius(first.values[*p])).collect();
     let spare = if is_area { find(&EQUIVALENT).or_else(|| find(&RADII)) } else { find(&RADII) };
     if let Some(spare) = spare.filter(|spare| spare.name != first.name && !holes.is_empty()) {
@@ -87,16 +88,10 @@ pub(crate) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
 }
 
 fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
-    let numbers = |arrays: &[NamedValues]| {
-        arrays.iter().find_map(|array| match &array.values {
-            ArrayValues::Numbers(values) if array.name == name => Some(values.clone()),
-            _ => None,
-        })
-    };
-    if let Some(values) = numbers(&piece.point_data) {
-        return Some(Found { name: name.to_owned(), of_lines: false, values });
+    if let Some(values) = numbers(&piece.point_data, name) {
+        return Some(Found { name: name.to_owned(), of_lines: false, values: values.clone() });
     }
-    let of_line = numbers(&piece.line_data)?;
+    let of_line = numbers(&piece.line_data, name)?.iter().copied();
     let mut sum = vec![(0.0, 0.0); piece.points.len()];
     for (cell, value) in cells.iter().zip(of_line) {
         if is_radius(value) {
@@ -107,15 +102,6 @@ fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
     }
     let values = sum.into_iter().map(|(sum, n)| if n > 0.0 { sum / n } else { f64::NAN }).collect();
     Some(Found { name: name.to_owned(), of_lines: true, values })
-}
-
-/// Which points a line uses.
-fn used(cells: &[Vec<usize>], count: usize) -> Vec<bool> {
-    let mut used = vec![false; count];
-    for p in cells.iter().flatten() {
-        used[*p] = true;
-    }
-    used
 }
 
 fn missing(piece: &PolyData, name: Option<&str>) -> Fault {

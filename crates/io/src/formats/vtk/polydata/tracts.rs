@@ -10,7 +10,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use super::data::{ArrayValues, NamedValues, PolyData, PolyLine, PolyLines};
+use super::data::{PolyData, PolyLine, PolyLines, numbers};
 use super::overlap::{COMMON_END, ONE_JUNCTION, arc, without_gaps};
 use crate::formats::tables::reader::plural;
 use willis_core::network::millimetres;
@@ -44,13 +44,7 @@ pub(super) struct Tract {
 
 /// The tracts of a piece of the file whose lines start at `from`; none without VMTK's arrays.
 pub(super) fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
-    let numbers = |name: &str| {
-        piece.line_data.iter().find_map(|NamedValues { name: found, values }| match values {
-            ArrayValues::Numbers(values) if found == name => Some(values),
-            _ => None,
-        })
-    };
-    let [Some(lines), Some(tracts), Some(groups)] = IDS.map(numbers) else { return Vec::new() };
+    let [Some(lines), Some(tracts), Some(groups)] = IDS.map(|name| numbers(&piece.line_data, name)) else { return Vec::new() };
     let rows = lines.iter().zip(tracts).zip(groups).enumerate();
     rows.map(|(row, ((c, t), g))| Tract { centerline: *c as i64, order: *t as i64, group: *g as i64, line: from + row }).collect()
 }
@@ -137,8 +131,7 @@ fn in_order(all: &mut PolyLines, radii: &[f64], touch: f64, tracts: &[Tract]) ->
     let mut out: Vec<Piece> = Vec::with_capacity(tracts.len());
     let mut is_turned = false;
     for tract in tracts {
-        let empty = PolyLine { points: Vec::new(), names: Vec::new(), strand: 0 };
-        let mut line = std::mem::replace(&mut all.each[tract.line], empty);
+        let mut line = std::mem::take(&mut all.each[tract.line]);
         if line.points.is_empty() {
             continue;
         }
