@@ -351,7 +351,9 @@ impl Each<'_> {
             return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
         let mut all: Vec<_> = (0..total).map(|_| None).collect();
-        ended.into_iter().for_each(|(at, made)| all[at] = Some(made));
+        for (at, made) in ended.into_iter() {
+            all[at] = Some(made);
+        }
         Ok(all)
     }
 }

@@ -239,7 +239,9 @@ pub fn named(inputs: &[PathBuf]) -> Vec<String> {
 /// The same where a person may have said what an input is called.
 fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
-    inputs.iter().for_each(|(path, _)| *times.entry(stem(path).to_lowercase()).or_default() += 1);
+    for (path, _) in inputs.iter() {
+        *times.entry(stem(path).to_lowercase()).or_default() += 1;
+    }
     let word = |path: &Path| {
         let folder = path.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
         match (times[&stem(path).to_lowercase()], folder) {

@@ -122,7 +122,9 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let mut territory = vec![None; if found.is_some() { network.vessel_count() } else { 0 }];
     if let Some(found) = &found {
         for (at, rows) in found.circle.artery_vessels(network).territories.iter().enumerate() {
-            rows.iter().for_each(|row| territory[*row] = Some(at));
+            for row in rows.iter() {
+                territory[*row] = Some(at);
+            }
         }
     }
     let measuring = Measuring { network, boundary, region: brain.as_ref(), territory, found, phenotypes };

@@ -286,7 +286,9 @@ impl WaveSource {
             (Some(PulseMean::Pressure(mean)), Quantity::Pressure) => c[0] = Complex64::new(mean, 0.0),
             (Some(PulseMean::Flow(mean)), Quantity::Flow) if c[0].re != 0.0 => {
                 let factor = mean / c[0].re;
-                c.iter_mut().for_each(|c| *c *= factor);
+                for c in c.iter_mut() {
+                    *c *= factor;
+                }
             }
             (Some(PulseMean::Flow(mean)), Quantity::Flow) => {
                 return refused("a flow whose own mean is not zero, which cannot be scaled", ml_per_min(mean));

@@ -36,7 +36,9 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     // Of every fragment without an inlet the first node; nodes without an observed vessel are none.
     let parts = fragments(network, |_, vessel| vessel.origin == Origin::Observed);
     let mut seen = vec![false; parts.count];
-    inlets.iter().for_each(|inlet| seen[parts.of_node[*inlet]] = true);
+    for inlet in inlets.iter() {
+        seen[parts.of_node[*inlet]] = true;
+    }
     let unfed: Vec<usize> = (0..count).filter(|node| !std::mem::replace(&mut seen[parts.of_node[*node]], true)).collect();
     let (alone, first): (Vec<usize>, Vec<usize>) = unfed.into_iter().partition(|node| at_node[*node].is_empty());
     let mut fragments = trees(&first);

@@ -167,7 +167,9 @@ impl BidsArgs {
         let mut rows = gather(&folders, &cohort, named, covariates, terminal)?;
         derivative.describe(dataset, &self.source)?;
         derivative.keep(dataset, participants.iter().filter(|(name, _)| people.contains(name)))?;
-        rows.iter_mut().for_each(|row| row.input = dataset.place_of(Path::new(&row.input)));
+        for row in rows.iter_mut() {
+            row.input = dataset.place_of(Path::new(&row.input));
+        }
         let names: Vec<(String, Option<String>)> = rows.iter().map(|row| of_run(&row.subject)).collect();
         let table = derivative.write_table(&bids_columns(&rows, &names))?;
         terminal.say("written", table.display().to_string());

@@ -97,7 +97,9 @@ impl TextTerminal {
 
     /// Says what a person should know.
     pub fn notes(self, notes: &[String]) {
-        notes.iter().for_each(|note| self.say("note", note));
+        for note in notes.iter() {
+            self.say("note", note);
+        }
     }
 
     /// Prints a fact with `--verbose` only.

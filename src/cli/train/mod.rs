@@ -76,7 +76,9 @@ impl TrainArgs {
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
             fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
         })?;
-        figures.iter().for_each(|of| say_figures(terminal, of));
+        for of in figures.iter() {
+            say_figures(terminal, of);
+        }
         let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };
         weights.folds = folds.iter().map(of_fold).collect();
         weights.figures.clone_from(&figures);

@@ -54,7 +54,9 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
         let inner: Vec<&M::Seen<'_>> = examples.iter().filter(|e| !is_held_out(e.case())).collect();
         M::Seen::fit(&inner, &mut |step| output.say_after(&format!("fold {fold}"), step))
     })?;
-    figures.iter().for_each(|scores| terminal.say("held out", M::say_scores(scores)));
+    for scores in figures.iter() {
+        terminal.say("held out", M::say_scores(scores));
+    }
     M::Seen::record(&mut model).1.clone_from(&figures);
     let mut made_by = made_by();
     if let Some(onto) = onto {

@@ -26,7 +26,9 @@ pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
             run.iter().zip(&lowest[1..]).for_each(|(row, value)| squared[*row] = *value);
         }
     }
-    squared.iter_mut().for_each(|value| *value = value.sqrt());
+    for value in squared.iter_mut() {
+        *value = value.sqrt();
+    }
     squared
 }
 

@@ -102,7 +102,9 @@ impl LikelihoodMatrix<'_> {
 
 /// The positive cells of the upper triangle, sorted by value; those in one place add up.
 fn added(mut cells: Vec<Cell>) -> Vec<Cell> {
-    cells.iter_mut().for_each(|(cell, _)| cell.sort_unstable());
+    for (cell, _) in cells.iter_mut() {
+        cell.sort_unstable();
+    }
     cells.sort_by_key(|cell| cell.0);
     cells.dedup_by(|next, sum| {
         let parallel = next.0 == sum.0;

@@ -72,7 +72,9 @@ pub struct Projection {
 /// darker where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. The first 30 rings
 /// are drawn, with their numbers. Radii and courses are smoothed along each vessel, for display only.
 pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rings: &[Ring], views: &[Projection; 2]) -> Figure {
-    vessels.iter_mut().for_each(|vessel| vessel.course = smoothed(&vessel.course));
+    for vessel in vessels.iter_mut() {
+        vessel.course = smoothed(&vessel.course);
+    }
     let rings = &rings[..rings.len().min(MOST_RINGS)];
     let mut sheet = Sheet::default();
     let wide = PAGE[0] - 2.0 * LEFT[0];
@@ -94,7 +96,9 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             let [x, y] = seen(p, view);
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
-        pieces(&vessels, view, scale, place).into_iter().for_each(|one| sheet.tube(one.path, one.width, one.rgb));
+        for one in pieces(&vessels, view, scale, place).into_iter() {
+            sheet.tube(one.path, one.width, one.rgb);
+        }
         let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();
         ringed(&mut sheet, &centres, rings);
         sheet.plain(view.name, [centre[0], TOP + 5.0], Align::Middle);

@@ -67,7 +67,7 @@ impl Page {
         let (title, colours) = (format!("willis {command}: {name}"), colours());
         let (no_scene, scene) = (scene.as_ref().err().cloned(), scene.ok());
         let image_places = json!({ "side": SIDE, "step_mm": millimetres(STEP), "of": image_places });
-        Self { title, colours, record, no_scene, scene, image_places, figures, ..Self::default() }
+        Self { colours, figures, image_places, no_scene, record, scene, title, ..Self::default() }
     }
 }
 

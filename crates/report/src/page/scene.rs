@@ -43,7 +43,9 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
     let place = |p: [f64; 3], radius: f64| [p[0], p[1], p[2], radius].map(millimetres);
     let mut widest = vec![0.0_f64; network.node_count()];
     let vessels = network.vessels().map(|(ends, vessel)| {
-        ends.into_iter().for_each(|node| widest[node] = widest[node].max(vessel.radius));
+        for node in ends.into_iter() {
+            widest[node] = widest[node].max(vessel.radius);
+        }
         if vessel.path.len() < 2 {
             return ends.map(|node| place(position(node), vessel.radius)).to_vec();
         }
