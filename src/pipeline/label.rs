@@ -183,7 +183,7 @@ impl Labelled {
             Column::text("segment", RING.iter().map(ToString::to_string)),
             Column::real("probability", self.segments.iter().copied()),
             Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
-            Column::whole("not_seen", names.is_seen.iter().map(|seen| usize::from(!seen))),
+            Column::whole("not_seen", (0..7).map(|segment| usize::from(!names.seen.is_seen(segment)))),
         ];
         staged.write(path, |out| write_csv(out, &columns))
     }

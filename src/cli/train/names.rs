@@ -22,7 +22,7 @@ pub(super) fn run(args: &TrainArgs, output: &Output) -> Result<()> {
         ));
     }
     let fitted = fit_names(&cases, args.folds, &mut |step| output.say_after("fitted", step))?;
-    for of in &fitted.scores {
+    for of in &fitted.model.figures {
         terminal.say(
             "held out",
             format!(
@@ -41,5 +41,6 @@ pub(super) fn run(args: &TrainArgs, output: &Output) -> Result<()> {
         model.provenance.made_by.clone_from(&made_by);
         model.write(out)
     };
-    output.save(args, [fitted.model].into_iter().chain(fitted.folds), write, cases.len(), &json!(fitted.scores))
+    let figures = json!(fitted.model.figures);
+    output.save(args, [fitted.model].into_iter().chain(fitted.folds), write, cases.len(), &figures)
 }

@@ -65,10 +65,9 @@ impl NamedCircle {
     /// The network with the odds and probabilities of candidates as names leave them.
     pub fn weighed(&self, network: &Network) -> Network {
         let mut network = network.clone();
-        for (row, factor) in &self.factors {
-            if let Some(evidence) =
-                (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut)
-            {
+        let count = network.vessel_count();
+        for (row, factor) in self.factors.iter().filter(|(row, _)| *row < count) {
+            if let Some(evidence) = &mut network.vessel_mut(*row).evidence {
                 evidence.continuation_odds = evidence.continuation_odds.map(|odds| odds * factor);
                 evidence.probability = probability_with(evidence.probability, *factor);
             }
@@ -199,13 +198,13 @@ impl Names {
 
     /// Whether a segment, or what lies at both of its ends, is seen.
     fn is_decidable(&self, segment: usize) -> bool {
-        self.is_seen[segment] || RING[segment].joins().iter().all(|end| end.iter().any(|artery| self.sees(*artery)))
+        self.seen.is_seen(segment) || RING[segment].joins().iter().all(|end| end.iter().any(|artery| self.sees(*artery)))
     }
 
     /// Whether a segment, or what lies at one of its ends, is seen.
     fn has_surroundings(&self, segment: usize) -> bool {
         let beside = if let Artery::A1(side) = RING[segment] { Some(Artery::M1(side)) } else { None };
-        self.is_seen[segment] || RING[segment].joins().into_iter().flatten().chain(beside).any(|artery| self.sees(artery))
+        self.seen.is_seen(segment) || RING[segment].joins().into_iter().flatten().chain(beside).any(|artery| self.sees(artery))
     }
 
     fn sees(&self, artery: Artery) -> bool {

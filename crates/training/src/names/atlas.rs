@@ -68,7 +68,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
             let nodes = &one.truth.nodes;
             let (weight, all) = (vec![1.0; nodes.len()], (0..nodes.len()).collect::<Vec<_>>());
             let forest = NamingForest::of(nodes, &[]);
-            let search = Search { nodes, atlas: &atlas, weight: &weight, radius: &[], forest: &forest };
+            let search = Search { nodes, atlas: &atlas, weight: &weight, radius: Vec::new(), forest };
             for _ in 0..POSE_STEPS {
                 one.pose = search.step(&all, &one.pose, &pulls, &one.known, false);
             }
@@ -189,18 +189,15 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
         }
         for [a, b] in &nodes.links {
             let kind = usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2);
-            let (x, y) = (state[*a], state[*b]);
-            let (mx, my) = (tables.mirrored[x], tables.mirrored[y]);
-            for pair in [(x, y), (y, x), (mx, my), (my, mx)] {
+            for pair in tables.alike(state[*a], state[*b]) {
                 *pairs[kind].entry(pair).or_insert(0.0) += times;
             }
         }
         for n in (0..nodes.len()).filter(|n| nodes.degree(*n) == 3) {
-            for flip in [false, true] {
-                let seen = |s: AtlasState| if flip { tables.mirrored[s] } else { s };
-                let mut arms = [0, 1, 2].map(|k| seen(state[nodes.neighbours[n][k]]));
-                arms.sort_unstable();
-                *bifurcations.entry((arms, seen(state[n]))).or_insert(0.0) += times;
+            let mut arms = [0, 1, 2].map(|k| state[nodes.neighbours[n][k]]);
+            arms.sort_unstable();
+            for seen in [(arms, state[n]), tables.mirrored_bifurcation(arms, state[n])] {
+                *bifurcations.entry(seen).or_insert(0.0) += times;
             }
         }
     }

@@ -26,12 +26,10 @@ const PRESENCE_L2: f64 = 1.5;
 /// A model of all subjects, and one without each fold's subjects.
 #[derive(Debug)]
 pub struct FittedNames {
-    /// Of all subjects.
+    /// Of all subjects. Its figures, by level, are those of the models of the folds on the subjects that they never saw.
     pub model: NamingModel,
     /// Without those of each fold.
     pub folds: Vec<NamingModel>,
-    /// How the models of the folds did on the subjects that they never saw, by level.
-    pub scores: Vec<NamingScores>,
 }
 
 /// A case as an atlas without its subject sees it.
@@ -71,12 +69,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     for pass in 0..2 {
         let found = in_order(cases, |at, case| {
             let of = &models[fold_of[at]];
-            name_with(&case.graph, of, |features, before| {
-                let mut x = features.to_vec();
-                x.extend(before);
-                let weights = &of.false_pieces[usize::from(before.is_some())];
-                if before.is_none() && pass == 0 { 0.0 } else { logistic_probability(weights, &x) }
-            })
+            name_with(&case.graph, of, |x, before| if before.is_none() && pass == 0 { 0.0 } else { of.is_false(x, before) })
         });
         named = cases
             .iter()
@@ -111,7 +104,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     }
     progress("presence");
     let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
-    let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
+    let figures = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
     for (fold, of) in models.iter_mut().enumerate() {
         let held_out: Vec<String> =
             subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
@@ -119,9 +112,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         of.provenance =
             ModelProvenance { cases: own, subjects: subjects.len() - held_out.len(), held_out, ..ModelProvenance::default() };
     }
-    let mut model = models.remove(all);
-    model.figures.clone_from(&scores);
-    Ok(FittedNames { model, folds: models, scores })
+    let model = NamingModel { figures, ..models.remove(all) };
+    Ok(FittedNames { model, folds: models })
 }
 
 /// Whether there is enough to fit to.
@@ -145,10 +137,7 @@ fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> Judged
     let pieces: Vec<f64> = one.names.piece_features[1]
         .iter()
         .zip(&one.names.piece_features[0])
-        .map(|(x, before)| {
-            let before = logistic_probability(&of.false_pieces[0], before);
-            logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
-        })
+        .map(|(x, before)| of.is_false(x, Some((of.is_false(before, None) + 1e-3).ln())))
         .collect();
     let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
     let names = &one.names;
