@@ -124,12 +124,8 @@ pub fn fit(
     let mut weights = Weights {
         passes,
         calibration: [0.0, 1.0, 0.0],
-        of_input: [0.0; 3],
-        usual: None,
-        closure: Vec::new(),
         provenance: ModelProvenance::of(examples.len(), subjects.len()),
-        figures: Vec::new(),
-        folds: Vec::new(),
+        ..Weights::default()
     };
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;
