@@ -250,21 +250,6 @@ pub struct JudgedContacts {
     ends: Vec<JudgedEnds>,
 }
 
-fn judge(e: &ContactExample, seen: &SeenPairs, part: &ContactPart) -> Vec<JudgedEnds> {
-    let scores = part.trees.scores(&seen.features);
-    let tables = e.table.by_cluster(&scores);
-    let mut probability = Vec::with_capacity(scores.len());
-    for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
-        let ends = cluster.ends.len();
-        if ends <= MOST_ENDS {
-            probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
-        } else {
-            probability.extend(std::iter::repeat_n(None, ends * (ends - 1) / 2));
-        }
-    }
-    (0..scores.len()).filter_map(|pair| Some((scores[pair], probability[pair]?, e.joined[pair]?))).collect()
-}
-
 impl<'a> Example<'a> for ContactExample<'a> {
     type Model = ContactModel;
     type Judged = JudgedContacts;
@@ -277,8 +262,19 @@ impl<'a> Example<'a> for ContactExample<'a> {
 
     fn judge(&self, model: &ContactModel) -> Result<Vec<JudgedContacts>> {
         let judged = self.seen.iter().map(|seen| {
-            let ends = judge(self, seen, model.part(seen.basis));
-            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends }
+            let part = model.part(seen.basis);
+            let scores = part.trees.scores(&seen.features);
+            let mut probability = Vec::with_capacity(scores.len());
+            for (table, cluster) in self.table.by_cluster(&scores).iter().zip(&self.table.branches.clusters) {
+                let ends = cluster.ends.len();
+                if ends <= MOST_ENDS {
+                    probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
+                } else {
+                    probability.extend(std::iter::repeat_n(None, ends * (ends - 1) / 2));
+                }
+            }
+            let known = |pair: usize| Some((scores[pair], probability[pair]?, self.joined[pair]?));
+            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends: (0..scores.len()).filter_map(known).collect() }
         });
         Ok(judged.collect())
     }

@@ -104,11 +104,10 @@ pub fn fit(
     let mut passes: Vec<PassWeights> = Vec::new();
     for (number, iterations) in params.iterations.iter().enumerate() {
         if number > 0 {
-            let next = in_order(examples, |at, e| {
+            designs = in_order(examples, |at, e| {
                 let (forests, marginals) = &posteriors[at];
                 Cow::Owned(e.table.features_and(&Feedback::new(&e.extraction, &e.table.candidates).features(forests, marginals)))
             });
-            designs = next;
         }
         let objective = Objective::new(examples, &designs, params.l2);
         let start = objective.standardised(&first_guess(number, passes.last()));

@@ -13,10 +13,8 @@ pub fn exclusion(nodes: &Nodes, weight: &[f64], atlas: &Atlas, names: &[f64]) ->
     let mut penalty = vec![0.0; nodes.len() * STATES];
     for (n, row) in penalty.chunks_mut(STATES).enumerate() {
         let own = &filled[nodes.branch[n] * STATES..(nodes.branch[n] + 1) * STATES];
-        for state in 0..STATES {
-            if atlas.tables.once[state] {
-                row[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
-            }
+        for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
+            row[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
         }
     }
     penalty

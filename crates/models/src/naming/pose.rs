@@ -330,22 +330,10 @@ const START_OFFSETS: [Point; 7] = [
 
 /// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {
-    let mut turns = vec![[0.0; 3]];
-    for axis in 0..3 {
-        for degrees in [25.0, -25.0, 42.0, -42.0] {
-            let mut turn = [0.0; 3];
-            turn[axis] = degrees;
-            turns.push(turn);
-        }
-    }
-    for a in [-18.0, 18.0] {
-        for b in [-18.0, 18.0] {
-            for c in [-18.0, 18.0] {
-                turns.push([a, b, c]);
-            }
-        }
-    }
-    turns
+    let about = |axis: usize, degrees: f64| [0, 1, 2].map(|k| if k == axis { degrees } else { 0.0 });
+    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| about(axis, degrees)));
+    let all = (0..8).map(|n| [n & 4, n & 2, n & 1].map(|bit| if bit == 0 { -18.0 } else { 18.0 }));
+    std::iter::once([0.0; 3]).chain(one).chain(all).collect()
 }
 
 /// -H⁻¹ g, by Cholesky's method; `None` where H is not positive definite.

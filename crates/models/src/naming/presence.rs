@@ -79,38 +79,31 @@ impl Seen {
     pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
         let (kind, label) = (kind_of(segment), label_of(RING[segment]));
         let cm = |artery: Artery| (self.length[label_of(artery)] / 10.0).min(1.5);
-        let around = match RING[segment] {
-            Artery::A1(side) => {
-                let other = side.other();
-                [Artery::A2(side), Artery::AComm, Artery::Ica(side), Artery::A1(other), Artery::A2(other)].map(cm)
+        let mut around = match RING[segment] {
+            Artery::A1(s) => {
+                [Artery::A2(s), Artery::AComm, Artery::Ica(s), Artery::A1(s.other()), Artery::A2(s.other())].map(cm).to_vec()
             }
-            Artery::PComm(side) => {
-                let [a, b, c, d] = [Artery::P2(side), Artery::P1(side), Artery::Ica(side), Artery::PComm(side.other())].map(cm);
-                [a, b, c, d, 0.0]
-            }
-            Artery::P1(side) => {
-                let [a, b, c, d] = [Artery::P2(side), Artery::PComm(side), Artery::Ba, Artery::P1(side.other())].map(cm);
-                [a, b, c, d, 0.0]
-            }
+            Artery::PComm(s) => [Artery::P2(s), Artery::P1(s), Artery::Ica(s), Artery::PComm(s.other())].map(cm).to_vec(),
+            Artery::P1(s) => [Artery::P2(s), Artery::PComm(s), Artery::Ba, Artery::P1(s.other())].map(cm).to_vec(),
             _ => {
                 let [a, b] = BodySide::BOTH.map(|side| cm(Artery::A1(side)));
                 let [c, d] = BodySide::BOTH.map(|side| cm(Artery::A2(side)));
-                [a.min(b), a.max(b), c.min(d), 0.0, 0.0]
+                vec![a.min(b), a.max(b), c.min(d)]
             }
         };
+        around.resize(5, 0.0);
         let x = (self.length[label] / USUAL[kind]).min(1.2);
-        let [a, b, c, d, e] = around;
         let (evidence, way) = (self.evidence[segment].max(0.0), &self.ways[segment]);
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.length[label]).sum();
         [
             x,
             (0.02 + x).ln(),
             self.best[label],
-            a,
-            b,
-            c,
-            d,
-            e,
+            around[0],
+            around[1],
+            around[2],
+            around[3],
+            around[4],
             evidence.min(30.0) / 10.0,
             evidence.ln_1p(),
             way.observed.min(20.0) / 5.0,

@@ -186,11 +186,8 @@ impl Extraction {
             out[*part].radius += radius.ln();
             points[*part] += 1.0;
         }
-        for (part, points) in out.iter_mut().zip(&points) {
-            part.radius = f64::exp(part.radius / f64::max(*points, 1.0));
-        }
-        for (part, spread) in out.iter_mut().zip(self.radius_spreads(&points)) {
-            part.radius_spread = spread;
+        for ((part, points), spread) in out.iter_mut().zip(&points).zip(self.radius_spreads(&points)) {
+            (part.radius, part.radius_spread) = (f64::exp(part.radius / f64::max(*points, 1.0)), spread);
         }
         for (node, degree) in self.degree.iter().enumerate() {
             out[self.fragment[node]].junctions += usize::from(*degree > 2);
