@@ -3,7 +3,7 @@
 //! All features are ratios of lengths or areas, or cosines. R is the radius of the cluster's core, ρ = 1.5 R.
 
 use super::branches::{Branches, Cluster};
-use super::features::{Pair, PairTable, sorted};
+use super::features::{Pair, PairTable, pairs_among, sorted};
 use super::image::image_features;
 use super::lumen::{HALF_WIDTH, INNER, LumenArm, LumenTube};
 use super::sections::{Section, across, principal, section};
@@ -165,12 +165,9 @@ fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> 
     };
     let covered: Vec<Vec<bool>> = tubes.iter().map(covered_by).collect();
     let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
-    let mut two: Vec<(usize, usize, f64)> = Vec::new();
-    if pairs.len() <= MOST_PAIRS {
-        for a in 0..pairs.len() {
-            two.extend((a + 1..pairs.len()).filter(|b| disjoint(a, *b)).map(|b| (a, b, share(&covered[a], &covered[b]))));
-        }
-    }
+    let searched = if pairs.len() <= MOST_PAIRS { pairs.len() } else { 0 };
+    let two = pairs_among(searched).filter(|[a, b]| disjoint(*a, *b));
+    let two: Vec<(usize, usize, f64)> = two.map(|[a, b]| (a, b, share(&covered[a], &covered[b]))).collect();
     let of = |n: usize| {
         let alone = share(&covered[n], &covered[n]);
         let rest = (0..pairs.len()).filter(|other| disjoint(n, *other));

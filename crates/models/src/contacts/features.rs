@@ -132,15 +132,9 @@ fn branch_features(branches: &Branches) -> Vec<[[f64; 15]; 2]> {
             let own = ends.iter().position(|end| *end == BranchEnd { branch: row, last }).unwrap_or(0);
             let d = &directions[cluster];
             let others: Vec<usize> = (0..ends.len()).filter(|end| *end != own).collect();
-            let mut best: Option<(f64, [usize; 2])> = None;
-            for (n, a) in others.iter().enumerate() {
-                for b in &others[n + 1..] {
-                    let s = -dot(d[*a], d[*b]);
-                    if best.is_none_or(|(most, _)| s > most) {
-                        best = Some((s, [*a, *b]));
-                    }
-                }
-            }
+            let pairs = pairs_among(others.len()).map(|pair| pair.map(|row| others[row]));
+            let found = pairs.map(|[a, b]| (-dot(d[a], d[b]), [a, b]));
+            let best = found.reduce(|best, next| if next.0 > best.0 { next } else { best });
             through[side] = best.map(|(_, [a, b])| unit(sub(d[a], d[b])));
             let aligned = match through[side] {
                 Some(along) => dot(d[own], along).abs(),

@@ -85,15 +85,9 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let weights = Weights::shipped()?;
     let judged: Vec<JudgedCase> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
     let presence_rows = |fold: usize, kind: usize| -> Vec<RegressionRow> {
-        let mut rows = Vec::new();
-        for one in judged.iter().filter(|one| one.fold != fold) {
-            for segment in (0..7).filter(|s| kind_of(*s) == kind) {
-                if let Some(there) = one.case.present[segment] {
-                    rows.push(([&[1.0][..], &one.features(segment)].concat(), there, 1.0));
-                }
-            }
-        }
-        rows
+        let others = judged.iter().filter(|one| one.fold != fold);
+        let each = others.flat_map(|one| (0..7).filter(|s| kind_of(*s) == kind).map(move |segment| (one, segment)));
+        each.filter_map(|(one, s)| Some(([&[1.0][..], &one.features(s)].concat(), one.case.present[s]?, 1.0))).collect()
     };
     let share = |rows: &[RegressionRow]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
