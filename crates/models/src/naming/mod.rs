@@ -59,16 +59,12 @@ const LEAST_TRUE: f64 = 20.0;
 pub struct Names {
     /// The nodes, in mm and RAS.
     pub nodes: Nodes,
-    /// The frame of the network's file, stated or found.
-    pub frame: Frame,
     /// Whether the frame was found by front and back.
     pub frame_was_found: bool,
-    /// How the case lies in the atlas.
-    pub pose: Pose,
+    /// How the case was found to lie, and by which model.
+    pub bearings: Bearings,
     /// How well it fits there: the log ratio of all names to no artery of the circle, with the prior of the pose. NaN where the pose was known.
     pub fit: f64,
-    /// The number of the model that named it, of [`NamingModels`].
-    pub(crate) by: usize,
     /// Per node the probabilities of the labels.
     pub labels: Vec<[f64; LABELS]>,
     /// Per node the probabilities of the states, given that its piece is part of the circle: nodes x states.
@@ -88,16 +84,12 @@ pub struct Names {
 /// How a case was found to lie, and by which model.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Bearings {
-    frame: Frame,
-    pose: Pose,
-    by: usize,
-}
-
-impl Names {
-    /// How the case lies.
-    pub fn bearings(&self) -> Bearings {
-        Bearings { frame: self.frame, pose: self.pose, by: self.by }
-    }
+    /// The frame of the network's file, stated or found.
+    pub frame: Frame,
+    /// How the case lies in the atlas.
+    pub pose: Pose,
+    /// The number of the model that named it, of [`NamingModels`].
+    pub(crate) by: usize,
 }
 
 /// What one pass finds.
@@ -207,11 +199,9 @@ fn names_at(
         states: second.beliefs.states,
         frame_was_found: !network.frame.is_known(),
         piece_features: [first.features, second.features],
+        bearings: Bearings { frame, pose, by: 0 },
         nodes,
-        frame,
-        pose,
         fit,
-        by: 0,
         labels,
         false_pieces,
         seen,
@@ -293,7 +283,7 @@ impl Names {
             .into_iter()
             .filter_map(|meeting| {
                 let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
-                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.pose, &meeting))?;
+                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.bearings.pose, &meeting))?;
                 Some(NamedPlace { label: meeting.label, at, probability })
             })
             .collect();

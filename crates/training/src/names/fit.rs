@@ -143,9 +143,9 @@ fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> Judged
 /// What is seen of a case, and the share of its plausible topologies with each segment, once candidates know where blood enters: as `infer`
 /// and `classify` see it. `None` where no circle was found.
 fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &Weights) -> Option<(Seen, [f64; 7])> {
-    let (circle, _) = name_again(&case.network, of, &names.bearings())?.located(&case.network, of).ok()?;
+    let (circle, _) = name_again(&case.network, of, &names.bearings)?.located(&case.network, of).ok()?;
     let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?.0;
-    let names = name_again(&graph, of, &names.bearings())?;
+    let names = name_again(&graph, of, &names.bearings)?;
     let (circle, _) = names.located(&graph, of).ok()?;
     let topologies = topologies_say(&circle, &names.circle(of), &graph, &SamplingOptions::default());
     Some((names.seen, topologies))
