@@ -125,7 +125,7 @@ impl Labelled {
             MarkedPoint { probability: Some(mark.probability), ..MarkedPoint::new(mark.label.clone(), at) }
         });
         let points: Vec<MarkedPoint> = points.collect();
-        staged.write(path, |out| write_landmarks(out, format, self.names.frame, &points))
+        staged.write(path, |out| write_landmarks(out, format, self.names.bearings.frame, &points))
     }
 
     /// The labelled vessels in the format of a target; GraphML has the probability of each label too.
@@ -155,7 +155,7 @@ impl Labelled {
             "willis": env!("CARGO_PKG_VERSION"),
             "command": command,
             "input": self.prepared.provenance.of_input(),
-            "frame": self.names.frame.name(),
+            "frame": self.names.bearings.frame.name(),
             "frame_was_found": self.names.frame_was_found,
             "notes": notes.iter().chain(&self.notes()).collect::<Vec<_>>(),
             "counts": {
@@ -180,13 +180,13 @@ impl Labelled {
             Column::text("segment", RING.iter().map(ToString::to_string)),
             Column::real("probability", self.segments.iter().copied()),
             Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
-            Column::whole("not_seen", names.is_seen.iter().map(|seen| usize::from(!seen))),
+            Column::whole("not_seen", (0..7).map(|segment| usize::from(!names.seen.is_seen(segment)))),
         ];
         staged.write(path, |out| write_csv(out, &columns))
     }
 
     /// From RAS to the frame of the file, for x and y.
     fn sign(&self) -> f64 {
-        if self.names.frame == willis_core::network::Frame::Lps { -1.0 } else { 1.0 }
+        if self.names.bearings.frame == willis_core::network::Frame::Lps { -1.0 } else { 1.0 }
     }
 }

@@ -198,8 +198,8 @@ impl EarlyArteries {
         let given = loaded.options.boundary.given(vessels, &mut Silent)?;
         let (graph, ..) = loaded.prior.graph(vessels.clone(), loaded.is_fragments, &given, &loaded.building, None)?;
         let names = models.name(&graph).ok_or_else(|| arteries::no_vessel().in_file(&loaded.path))?;
-        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names.bearings()), &models)?;
-        Ok(Self::Geometry(found, names.bearings()))
+        let found = arteries::by_geometry(&loaded.path, vessels, Some(&names.bearings), &models)?;
+        Ok(Self::Geometry(found, names.bearings))
     }
 
     /// States inlets, unless the options do, and outlets where the arteries enter and leave.

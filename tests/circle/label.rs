@@ -172,7 +172,7 @@ fn a_whole_brain_is_named_by_the_atlas_of_patients() {
         // In the axes of LPS, with nothing said of the frame, front and back tell it.
         let mut other = turned(&brain, |p| [-p[0], -p[1], p[2]]);
         other.frame = Frame::Unknown;
-        let found = NamingModels::shipped().expect("models").name(&other).expect("names").frame;
+        let found = NamingModels::shipped().expect("models").name(&other).expect("names").bearings.frame;
         let own = if brain.frame.is_known() { brain.frame } else { Frame::Ras };
         assert_eq!(found, if own == Frame::Ras { Frame::Lps } else { Frame::Ras }, "{}", path.display());
     }

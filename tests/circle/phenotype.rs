@@ -17,6 +17,10 @@ use willis::internals::network::WELD_TOLERANCE;
 use willis::internals::network::units::{LengthUnit, Scale, metres};
 use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
 
+/// The variant with all seven segments, both carotids and the basilar artery, and nothing unusual.
+const COMPLETE: Variant =
+    Variant { present: [true; 7], ica: [true; 2], ba: true, fetal: [false; 2], third_a2: false, fenestration: [false; 5] };
+
 /// Nodes of a circle in mm: x to the right, y to the front, z up. `i` where carotids come in, `c` the origin of PComm, `t` the end of the
 /// carotid, `m` `a` `p` outlets of M1, A2 and P2, `j` where AComm and `k` where PComm meet A1 and P1.
 const NODES: [(&str, [f64; 3]); 18] = [
@@ -136,8 +140,8 @@ fn missing(variant: &Variant) -> Vec<String> {
 #[test]
 fn the_complete_circle_lacks_nothing() {
     let whole = network(&CIRCLE);
-    assert_eq!(by_labels(&whole), Variant::COMPLETE);
-    assert_eq!(by_landmarks(&whole, &ENDS), Variant::COMPLETE);
+    assert_eq!(by_labels(&whole), COMPLETE);
+    assert_eq!(by_landmarks(&whole, &ENDS), COMPLETE);
 }
 
 /// Every set of segments of the ring.
@@ -361,7 +365,7 @@ fn undivided_arteries_are_judged_by_what_they_touch() {
         };
         edges.iter().map(|(a, b, label, r)| (*a, *b, name(label), *r)).collect()
     };
-    assert_eq!(by_labels(&network(&rename(&CIRCLE))), Variant::COMPLETE);
+    assert_eq!(by_labels(&network(&rename(&CIRCLE))), COMPLETE);
     for absent in RING.map(|segment| segment.to_string()) {
         let variant = by_labels(&network(&rename(&without(&[&absent]))));
         assert_eq!(missing(&variant), [absent.as_str()]);
@@ -553,7 +557,7 @@ fn published() -> Vec<Variant> {
     ];
     let lacking = |missing: &&[Artery]| {
         let has = |artery: Artery| !missing.contains(&artery);
-        Variant { present: RING.map(has), fetal: [L, R].map(|side| has(PComm(side)) && !has(P1(side))), ..Variant::COMPLETE }
+        Variant { present: RING.map(has), fetal: [L, R].map(|side| has(PComm(side)) && !has(P1(side))), ..COMPLETE }
     };
     each.iter().map(lacking).collect()
 }
@@ -638,7 +642,7 @@ fn each_branch_of_m2_may_have_its_landmark() {
     assert!(tips.iter().all(|tip| circle.outlets().contains(tip)), "{:?} {tips:?}", circle.outlets());
     let last = branched.vessel_count() - 1;
     for lost in [&[last - 1][..], &[last], &[]] {
-        assert_eq!(circle.variant(&branched, |row| !lost.contains(&row)), Variant::COMPLETE, "without {lost:?}");
+        assert_eq!(circle.variant(&branched, |row| !lost.contains(&row)), COMPLETE, "without {lost:?}");
     }
     assert!(!circle.variant(&branched, |row| row < last - 1).ica[0]);
     let twice = format!("{text}L-M2,{}\n", text.lines().last().and_then(|line| line.split_once(',')).expect("a place").1);
@@ -727,7 +731,7 @@ fn an_outlet_that_was_lost_does_not_take_its_neighbours_end() {
     text = text.replace("R-A2,4,40,40", "R-A2,4,40,41");
     let (circle, notes) = Circle::at(&part, &marked(&text).unwrap()).unwrap();
     assert!(notes.iter().any(|note| note.starts_with("L-A2 is taken as not seen")), "{notes:?}");
-    assert_eq!(circle.variant(&part, |_| true), Variant::COMPLETE);
+    assert_eq!(circle.variant(&part, |_| true), COMPLETE);
 }
 
 /// Of two outlets with the same nearest end, both of which are there, the further one has the next end.
@@ -740,7 +744,7 @@ fn an_outlet_that_is_cut_short_has_the_end_that_is_left() {
     let text = text.replace("R-A2,4,40,40", "R-A2,-1,40,40");
     let (circle, notes) = Circle::at(&whole, &marked(&text).unwrap()).unwrap();
     assert!(notes.iter().any(|note| note.starts_with("R-A2 at node ") && note.ends_with("5.000 mm away")), "{notes:?}");
-    assert_eq!(circle.variant(&whole, |_| true), Variant::COMPLETE);
+    assert_eq!(circle.variant(&whole, |_| true), COMPLETE);
 }
 
 /// Candidates and observed vessels count alike: what is kept is said by the caller.
@@ -750,7 +754,7 @@ fn origin_makes_no_difference_to_a_mask() {
     for row in 0..whole.vessel_count() {
         whole.vessel_mut(row).origin = if row % 2 == 0 { Origin::Candidate } else { Origin::Observed };
     }
-    assert_eq!(by_labels(&whole), Variant::COMPLETE);
+    assert_eq!(by_labels(&whole), COMPLETE);
 }
 
 /// The rows of every `VesselType` in Feature_Vessel.csv.

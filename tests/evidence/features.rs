@@ -1,6 +1,7 @@
 //! What bridges and features may not depend on: the unit of length, the position, the axes, the numbers of the points.
 
 use crate::draw::Draw;
+use crate::extracted::extracted;
 use crate::vessels;
 use willis::internals::candidates::features::candidate_features::log_detour;
 use willis::internals::candidates::features::candidate_features::relative_size;
@@ -140,7 +141,7 @@ fn the_feedback_on_a_branch_of_a_tapering_vessel() {
         let there = |n: &Node| n.position.is_some_and(|p| (p[0] - x).hypot(p[1] - y) < 1e-9);
         network.nodes().position(there).expect("a node")
     };
-    let extraction = Extraction::new(&network, &[node(-10.0, 0.0)]).expect("positions");
+    let extraction = extracted(&network, &[node(-10.0, 0.0)]).expect("positions");
     let end = |x: f64, y: f64| extraction.end_at[node(x, y)].expect("a free end");
     let on_vessel = |x: f64| extraction.position.iter().position(|p| p[1] == 0.0 && (p[0] - x).abs() < 1e-9).expect("a point");
     let bridges = [
@@ -212,7 +213,7 @@ fn a_loop_has_no_direction() {
     }
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
     let inlet = network.nodes().position(|n| n.position.is_some_and(|p| p[0] > 11.9)).expect("the tail's end");
-    let extraction = Extraction::new(&network, &[inlet]).expect("positions");
+    let extraction = extracted(&network, &[inlet]).expect("positions");
     let bridges: Vec<EndCandidate> =
         search(&extraction, &SearchOptions::default()).unwrap().into_iter().filter(|b| !b.within).collect();
     let forests = weighed(&extraction, &bridges);
@@ -240,7 +241,7 @@ fn a_gap_in_a_ring_has_a_detour() {
     points.at.extend((0..12).map(|i| side(i / 3, i % 3)).map(|[x, y]| [x, y, 0.0, 0.4]));
     points.links.extend((1..12).map(|i| [i - 1, i]));
     let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
-    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let extraction = extracted(&network, &[]).expect("positions");
     let bridges = [EndCandidate { end: 0, point: extraction.ends[1].point, within: true }];
     let measured = &measured(&extraction, &bridges)[0];
     assert!((log_detour(measured) - 11_f64.ln()).abs() < 1e-12 && relative_size(measured) == 0.0);
@@ -253,7 +254,7 @@ fn a_detour_is_that_of_a_search_of_everything() {
     for seed in 0..20 {
         let points = clean(trees(seed));
         let network = contract(&centerlines(&points, &in_order(&points)), RadiusRule::Mean, None).expect("vessels").network;
-        let extraction = Extraction::new(&network, &[]).expect("positions");
+        let extraction = extracted(&network, &[]).expect("positions");
         let bridges = search(&extraction, &SearchOptions::default()).unwrap();
         for (bridge, measured) in bridges.iter().zip(measured(&extraction, &bridges)).filter(|(bridge, _)| bridge.within) {
             let whole = extraction.graph.to_nearest(&[extraction.ends[bridge.end].point])[bridge.point];
@@ -268,7 +269,7 @@ fn a_detour_is_that_of_a_search_of_everything() {
 #[test]
 fn what_has_no_points_is_no_error() {
     let of = |network: &Network| {
-        let extraction = Extraction::new(network, &[]).expect("positions");
+        let extraction = extracted(network, &[]).expect("positions");
         let bridges = search(&extraction, &SearchOptions::default()).unwrap();
         assert!(features(&extraction, &bridges).iter().chain(&root_features(&extraction)).all(|x| x.is_finite()));
         bridges.len()
@@ -286,7 +287,7 @@ fn what_has_no_points_is_no_error() {
     // To each other across 1 mm, and the first one to the lone point.
     assert!(of(&network) >= 3);
     network.add_node(Node { id: "nowhere".into(), ..Node::default() });
-    let error = Extraction::new(&network, &[]).err().expect("an error").to_string();
+    let error = extracted(&network, &[]).err().expect("an error").to_string();
     assert!(error.contains("nowhere") && error.contains("position"), "{error}");
 }
 
@@ -321,7 +322,7 @@ fn centerlines(points: &Points, names: &[u32]) -> Centerlines {
 fn found(points: &Points, names: &[u32], inlet: bool) -> (Vec<Row>, Vec<Vec<f64>>) {
     let network = contract(&centerlines(points, names), RadiusRule::Mean, None).expect("vessels").network;
     let inlets: Vec<usize> = network.nodes().position(|n| n.id == "0").into_iter().filter(|_| inlet).collect();
-    let extraction = Extraction::new(&network, &inlets).expect("positions");
+    let extraction = extracted(&network, &inlets).expect("positions");
     let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let name = |point: usize| match extraction.place[point] {
         willis::internals::candidates::NetworkPoint::Node(node) => network.node(node).id.parse().expect("a number"),

@@ -6,11 +6,11 @@ use std::path::Path;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
-use willis::internals::candidates::features::Extraction;
 use willis::internals::masks::cubes::{ImageCube, SIDE, STEP};
 use willis::internals::masks::{Appearance, Image, Scene, View};
 
 use crate::command::{folder, stderr, willis};
+use crate::extracted::extracted;
 use crate::images::{drawn, ripple, scan, written};
 use crate::joins::{straight, vessels};
 
@@ -106,7 +106,7 @@ fn a_cube_shows_a_vessel_where_it_is_and_as_bright_or_dark_as_it_is() {
     let bright = drawn([45, 45, 41], |p| ripple(p) + near(p));
     let dark = drawn([45, 45, 41], |p| ripple(p) - near(p));
     let lines = [straight([2.0, 20.0, 20.0], [38.0, 20.0, 20.0], 80), straight([2.0, 4.0, 4.0], [38.0, 4.0, 4.0], 80)];
-    let extraction = Extraction::new(&vessels(&lines.map(|line| (line, 0.7))), &[]).expect("points");
+    let extraction = extracted(&vessels(&lines.map(|line| (line, 0.7))), &[]).expect("points");
     for (image, appearance) in [(bright, Appearance::Bright), (dark, Appearance::Dark)] {
         let Ok(scene) = Scene::new(&extraction.centerlines(), View { image, appearance }) else { panic!("not shown") };
         let cube = ImageCube::new(&scene, [0.0203, 0.0203, 0.0203]).expect("a cube");

@@ -1,6 +1,5 @@
 //! What the image adds where shape ends: vessels met far round a corner, and the dip between two lumens that touch.
 
-use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::image::ahead::Ahead;
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::contacts::{Basis, ContactTable};
@@ -9,6 +8,7 @@ use willis::internals::masks::{Appearance, Field, Foreground, Image, Mask, Pictu
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::geometry::{Point, distance, norm};
 
+use crate::extracted::extracted;
 use crate::images::{drawn, ripple};
 use crate::joins::{straight, vessels};
 
@@ -25,7 +25,7 @@ fn a_vessel_round_a_corner_is_met_and_no_other_lumen_is_passed() {
         ripple(p) + (-0.5 * (near / 0.6).powi(2)).exp()
     });
     let met = |lines: &[(Vec<Point>, f64)]| {
-        let extraction = Extraction::new(&vessels(lines), &[]).expect("points");
+        let extraction = extracted(&vessels(lines), &[]).expect("points");
         let view = View { image: image.clone(), appearance: Appearance::Auto };
         let scene = Scene::new(&extraction.centerlines(), view).expect("it shows the vessels");
         let ahead = Ahead::new(&scene, &extraction);
@@ -89,7 +89,7 @@ fn between_two_lumens_that_touch_the_image_has_a_dip() {
         let path = points.iter().map(|p| PathPoint { position: p.map(|x| x / 1e3), radius: 8e-4, id: None }).collect();
         network.add_vessel([centre, far], Vessel::along(path, RadiusRule::Mean));
     }
-    let extraction = Extraction::new(&network, &[]).expect("points");
+    let extraction = extracted(&network, &[]).expect("points");
     let scene =
         Scene::new(&extraction.centerlines(), View { image, appearance: Appearance::Auto }).expect("it shows the vessels");
     // The image is averaged with a Gaussian of half a step. On an axis the other vessel adds a little, halfway both are as bright.

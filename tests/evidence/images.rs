@@ -4,7 +4,6 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use willis::internals::candidates::features::Extraction;
 use willis::internals::candidates::joins::image::path::{Between, cheapest_path};
 use willis::internals::formats::{ReadOptions, read_image, write_nifti_image};
 use willis::internals::masks::{Appearance, Image, Picture, Scene, View};
@@ -13,6 +12,7 @@ use willis::internals::support::geometry::{Point, distance};
 use willis::{InferOptions, candidates, read};
 
 use crate::command::{folder, stderr, willis};
+use crate::extracted::extracted;
 use crate::joins::{straight, vessels};
 use crate::refused::refused;
 
@@ -232,7 +232,7 @@ fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none()
     let lines =
         [(straight([0.0, 15.0, 15.0], [24.0, 15.0, 15.0], 30), 0.6), (straight([36.0, 15.0, 15.0], [60.0, 15.0, 15.0], 30), 0.6)];
     let network = vessels(&lines);
-    let extraction = Extraction::new(&network, &[]).expect("points");
+    let extraction = extracted(&network, &[]).expect("points");
     let [mut costs, mut highest] = [[0.0; 2]; 2];
     for (n, image) in [&whole, &gap].into_iter().enumerate() {
         let scene = Scene::new(&extraction.centerlines(), View { image: image.clone(), appearance: Appearance::Auto })

@@ -88,7 +88,7 @@ fn a_course_knows_direction_and_curvature() {
     let arc: Vec<Point> =
         (0..=200).map(|i| f64::from(i) / 200.0 * FRAC_PI_2).map(|a| [20.0 * a.cos(), 20.0 * a.sin(), 0.0]).collect();
     let resampled = Resampled::new(&vessels(&[(arc, 0.5)]), CenterlineKind::Skeleton);
-    let extraction = Extraction::with_spacing(&resampled.network, &[], Some(resampled.step)).expect("positions");
+    let extraction = Extraction::new(&resampled.network, &[], resampled.step).expect("positions");
     let course = EndCourse::new(&extraction, 0);
     // It is fitted over 16 spacings and 6 radii; the chord of so long an arc turns by half of its angle from the tangent at the end.
     let half = 0.5 * (16.0 * resampled.step * 1e3 + 3.0) / 20.0;

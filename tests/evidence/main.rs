@@ -4,6 +4,8 @@
 mod command;
 #[path = "../support/draw.rs"]
 mod draw;
+#[path = "../support/extracted.rs"]
+mod extracted;
 #[path = "../support/refused.rs"]
 mod refused;
 #[path = "../support/shuffle.rs"]

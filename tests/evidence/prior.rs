@@ -1,6 +1,7 @@
 //! The prior: weights as files, and what they make of fragments, solved by hand.
 
-use willis::internals::candidates::features::{Extraction, FEATURES, ROOT_FEATURES};
+use crate::extracted::extracted;
+use willis::internals::candidates::features::{FEATURES, ROOT_FEATURES};
 use willis::internals::candidates::model::{
     CLOSURE_FEATURES, Calibration, Fold, HeldOutScores, PassWeights, Usual, Weights, posterior,
 };
@@ -51,7 +52,7 @@ fn weights(bridge: &[(&str, f64)], root: &[(&str, f64)]) -> Weights {
 #[test]
 fn two_fragments_in_a_line_as_by_hand() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
-    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let extraction = extracted(&network, &[]).expect("positions");
     let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let found = posterior(&extraction, &bridges, &weights(&[("gap", -1.0)], &[("one", 3_f64.ln())])).expect("weights");
     let weight = |row: usize| {
@@ -89,7 +90,7 @@ fn two_fragments_in_a_line_as_by_hand() {
 #[test]
 fn log_weights_are_cut() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
-    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let extraction = extracted(&network, &[]).expect("positions");
     let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let found = posterior(&extraction, &bridges, &weights(&[("is_end", 70.0)], &[("one", -70.0)])).expect("weights");
     assert!(found.forests.log_roots().iter().all(|w| *w == -25.0));
@@ -182,7 +183,7 @@ fn a_wrong_name_or_number_is_named() {
 #[test]
 fn weights_of_other_features_are_no_panic() {
     let network = tubes(&[(0, 20, 1.0), (24, 44, 1.0)]);
-    let extraction = Extraction::new(&network, &[]).expect("positions");
+    let extraction = extracted(&network, &[]).expect("positions");
     let bridges = search(&extraction, &SearchOptions::default()).unwrap();
     let mut short = weights(&[], &[]);
     short.passes[0].candidate.pop();

@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
+use crate::extracted::extracted;
 use ndarray::Array2;
 use willis::internals::candidates::features::{
     Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, ROOT_FEATURES, features, root_features,
@@ -102,7 +103,7 @@ fn bridges_and_features_are_those_of_the_reference() {
         let at = |ending: &str| here.path().join(format!("{subject}.{ending}"));
         let network = contract(&centerlines(&at("swc"), &at("loops.csv")), RadiusRule::Mean, None).expect("vessels").network;
         let inlets: Vec<usize> = numbers(&at("inlets.csv")).iter().map(|r| row_of(&network, r[0])).collect();
-        let extraction = Extraction::new(&network, &inlets).expect("positions");
+        let extraction = extracted(&network, &inlets).expect("positions");
         let bridges = search(&extraction, &SearchOptions::default()).unwrap();
         let own = features(&extraction, &bridges);
         let from_others = feedback(&extraction, &bridges, &own);

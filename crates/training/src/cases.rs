@@ -174,12 +174,9 @@ fn read_case(folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
         group: groups.join("/"),
         subject: own,
         name: folder.names.join("/"),
-        network: Network::new(),
-        inlets: Vec::new(),
-        truth: KnownConnections::default(),
-        contacts: None,
         images,
         mask,
+        ..Case::default()
     };
     let kind = match model {
         Model::Tracing => CenterlineKind::Tracing,

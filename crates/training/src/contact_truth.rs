@@ -10,7 +10,8 @@ use willis_core::network::{Network, Origin, PathPoint};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_models::candidates::search::point_index::PointIndex;
-use willis_models::contacts::branches::{BranchEnd, Branches, runs};
+use willis_models::contacts::branches::{BranchEnd, Branches, Cluster, runs};
+use willis_models::contacts::courses::even_course;
 
 /// Neighbours on a skeleton that are further apart along the true vessels than so many radii of both and voxels are fused.
 const FUSED_RADII: f64 = 3.0;
@@ -149,7 +150,7 @@ impl ContactTruth {
             let is_nobodys = identities[row].is_short_and_mixed && (0..2).all(|side| passed(row, side, &identities));
             identities[row].is_short_and_mixed = is_nobodys;
         }
-        let of_cluster = |(row, cluster): (usize, &willis_models::contacts::branches::Cluster)| {
+        let of_cluster = |(row, cluster): (usize, &Cluster)| {
             let mut class: Vec<usize> = (0..cluster.ends.len()).collect();
             let known = |end: &BranchEnd| identities[end.branch].ends[usize::from(end.last)];
             let nobody = |end: &BranchEnd| identities[end.branch].is_short_and_mixed;
@@ -274,7 +275,8 @@ impl ContactTruth {
         let branch = &branches.branches[row];
         // Stations along the branch, every half voxel.
         let (mut shown, mut arc) = (Vec::new(), Vec::new());
-        for (at, place) in along(&branch.points, 0.5 * self.voxel) {
+        let course = even_course(&branch.points, 0.5 * self.voxel);
+        for (at, place) in course.arc.into_iter().zip(course.points) {
             let near = index.nearest(place, REACH * self.voxel);
             if let Some(place) = near.points.first().and_then(|node| self.shown[*node]) {
                 shown.push(place);
@@ -282,9 +284,7 @@ impl ContactTruth {
             }
         }
         let cuts: Vec<usize> = (1..shown.len()).filter(|n| self.are_fused(shown[n - 1], shown[*n])).collect();
-        let mut bounds = vec![0];
-        bounds.extend(&cuts);
-        bounds.push(shown.len());
+        let bounds = [&[0][..], &cuts, &[shown.len()]].concat();
         let sections: Vec<[usize; 2]> = bounds.windows(2).map(|w| [w[0], w[1]]).collect();
         let length = |s: &[usize; 2]| if s[1] > s[0] { arc[s[1] - 1] - arc[s[0]] } else { 0.0 };
         let longest = sections.iter().copied().reduce(|a, b| if length(&b) > length(&a) { b } else { a }).unwrap_or([0, 0]);
@@ -324,10 +324,4 @@ fn ways(points: &[PathPoint], from_last: bool) -> impl Iterator<Item = (Point, f
     let line = in_direction(points.iter().map(|point| point.position).collect(), !from_last);
     let arc = arc_lengths(line.iter().copied());
     line.into_iter().zip(arc)
-}
-
-/// Places at even steps along points, each with its length from the first.
-fn along(points: &[PathPoint], step: f64) -> Vec<(f64, Point)> {
-    let course = willis_models::contacts::courses::even_course(points, step);
-    course.arc.into_iter().zip(course.points).collect()
 }

@@ -21,7 +21,7 @@ use willis_models::candidates::resample::Resampled;
 use willis_models::contacts::crowding::Crowding;
 use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
 use willis_models::contacts::partition::{
-    MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, pair_probabilities, partition_features, partitions, size_of,
+    MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
 };
 use willis_models::contacts::split::split;
 use willis_models::contacts::{Basis, ContactTable};
@@ -107,29 +107,18 @@ impl ContactExample<'_> {
         (judged.collect(), crowding)
     }
 
-    fn ends(&self, pair: usize) -> usize {
-        self.table.branches.clusters[self.table.pairs[pair].cluster].ends.len()
-    }
-
     /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
     fn designs(&self, scores: &[f64]) -> Vec<Design> {
         let tables = self.table.by_cluster(scores);
         let mut out = Vec::new();
         for (table, classes) in tables.iter().zip(&self.classes) {
-            let (Some(table), Some(classes)) = (table, classes.iter().copied().collect::<Option<Vec<usize>>>()) else { continue };
+            let Some(classes) = classes.iter().copied().collect::<Option<Vec<usize>>>() else { continue };
             let ends = classes.len();
             if !(2..=MOST_ENDS).contains(&ends) {
                 continue;
             }
             let all = partitions(ends);
-            let mut numbers = Vec::new();
-            let blocks = classes.iter().map(|class| {
-                if !numbers.contains(class) {
-                    numbers.push(*class);
-                }
-                numbers.iter().position(|c| c == class).unwrap_or(0)
-            });
-            let blocks: Vec<usize> = blocks.collect();
+            let blocks = numbered(classes);
             let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
             out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
         }
@@ -261,25 +250,6 @@ pub struct JudgedContacts {
     ends: Vec<JudgedEnds>,
 }
 
-fn judge(e: &ContactExample, seen: &SeenPairs, part: &ContactPart) -> Vec<JudgedEnds> {
-    let scores = part.trees.scores(&seen.features);
-    let tables = e.table.by_cluster(&scores);
-    let mut probability = Vec::with_capacity(scores.len());
-    for (table, cluster) in tables.iter().zip(&e.table.branches.clusters) {
-        let ends = cluster.ends.len();
-        if let Some(table) = table {
-            let pairs = ends * (ends - 1) / 2;
-            if ends <= MOST_ENDS {
-                probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
-            } else {
-                probability.extend(std::iter::repeat_n(None, pairs));
-            }
-        }
-    }
-    let rows = (0..scores.len()).filter(|pair| e.ends(*pair) <= MOST_ENDS);
-    rows.filter_map(|pair| Some((scores[pair], probability[pair]?, e.joined[pair]?))).collect()
-}
-
 impl<'a> Example<'a> for ContactExample<'a> {
     type Model = ContactModel;
     type Judged = JudgedContacts;
@@ -292,8 +262,19 @@ impl<'a> Example<'a> for ContactExample<'a> {
 
     fn judge(&self, model: &ContactModel) -> Result<Vec<JudgedContacts>> {
         let judged = self.seen.iter().map(|seen| {
-            let ends = judge(self, seen, model.part(seen.basis));
-            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends }
+            let part = model.part(seen.basis);
+            let scores = part.trees.scores(&seen.features);
+            let mut probability = Vec::with_capacity(scores.len());
+            for (table, cluster) in self.table.by_cluster(&scores).iter().zip(&self.table.branches.clusters) {
+                let ends = cluster.ends.len();
+                if ends <= MOST_ENDS {
+                    probability.extend(pair_probabilities(table, ends, &part.weights).into_iter().map(|(_, p)| Some(p)));
+                } else {
+                    probability.extend(std::iter::repeat_n(None, ends * (ends - 1) / 2));
+                }
+            }
+            let known = |pair: usize| Some((scores[pair], probability[pair]?, self.joined[pair]?));
+            JudgedContacts { basis: seen.basis, image: seen.image.clone(), ends: (0..scores.len()).filter_map(known).collect() }
         });
         Ok(judged.collect())
     }

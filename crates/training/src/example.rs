@@ -32,7 +32,7 @@ pub enum Model {
 }
 
 /// An extraction with its known connections.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Case {
     /// The data set it belongs to, for scores.
     pub data_set: String,

@@ -104,11 +104,10 @@ pub fn fit(
     let mut passes: Vec<PassWeights> = Vec::new();
     for (number, iterations) in params.iterations.iter().enumerate() {
         if number > 0 {
-            let next = in_order(examples, |at, e| {
+            designs = in_order(examples, |at, e| {
                 let (forests, marginals) = &posteriors[at];
                 Cow::Owned(e.table.features_and(&Feedback::new(&e.extraction, &e.table.candidates).features(forests, marginals)))
             });
-            designs = next;
         }
         let objective = Objective::new(examples, &designs, params.l2);
         let start = objective.standardised(&first_guess(number, passes.last()));
@@ -124,12 +123,8 @@ pub fn fit(
     let mut weights = Weights {
         passes,
         calibration: [0.0, 1.0, 0.0],
-        of_input: [0.0; 3],
-        usual: None,
-        closure: Vec::new(),
         provenance: ModelProvenance::of(examples.len(), subjects.len()),
-        figures: Vec::new(),
-        folds: Vec::new(),
+        ..Weights::default()
     };
     let further = in_order(calibrating, |_, e| Ok(last_pass(&e.extraction, &e.table, &weights)?.1));
     let further = further.into_iter().collect::<Result<Vec<Marginals>>>()?;

@@ -36,8 +36,6 @@ pub struct JoinExample<'a> {
     pub table: JoinTable,
     /// What is right of the pairs.
     pub truth: PairTruth,
-    /// Of the connections, how many candidates it takes to make all of them.
-    pub needed: usize,
     /// The images beside it.
     pub images: Vec<ImageExample>,
 }
@@ -92,7 +90,7 @@ impl<'a> TreeExample<'a> for JoinExample<'a> {
             Ok(ImageExample { name: image_name(path), truth, image, noise_share })
         });
         let images = images.collect::<Result<Vec<_>>>()?;
-        Ok(Self { case, needed: case.truth.needed(), truth: of_pairs(&table.pairs), table, images })
+        Ok(Self { case, truth: of_pairs(&table.pairs), table, images })
     }
 
     fn fit(examples: &[&Self], progress: &mut dyn FnMut(&str)) -> Result<JoinModel> {
@@ -255,15 +253,16 @@ fn scores_of(name: String, of: &[(&JoinExample, &JudgedPairs)]) -> JoinScores {
         let clear: Vec<usize> = (0..clear.len()).filter(|pair| clear[*pair]).collect();
         let ranked: Vec<(f64, Option<Match>)> = clear.iter().map(|pair| (judged.probability[*pair], matches[*pair])).collect();
         pairs.extend(ranked.iter().map(|(p, right)| (*p, right.is_some())));
-        if e.needed > 0 {
-            precisions.push(average_precision(ranked, e.needed));
+        let all = e.case.truth.needed();
+        if all > 0 {
+            precisions.push(average_precision(ranked, all));
         }
         let chosen: Vec<usize> = clear.into_iter().filter(|pair| judged.kept[*pair]).collect();
         let made = found(chosen.iter().filter_map(|pair| matches[*pair]));
         // A second candidate for the same connection is neither gain nor loss.
         kept += made + chosen.iter().filter(|pair| matches[**pair].is_none()).count();
         right += made;
-        needed += e.needed;
+        needed += all;
     }
     let share = |of: usize, whole: usize| (whole > 0).then(|| of as f64 / whole as f64);
     let errors = binned(pairs.iter().copied()).map(|[p, right, _]| (p - right).abs());

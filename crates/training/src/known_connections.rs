@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use willis_core::network::walks::edges_at;
 use willis_core::support::geometry::{Point, distance};
 use willis_models::candidates::features::Extraction;
 use willis_models::candidates::search::point_index::PointIndex;
@@ -174,12 +175,7 @@ fn leads(parents_of: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bo
 /// any, from the widest, then the longest. Pairs that close a circle have no child.
 fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Vec<[AttachmentSide; 2]> {
     let ends: Vec<[usize; 2]> = pairs.iter().map(|ends| ends.map(|point| extraction.fragment[point])).collect();
-    let mut at = vec![Vec::new(); extraction.fragments.len()];
-    for (pair, fragments) in ends.iter().enumerate() {
-        for fragment in fragments {
-            at[*fragment].push(pair);
-        }
-    }
+    let at = edges_at(extraction.fragments.len(), ends.iter().copied().enumerate());
     let fed: Vec<usize> = inlets.iter().map(|node| extraction.fragment[*node]).collect();
     let rank = |f: usize| {
         let fragment = &extraction.fragments[f];

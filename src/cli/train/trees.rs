@@ -98,7 +98,7 @@ impl TreeModel for JoinModel {
 
     fn say_read(of_set: &[JoinExample]) -> String {
         let sum = |of: &dyn Fn(&JoinExample) -> usize| of_set.iter().map(of).sum::<usize>();
-        let connections = plural(sum(&|e| e.needed), "true connection");
+        let connections = plural(sum(&|e| e.case.truth.needed()), "true connection");
         let (reached, pairs) = (count(sum(&|e| e.reached()) as u64), plural(sum(&|e| e.truth.matches.len()), "candidate"));
         format!("{connections}, {reached} of them within reach of {pairs}")
     }

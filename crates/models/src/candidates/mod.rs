@@ -111,10 +111,7 @@ fn found_by_evidence(
 ) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
     let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
     let e = resampled.extraction(&cluster.inlets)?;
-    let mut candidates = search(
-        &e,
-        &SearchOptions { branches: options.k.unwrap_or(SearchOptions::default().branches), ..SearchOptions::default() },
-    )?;
+    let mut candidates = search(&e, &options.search())?;
     candidates.retain(|c| options.allows(c, &e));
     let posterior = posterior(&e, &candidates, weights)?;
     let mut found = probable(&posterior);
@@ -147,13 +144,12 @@ pub fn build_joins(
     view: Option<View>,
 ) -> Result<(Network, Option<Looked>)> {
     options.validate()?;
-    let branches = options.k.unwrap_or(SearchOptions::default().branches);
     // An image shows all of them alike.
     let whole = FragmentCluster::whole(network, &[]);
     let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
     let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
     for cluster in parts {
-        let (found, seen) = found_by_joins(&cluster, options, model, view.take(), branches)?;
+        let (found, seen) = found_by_joins(&cluster, options, model, view.take())?;
         vessels.extend(found);
         looked = seen;
     }
@@ -166,9 +162,8 @@ fn found_by_joins(
     options: &CandidateOptions,
     model: &JoinModel,
     view: Option<View>,
-    branches: usize,
 ) -> Result<(Vec<NewVessel>, Option<Looked>)> {
-    let table = JoinTable::new(&cluster.network, branches)?;
+    let table = JoinTable::new(&cluster.network, options.search().branches)?;
     let e = &table.extraction;
     let scores = table.scores(model);
     let looked = view.map(|view| Scene::new(&e.centerlines(), view));
@@ -196,6 +191,12 @@ fn found_by_joins(
 }
 
 impl CandidateOptions {
+    /// How far the search with evidence goes.
+    fn search(&self) -> SearchOptions {
+        let usual = SearchOptions::default();
+        SearchOptions { branches: self.k.unwrap_or(usual.branches), ..usual }
+    }
+
     /// Whether a candidate is no longer than the options allow, and ends where it may.
     fn allows(&self, candidate: &EndCandidate, e: &Extraction) -> bool {
         let may_end = self.attach == Attach::Centerline || e.end_at[candidate.point].is_some();

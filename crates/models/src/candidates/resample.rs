@@ -54,7 +54,7 @@ impl Resampled {
     ///
     /// A node without a position.
     pub fn extraction(&self, inlets: &[usize]) -> Result<Extraction> {
-        Extraction::with_spacing(&self.network, inlets, Some(self.step))
+        Extraction::new(&self.network, inlets, self.step)
     }
 
     /// The place on the original path of a point of a vessel's path.

@@ -201,13 +201,11 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let p1 = self.proper_p1(p1, &pcomm);
         for side in BodySide::BOTH {
             let s = side.index();
-            let proper = |p1: &Walk| pcomm[s].as_ref().map(|path| beyond(path, p1, points.posterior[s]));
-            let wider = || {
-                p1[s]
-                    .as_ref()
-                    .is_some_and(|(full, p1)| proper(full).is_some_and(|pcomm| is_wider(self.network, &pcomm.edges, &p1.edges)))
+            let both = || pcomm[s].as_ref().zip(p1[s].as_ref());
+            let wider = |(pcomm, (full, p1)): (&Walk, &(Walk, Walk))| {
+                is_wider(self.network, &beyond(pcomm, full, points.posterior[s]).edges, &p1.edges)
             };
-            variant.set_fetal(side, wider);
+            variant.set_fetal(side, || both().is_some_and(wider));
         }
         let a1_proper = [0, 1]
             .map(|s| a1[s].as_ref().map(|path| beyond(path, acomm.as_ref().unwrap_or(&Walk::default()), points.anterior[s])));

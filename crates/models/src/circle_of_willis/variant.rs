@@ -61,10 +61,6 @@ impl Completeness {
 }
 
 impl Variant {
-    /// The variant with all seven segments, both carotids and the basilar artery, and nothing unusual.
-    pub const COMPLETE: Self =
-        Self { present: [true; 7], ica: [true; 2], ba: true, fetal: [false; 2], third_a2: false, fenestration: [false; 5] };
-
     /// Whether a segment of the ring is present; false for other arteries.
     pub fn has(&self, segment: Artery) -> bool {
         RING.iter().position(|artery| *artery == segment).is_some_and(|row| self.present[row])

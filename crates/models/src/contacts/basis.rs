@@ -1,8 +1,8 @@
 //! What contacts are judged by: the centerlines alone, their mask, or an image too; and the features that each has.
 
-use super::evidence::mask_feature_names;
+use super::evidence::MASK_FEATURES;
 use super::features::skeleton_feature_names;
-use super::image::image_feature_names;
+use super::image::IMAGE_FEATURES;
 use willis_io::masks::{Field, Scene};
 
 /// What contacts are judged by.
@@ -31,10 +31,11 @@ impl Basis {
 
     /// The names of the features, in their order.
     pub fn feature_names(self) -> Vec<String> {
+        let named = |of: &str, names: &str| names.split(' ').map(|name| format!("{of}_{name}")).collect::<Vec<String>>();
         match self {
             Self::Skeleton => skeleton_feature_names(),
-            Self::Mask => mask_feature_names(),
-            Self::Image => [mask_feature_names(), image_feature_names()].concat(),
+            Self::Mask => named("mask", MASK_FEATURES),
+            Self::Image => [named("mask", MASK_FEATURES), named("image", IMAGE_FEATURES)].concat(),
         }
     }
 }

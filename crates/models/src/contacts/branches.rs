@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use petgraph::unionfind::UnionFind;
 
+use super::courses::{Course, even_course};
 use willis_core::network::path_places::length_of;
 use willis_core::network::walks::{Walk, vessels_at};
 use willis_core::network::{Network, Origin, PathPoint};
-use willis_core::support::geometry::{Point, centroid};
+use willis_core::support::geometry::{Point, centroid, smooth, straightest, sub, unit};
 use willis_core::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
@@ -15,6 +16,12 @@ const REACH: f64 = 1.0;
 /// ... until more ends than this meet there, unless the branch is shorter than this share of it.
 const MOST_ENDS: usize = 6;
 const NOTHING_BETWEEN: f64 = 0.5;
+/// Points of a course are a quarter of the branch's radius apart, and smoothed in so many rounds of (1/4, 1/2, 1/4).
+const STEP_RADII: f64 = 0.25;
+const ROUNDS: usize = 8;
+/// A walk passes no more than this many branches, and goes on in the direction of so many last points.
+const HOPS: usize = 4;
+const TAIL: usize = 8;
 
 /// One end of a branch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -75,6 +82,8 @@ pub struct Branches {
     pub inner: Vec<ObservedBranch>,
     /// The clusters.
     pub clusters: Vec<Cluster>,
+    /// The courses of the branches between clusters, each from its first point on.
+    pub courses: Vec<Course>,
 }
 
 impl Branches {
@@ -142,8 +151,12 @@ impl Branches {
         for cluster in &mut clusters {
             cluster.radius = median(&cluster.core.iter().map(|p| p.radius).collect::<Vec<f64>>()).unwrap_or(0.0);
         }
-        this.clusters = clusters;
-        this
+        let course = |b: &ObservedBranch| {
+            let course = even_course(&b.points, STEP_RADII * b.radius);
+            Course { points: smooth(&course.points, ROUNDS), ..course }
+        };
+        let courses = this.branches.iter().map(course).collect();
+        Self { clusters, courses, ..this }
     }
 
     /// The node where an end is.
@@ -164,6 +177,34 @@ impl Branches {
             let next = inner.ends.iter().position(|end| *end == node).map(|end| inner.ends[1 - end])?;
             Some((*row, next, inner.length))
         })
+    }
+
+    /// The course from an end of a branch at least as far as `reach`, beyond far clusters along the branch that goes on the straightest.
+    pub fn walk(&self, from: BranchEnd, reach: f64) -> Course {
+        let (mut course, mut end, mut seen) = (Course::default(), from, vec![from.branch]);
+        loop {
+            let own = &self.courses[end.branch];
+            let piece = if end.last { own.reversed() } else { own.clone() };
+            course.extend(&piece);
+            let Some(cluster) = self.cluster(end.other()) else { break };
+            if course.length() >= reach || seen.len() >= HOPS {
+                break;
+            }
+            let tail = &piece.points[piece.points.len().saturating_sub(TAIL)..];
+            let along = unit(sub(tail[tail.len() - 1], tail[0]));
+            let own = self.branches[end.branch].radius;
+            let others = self.clusters[cluster].ends.iter().filter(|next| !seen.contains(&next.branch));
+            let ways = others.map(|next| {
+                let line = &self.courses[next.branch].points;
+                let n = TAIL.min(line.len()) - 1;
+                let [first, on] = if next.last { [line.len() - 1, line.len() - 1 - n] } else { [0, n] };
+                (*next, sub(line[on], line[first]), (self.branches[next.branch].radius / own).ln())
+            });
+            let Some(next) = straightest(along, ways, |score| score) else { break };
+            end = next;
+            seen.push(end.branch);
+        }
+        course
     }
 
     /// The cluster at an end; `None` where it is free.

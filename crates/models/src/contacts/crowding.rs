@@ -1,10 +1,9 @@
 //! How crowded vessels are: contacts and handles per length. Where they are more than a model was calibrated on, its probabilities may be off.
 
-use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
 use super::branches::Branches;
-use willis_core::network::{Network, Origin};
+use willis_core::network::{Network, Origin, Vessel, fragments};
 use willis_core::support::statistics::median;
 
 /// Figures are per so many radii of length.
@@ -25,12 +24,10 @@ pub struct Crowding {
 impl Crowding {
     /// That of a network in which so many contacts were found; zeros without a branch.
     pub fn new(network: &Network, branches: &Branches, contacts: usize) -> Self {
-        let mut parts = UnionFind::<usize>::new(network.node_count());
-        let (mut handles, mut length) = (0_usize, 0.0);
-        for ([a, b], vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
-            handles += usize::from(!parts.union(a, b));
-            length += vessel.length;
-        }
+        let is_observed = |vessel: &Vessel| vessel.origin == Origin::Observed;
+        let lengths: Vec<f64> = network.vessels().filter(|(_, v)| is_observed(v)).map(|(_, vessel)| vessel.length).collect();
+        let handles = lengths.len() + fragments(network, |_, v| is_observed(v)).count - network.node_count();
+        let length: f64 = lengths.iter().sum();
         let radius = median(&branches.branches.iter().map(|branch| branch.radius).collect::<Vec<f64>>());
         let per = |count: usize| radius.filter(|_| length > 0.0).map_or(0.0, |radius| count as f64 * RADII * radius / length);
         Self { contacts: per(contacts), handles: per(handles) }

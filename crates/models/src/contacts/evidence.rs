@@ -2,9 +2,8 @@
 //!
 //! All features are ratios of lengths or areas, or cosines. R is the radius of the cluster's core, ρ = 1.5 R.
 
-use super::branches::Branches;
-use super::courses::Courses;
-use super::features::{Pair, PairTable, sorted};
+use super::branches::{Branches, Cluster};
+use super::features::{Pair, PairTable, pairs_among, sorted};
 use super::image::image_features;
 use super::lumen::{HALF_WIDTH, INNER, LumenArm, LumenTube};
 use super::sections::{Section, across, principal, section};
@@ -28,11 +27,6 @@ pub const MASK_FEATURES: &str = "\
     section_most section_elongation section_elongation_most section_second section_saddle section_shift way_least way_most \
     way_dip way_dips murray_areas volume linear planar core_depth normal_least normal_most cover cover_with_rest \
     cover_without cover_margin";
-
-/// The names of all features of the mask, in their order.
-pub fn mask_feature_names() -> Vec<String> {
-    MASK_FEATURES.split(' ').map(|name| format!("mask_{name}")).collect()
-}
 
 /// Mean and least of some values.
 fn mean_least(values: &[f64]) -> [f64; 2] {
@@ -139,41 +133,20 @@ fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4
     [(least / thin + 0.1).ln(), (most / wide + 0.1).ln(), dips.iter().copied().fold(f64::INFINITY, f64::min), count as f64]
 }
 
-/// The lumen in a ball around a core.
-struct Around {
-    places: Vec<Point>,
-    volume: f64,
-    linear: f64,
-    planar: f64,
-    normal: Point,
-}
-
-impl Around {
-    fn new(field: &Field, branches: &Branches, cluster: usize, arms: &[LumenArm]) -> Self {
-        let c = &branches.clusters[cluster];
-        let (centre, rho) = (c.centre(), 1.5 * c.radius);
-        let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
-        let reach = (1.6 * rho).max(span + 0.8 * rho);
-        let places = field.voxels_around(centre, reach);
-        let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
-        let n = places.len().max(1) as f64;
-        let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
-        let [(least, normal), (middle, _), (most, _)] = principal(&places, sum.map(|x| x / n));
-        let most = most.max(f64::MIN_POSITIVE);
-        Self {
-            volume: (places.len() as f64 * field.voxel_volume() / expected + 0.05).ln(),
-            linear: 1.0 - middle / most,
-            planar: (middle - least) / most,
-            normal,
-            places,
-        }
-    }
-
-    /// Per place whether a tube covers it.
-    fn covered(&self, tube: &LumenTube, voxel: f64) -> Vec<bool> {
-        let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
-        self.places.iter().map(near).collect()
-    }
+/// The lumen in a ball around a core: its places; ln of its volume over the expected one, how linear and how planar it is; and the direction
+/// in which it is thinnest.
+fn around(field: &Field, c: &Cluster, arms: &[LumenArm]) -> (Vec<Point>, [f64; 3], Point) {
+    let (centre, rho) = (c.centre(), 1.5 * c.radius);
+    let span = c.core.iter().map(|p| distance(p.position, centre)).fold(0.0, f64::max);
+    let reach = (1.6 * rho).max(span + 0.8 * rho);
+    let places = field.voxels_around(centre, reach);
+    let expected: f64 = arms.iter().map(|a| a.area * (reach - 0.5 * span).max(0.3 * reach)).sum();
+    let n = places.len().max(1) as f64;
+    let sum = places.iter().fold([0.0; 3], |sum, p| [0, 1, 2].map(|k| sum[k] + p[k]));
+    let [(least, normal), (middle, _), (most, _)] = principal(&places, sum.map(|x| x / n));
+    let most = most.max(f64::MIN_POSITIVE);
+    let volume = (places.len() as f64 * field.voxel_volume() / expected + 0.05).ln();
+    (places, [volume, 1.0 - middle / most, (middle - least) / most], normal)
 }
 
 /// Share of the places that either of two tubes covers.
@@ -184,16 +157,17 @@ fn share(a: &[bool], b: &[bool]) -> f64 {
 /// Clusters with more pairs than this are not searched for the best two tubes.
 const MOST_PAIRS: usize = 15;
 
-/// Cover by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
-fn covers(around: &Around, pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
-    let covered: Vec<Vec<bool>> = tubes.iter().map(|tube| around.covered(tube, voxel)).collect();
+/// Cover of places by each tube: alone, with the best tube of two other ends, by the best two tubes without it.
+fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> Vec<[f64; 3]> {
+    let covered_by = |tube: &LumenTube| {
+        let near = |p: &Point| tube.points.iter().zip(&tube.radii).any(|(q, r)| distance(*p, *q) <= r + 0.4 * voxel);
+        places.iter().map(near).collect()
+    };
+    let covered: Vec<Vec<bool>> = tubes.iter().map(covered_by).collect();
     let disjoint = |a: usize, b: usize| pairs[a].ends.iter().all(|end| !pairs[b].ends.contains(end));
-    let mut two: Vec<(usize, usize, f64)> = Vec::new();
-    if pairs.len() <= MOST_PAIRS {
-        for a in 0..pairs.len() {
-            two.extend((a + 1..pairs.len()).filter(|b| disjoint(a, *b)).map(|b| (a, b, share(&covered[a], &covered[b]))));
-        }
-    }
+    let searched = if pairs.len() <= MOST_PAIRS { pairs.len() } else { 0 };
+    let two = pairs_among(searched).filter(|[a, b]| disjoint(*a, *b));
+    let two: Vec<(usize, usize, f64)> = two.map(|[a, b]| (a, b, share(&covered[a], &covered[b]))).collect();
     let of = |n: usize| {
         let alone = share(&covered[n], &covered[n]);
         let rest = (0..pairs.len()).filter(|other| disjoint(n, *other));
@@ -209,29 +183,21 @@ fn covers(around: &Around, pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> V
     (0..pairs.len()).map(of).collect()
 }
 
-/// The features of pairs, each a row of [`mask_feature_names`], and of [`image_feature_names`] where there is an image.
-///
-/// [`image_feature_names`]: super::image::image_feature_names
-pub fn mask_features(
-    field: &Field,
-    scene: Option<&Scene>,
-    branches: &Branches,
-    courses: &Courses,
-    pairs: &[Pair],
-) -> Vec<Vec<f64>> {
+/// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`](super::image::IMAGE_FEATURES) where there is an image.
+pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
-    in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, courses, pairs)).concat()
+    in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, pairs)).concat()
 }
 
-fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
-    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, courses, cluster, end)).collect();
+    let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, cluster, end)).collect();
     let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
     let found: Vec<OfTube> =
         pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
-    let around = Around::new(field, branches, cluster, &arms);
-    let cover = covers(&around, pairs, &tubes, field.voxel());
+    let (places, shape, across_it) = around(field, c, &arms);
+    let cover = covers(&places, pairs, &tubes, field.voxel());
     let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));
     let straight = table(&|t| -t.miss[1]);
     let signed = table(&|t| t.signed[1]);
@@ -264,7 +230,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
         let way = way_through(&core, a.root, b.root);
         let way = along_the_way(field, [a, b], &way);
-        let normal = sorted([a, b].map(|arm| dot(arm.along, around.normal).abs()));
+        let normal = sorted([a, b].map(|arm| dot(arm.along, across_it).abs()));
         let [alone, with, without] = cover[n];
         let mut row = t.miss.to_vec();
         row.extend([t.skew, -dot(a.along, b.along), t.bend, (a.area / b.area).ln().abs()]);
@@ -274,7 +240,9 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, courses
         row.extend([signed_margin, far_margin, [gain(&fit), gain(&straight)], behind].concat());
         row.extend(t.sections);
         row.extend(way);
-        row.extend([murray, around.volume, around.linear, around.planar, (deepest / most_radius + 0.1).ln()]);
+        row.push(murray);
+        row.extend(shape);
+        row.push((deepest / most_radius + 0.1).ln());
         row.extend([normal[0], normal[1], alone, with, without, with - without]);
         row
     };

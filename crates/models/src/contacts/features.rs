@@ -6,7 +6,6 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::branches::{BranchEnd, Branches, Cluster};
-use super::courses::Courses;
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_core::support::statistics::median;
@@ -64,11 +63,6 @@ pub fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
     [a.min(b), a.max(b)]
 }
 
-/// The median of what is there, or another value.
-fn median_or(values: &[f64], other: f64) -> f64 {
-    median(values).unwrap_or(other)
-}
-
 /// The skeleton as a graph of clusters and free ends.
 struct Coarse {
     /// Per branch its two nodes: clusters, then free ends.
@@ -111,14 +105,14 @@ impl Coarse {
 }
 
 /// The features of every branch as seen from each of its ends: first, last.
-fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]> {
+fn branch_features(branches: &Branches) -> Vec<[[f64; 15]; 2]> {
     let directions: Vec<Vec<Point>> = branches
         .clusters
         .iter()
         .map(|c| {
             let rho = 1.5 * c.radius;
             let direction = |end: &BranchEnd| {
-                let course = courses.walk(branches, *end, 5.0 * rho);
+                let course = branches.walk(*end, 5.0 * rho);
                 let length = course.length();
                 course.direction((0.5 * rho).min(MOST_START * length), (4.0 * rho).min(length))
             };
@@ -127,8 +121,8 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
         .collect();
     let of_branch = |row: usize| {
         let branch = &branches.branches[row];
-        let course = courses.of(row);
-        let typical = median_or(&course.radii, branch.radius);
+        let course = &branches.courses[row];
+        let typical = median(&course.radii).unwrap_or(branch.radius);
         let mut sides = [[0.0, 0.0, -1.0, 0.0, 0.0]; 2];
         let mut through: [Option<Point>; 2] = [None; 2];
         for last in [false, true] {
@@ -138,15 +132,9 @@ fn branch_features(branches: &Branches, courses: &Courses) -> Vec<[[f64; 15]; 2]
             let own = ends.iter().position(|end| *end == BranchEnd { branch: row, last }).unwrap_or(0);
             let d = &directions[cluster];
             let others: Vec<usize> = (0..ends.len()).filter(|end| *end != own).collect();
-            let mut best: Option<(f64, [usize; 2])> = None;
-            for (n, a) in others.iter().enumerate() {
-                for b in &others[n + 1..] {
-                    let s = -dot(d[*a], d[*b]);
-                    if best.is_none_or(|(most, _)| s > most) {
-                        best = Some((s, [*a, *b]));
-                    }
-                }
-            }
+            let pairs = pairs_among(others.len()).map(|pair| pair.map(|row| others[row]));
+            let found = pairs.map(|[a, b]| (-dot(d[a], d[b]), [a, b]));
+            let best = found.reduce(|best, next| if next.0 > best.0 { next } else { best });
             through[side] = best.map(|(_, [a, b])| unit(sub(d[a], d[b])));
             let aligned = match through[side] {
                 Some(along) => dot(d[own], along).abs(),
@@ -202,13 +190,8 @@ pub struct PairTable {
 impl PairTable {
     /// The table of a function of two ends.
     pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
-        let mut values = vec![nothing; size * size];
-        for i in 0..size {
-            for j in (0..size).filter(|j| *j != i) {
-                values[i * size + j] = value(i.min(j), i.max(j));
-            }
-        }
-        Self { size, values }
+        let pairs: Vec<Pair> = pairs_among(size).map(|ends| Pair { cluster: 0, ends }).collect();
+        Self::over(&pairs, size, nothing, |row| value(pairs[row].ends[0], pairs[row].ends[1]))
     }
 
     /// The table of the pairs of a cluster, given the value of each row of them; `nothing` for ends that are no pair.
@@ -252,24 +235,23 @@ impl PairTable {
 }
 
 /// The features of pairs, each a row of [`skeleton_feature_names`].
-pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair]) -> Vec<Vec<f64>> {
+pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let coarse = Coarse::new(branches);
-    let of_branch = branch_features(branches, courses);
+    let of_branch = branch_features(branches);
     let all: Vec<f64> = branches.branches.iter().flat_map(|b| b.points.iter().map(|p| p.radius)).collect();
-    let typical = median_or(&all, 1.0);
+    let typical = median(&all).unwrap_or(1.0);
     let mut paths = ShortestPaths::new(coarse.next.len());
     let nodes = branches.clusters.iter().flat_map(|c| c.nodes.iter().map(|node| node + 1)).max().unwrap_or(0);
     let mut inside = ShortestPaths::new(nodes);
     let mut out = Vec::with_capacity(pairs.len());
     for pairs in pairs.chunk_by(|a, b| a.cluster == b.cluster) {
         let cluster = pairs[0].cluster;
-        let here = Here::new(branches, courses, &coarse, [&mut paths, &mut inside], cluster, typical);
-        for pair in pairs {
+        let of_pairs = of_cluster(branches, &coarse, [&mut paths, &mut inside], pairs, typical);
+        for (pair, mut row) in pairs.iter().zip(of_pairs) {
             let [a, b] = pair.ends.map(|end| {
                 let end = branches.clusters[cluster].ends[end];
                 of_branch[end.branch][usize::from(end.last)]
             });
-            let mut row = here.pair(pair.ends);
             row.extend((0..a.len()).map(|k| a[k].min(b[k])));
             row.extend((0..a.len()).map(|k| a[k].max(b[k])));
             out.push(row);
@@ -278,134 +260,102 @@ pub fn skeleton_features(branches: &Branches, courses: &Courses, pairs: &[Pair])
     out
 }
 
-/// A cluster with all that the features of its pairs need.
-struct Here {
-    core: f64,
+/// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `typical` is the radius of most points, m.
+fn of_cluster(
+    branches: &Branches,
+    coarse: &Coarse,
+    [paths, inside]: [&mut ShortestPaths; 2],
+    pairs: &[Pair],
     typical: f64,
-    near: PairTable,
-    far: PairTable,
-    radius: Vec<f64>,
-    length: Vec<f64>,
-    free: Vec<bool>,
-    beyond: Vec<f64>,
-    around: PairTable,
-    ways: f64,
-    murray: f64,
-    /// Per pair the way inside the core (m) and the least radius on it.
-    within: Vec<Vec<(f64, f64)>>,
-}
-
-impl Here {
-    fn new(
-        branches: &Branches,
-        courses: &Courses,
-        coarse: &Coarse,
-        [paths, inside]: [&mut ShortestPaths; 2],
-        cluster: usize,
-        typical: f64,
-    ) -> Self {
-        let c = &branches.clusters[cluster];
-        let rho = 1.5 * c.radius;
-        let (mut along, mut radius): (Vec<[Point; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
-        for end in &c.ends {
-            let course = courses.walk(branches, *end, 8.0 * rho);
-            let length = course.length();
-            let direction =
-                |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
-            along.push([NEAR, FAR].map(direction));
-            let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
-            radius.push(median_or(&radii, branches.branches[end.branch].radius));
-        }
-        let count = c.ends.len();
-        let [near, far] = [0, 1].map(|of: usize| PairTable::of(count, -9.0, |i, j| -dot(along[i][of], along[j][of])));
-        let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
-        let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
-            c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
-        let around = PairTable::of(count, f64::INFINITY, |i, j| {
-            if c.ends[i].branch == c.ends[j].branch {
-                return length[i];
-            }
-            let ways = beyond[i].0.iter().filter_map(|(node, d)| beyond[j].0.get(node).map(|e| d + e));
-            ways.fold(f64::INFINITY, f64::min) + length[i] + length[j]
-        });
-        let ways = pairs_among(count).filter(|[i, j]| around.get(*i, *j).is_finite()).count() as f64;
-        let mut wide = radius.clone();
-        wide.sort_by(|a, b| b.total_cmp(a));
-        let others: f64 = wide.iter().skip(1).map(|r| r.powi(3)).sum();
-        let murray = wide.first().map_or(0.0, |r| (r.powi(3) / others.max(f64::MIN_POSITIVE)).ln());
-        let entry_radius = |end: &BranchEnd| {
-            let points = &branches.branches[end.branch].points;
-            points[if end.last { points.len() - 1 } else { 0 }].radius
-        };
-        let mut within = Vec::new();
-        for from in &c.ends {
-            inside.search(&[branches.node(*from)], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
-            let to = |end: &BranchEnd| {
-                let way = inside.path_to(branches.node(*end)).edges;
-                let narrowest = way.iter().flat_map(|row| branches.inner[*row].points.iter().map(|p| p.radius));
-                let low = narrowest.chain([entry_radius(from), entry_radius(end)]).fold(f64::INFINITY, f64::min);
-                (inside.lengths()[branches.node(*end)], low)
-            };
-            within.push(c.ends.iter().map(to).collect());
-        }
-        Self {
-            core: c.radius,
-            typical,
-            within,
-            free: c.ends.iter().map(|end| branches.cluster(end.other()).is_none()).collect(),
-            beyond: beyond.into_iter().map(|(_, met)| met).collect(),
-            radius,
-            near,
-            far,
-            length,
-            around,
-            ways,
-            murray,
-        }
+) -> Vec<Vec<f64>> {
+    let cluster = pairs[0].cluster;
+    let c = &branches.clusters[cluster];
+    let rho = 1.5 * c.radius;
+    let (mut along, mut radius): (Vec<[Point; 2]>, Vec<f64>) = (Vec::new(), Vec::new());
+    for end in &c.ends {
+        let course = branches.walk(*end, 8.0 * rho);
+        let length = course.length();
+        let direction = |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
+        along.push([NEAR, FAR].map(direction));
+        let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
+        radius.push(median(&radii).unwrap_or(branches.branches[end.branch].radius));
     }
-
-    /// The features of a pair, in the order of [`PAIR_FEATURES`].
-    fn pair(&self, ends: [usize; 2]) -> Vec<f64> {
+    let count = c.ends.len();
+    let [near, far] = [0, 1].map(|of: usize| PairTable::of(count, -9.0, |i, j| -dot(along[i][of], along[j][of])));
+    let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
+    let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
+        c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
+    let around = PairTable::of(count, f64::INFINITY, |i, j| {
+        if c.ends[i].branch == c.ends[j].branch {
+            return length[i];
+        }
+        let ways = beyond[i].0.iter().filter_map(|(node, d)| beyond[j].0.get(node).map(|e| d + e));
+        ways.fold(f64::INFINITY, f64::min) + length[i] + length[j]
+    });
+    let ways = pairs_among(count).filter(|[i, j]| around.get(*i, *j).is_finite()).count() as f64;
+    let mut wide = radius.clone();
+    wide.sort_by(|a, b| b.total_cmp(a));
+    let others: f64 = wide.iter().skip(1).map(|r| r.powi(3)).sum();
+    let murray = wide.first().map_or(0.0, |r| (r.powi(3) / others.max(f64::MIN_POSITIVE)).ln());
+    let entry_radius = |end: &BranchEnd| {
+        let points = &branches.branches[end.branch].points;
+        points[if end.last { points.len() - 1 } else { 0 }].radius
+    };
+    // Per two ends the way inside the core (m) and the least radius on it.
+    let mut within: Vec<Vec<(f64, f64)>> = Vec::new();
+    for from in &c.ends {
+        inside.search(&[branches.node(*from)], f64::INFINITY, |node| branches.inside(cluster, node), |_, _| true);
+        let to = |end: &BranchEnd| {
+            let way = inside.path_to(branches.node(*end)).edges;
+            let narrowest = way.iter().flat_map(|row| branches.inner[*row].points.iter().map(|p| p.radius));
+            let low = narrowest.chain([entry_radius(from), entry_radius(end)]).fold(f64::INFINITY, f64::min);
+            (inside.lengths()[branches.node(*end)], low)
+        };
+        within.push(c.ends.iter().map(to).collect());
+    }
+    let core = c.radius.max(f64::MIN_POSITIVE);
+    let widest = radius.iter().copied().fold(0.0, f64::max).ln();
+    let is_free = |end: &&usize| branches.cluster(c.ends[**end].other()).is_none();
+    let of_pair = |pair: &Pair| {
+        let ends = pair.ends;
         let [i, j] = ends;
-        let core = self.core.max(f64::MIN_POSITIVE);
-        let radii = ends.map(|end| self.radius[end].ln());
-        let widest = self.radius.iter().copied().fold(0.0, f64::max).ln();
+        let radii = ends.map(|end| radius[end].ln());
         let [thin, wide] = sorted(radii);
-        let lengths = sorted(ends.map(|end| (self.length[end] / core + 0.1).ln()));
-        let beyond = sorted(ends.map(|end| (self.beyond[end] / core + 0.1).ln()));
-        let around = self.around.get(i, j);
+        let lengths = sorted(ends.map(|end| (length[end] / core + 0.1).ln()));
+        let met = sorted(ends.map(|end| (beyond[end].1 / core + 0.1).ln()));
+        let around = around.get(i, j);
         let way = around.min(LONGEST_WAY * core);
-        let (inside, low) = self.within[i][j];
-        let near = self.near.margins(ends, -1.0);
-        let far = self.far.margins(ends, -1.0);
+        let (inside, low) = within[i][j];
+        let (near_margin, far_margin) = (near.margins(ends, -1.0), far.margins(ends, -1.0));
         vec![
-            self.near.get(i, j),
-            self.far.get(i, j),
-            near[0],
-            near[1],
-            far[0],
-            far[1],
-            self.far.pairing_gain(ends),
+            near.get(i, j),
+            far.get(i, j),
+            near_margin[0],
+            near_margin[1],
+            far_margin[0],
+            far_margin[1],
+            far.pairing_gain(ends),
             (radii[0] - radii[1]).abs(),
             thin - widest,
             wide - widest,
-            self.murray,
+            murray,
             core.ln() - wide,
             low.ln() - thin,
-            self.radius.len() as f64,
+            radius.len() as f64,
             inside / core,
             lengths[0],
             lengths[1],
-            ends.iter().filter(|end| self.free[**end]).count() as f64,
+            ends.iter().filter(is_free).count() as f64,
             f64::from(u8::from(lengths[0] < 1.0)),
             (way / core).ln(),
             f64::from(u8::from(around > LONGEST_WAY * core)),
-            (way / (self.length[i] + self.length[j] + core)).ln(),
-            beyond[0],
-            beyond[1],
-            self.near.get(i, j) * (radii[0] - radii[1]).abs(),
-            self.ways,
-            (core / self.typical).ln(),
+            (way / (length[i] + length[j] + core)).ln(),
+            met[0],
+            met[1],
+            near.get(i, j) * (radii[0] - radii[1]).abs(),
+            ways,
+            (core / typical).ln(),
         ]
-    }
+    };
+    pairs.iter().map(of_pair).collect()
 }

@@ -17,11 +17,6 @@ pub const IMAGE_FEATURES: &str = "\
     outside_most dip bulge bend_along bend_along_most bend_across saddle saddle_noise tube_margin_least tube_margin_most \
     saddle_margin_least saddle_margin_most ratio_margin_least ratio_margin_most tube_pairing saddle_pairing ratio_pairing";
 
-/// The names of all features of the image, in their order.
-pub fn image_feature_names() -> Vec<String> {
-    IMAGE_FEATURES.split(' ').map(|name| format!("image_{name}")).collect()
-}
-
 /// The contrast of an end is at least this share of the typical one.
 const LEAST_CONTRAST: f64 = 0.2;
 /// Rings around the tube inside and outside, in its radii and in voxels beside them.
@@ -35,15 +30,10 @@ const MOST_STEPS: f64 = 10.0;
 /// More ends than this are not paired.
 const MOST_PAIRED: usize = 8;
 
-/// What one pair shows.
-struct PairShown {
-    least: f64,
-    mean: f64,
-    saddle: f64,
-    values: [f64; 12],
-}
+/// What one pair shows along its tube, the least and the mean contrast first.
+type PairShown = [f64; 12];
 
-/// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`image_feature_names`] each. Lengths in m.
+/// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
 pub fn image_features(
     scene: &Scene,
     voxel: f64,
@@ -61,17 +51,14 @@ pub fn image_features(
     let brightest = bright.iter().copied().fold(least, f64::max);
     let saddles = saddles(&contrast, voxel, centre, arms);
     let dimmer = |pair: &Pair| bright[pair.ends[0]].min(bright[pair.ends[1]]);
-    let shown: Vec<PairShown> = pairs
-        .iter()
-        .zip(tubes)
-        .map(|(pair, tube)| {
-            let m = dimmer(pair);
-            let saddle = saddles[pair.ends[0] * arms.len() + pair.ends[1]] / m;
-            shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube, saddle)
-        })
-        .collect();
-    let table = |f: &dyn Fn(&PairShown) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&shown[row]));
-    let (tube, saddle) = (table(&|s| s.least + s.mean), table(&|s| s.saddle));
+    let see = |(pair, tube): (&Pair, &LumenTube)| {
+        let m = dimmer(pair);
+        shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube)
+    };
+    let shown: Vec<PairShown> = pairs.iter().zip(tubes).map(see).collect();
+    let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
+    let table = |f: &dyn Fn(usize) -> f64| PairTable::over(pairs, arms.len(), -9.0, f);
+    let (tube, saddle) = (table(&|row| shown[row][0] + shown[row][1]), table(&|row| saddle_of(&pairs[row])));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
     let of_pair = |(pair, shown): (&Pair, &PairShown)| {
         let m = dimmer(pair);
@@ -79,8 +66,8 @@ pub fn image_features(
         let gain = |table: &PairTable| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
         let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
-        out.extend(shown.values);
-        out.extend([shown.saddle, shown.saddle * m / level.noise]);
+        out.extend(shown);
+        out.extend([saddle_of(pair), saddle_of(pair) * m / level.noise]);
         out.extend(tube.margins(pair.ends, 0.0));
         out.extend(saddle.margins(pair.ends, 0.0));
         out.extend(ratio.margins(pair.ends, -1.0));
@@ -90,7 +77,7 @@ pub fn image_features(
     pairs.iter().zip(&shown).map(of_pair).collect()
 }
 
-fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tube: &LumenTube, saddle: f64) -> PairShown {
+fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tube: &LumenTube) -> PairShown {
     let along: Vec<f64> = tube.points.iter().map(|p| contrast(*p)).collect();
     let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
     let most = |x: &[f64]| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
@@ -124,25 +111,20 @@ fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tu
     let after = |n: usize| most(&way[n..]);
     let dip = (0..way.len()).map(|n| before(n).min(after(n)) - way[n]).fold(0.0, f64::max);
     let bulge = most(&along) - contrast(a.middle).max(contrast(b.middle));
-    PairShown {
-        least: least(&along),
-        mean: mean(&along),
-        saddle,
-        values: [
-            least(&along),
-            mean(&along),
-            most(&along),
-            mean(&inside),
-            least(&inside),
-            mean(&outside),
-            most(&outside),
-            dip,
-            bulge,
-            mean(&bend_along),
-            most(&bend_along),
-            mean(&bend_across),
-        ],
-    }
+    [
+        least(&along),
+        mean(&along),
+        most(&along),
+        mean(&inside),
+        least(&inside),
+        mean(&outside),
+        most(&outside),
+        dip,
+        bulge,
+        mean(&bend_along),
+        most(&bend_along),
+        mean(&bend_across),
+    ]
 }
 
 /// Per pair of arms the highest contrast that a way from the middle of one to that of the other need not fall below, near the cluster.

@@ -36,7 +36,7 @@ struct Loop {
 /// The blocks of clusters, and which of their ends may not be one vessel.
 struct Opening<'a> {
     branches: &'a Branches,
-    tables: &'a [Option<PairTable>],
+    tables: &'a [PairTable],
     weights: &'a PartitionWeights,
     blocks: Vec<Blocks>,
     apart: Vec<BTreeSet<[usize; 2]>>,
@@ -49,7 +49,7 @@ struct Opening<'a> {
 /// The blocks of clusters with narrow loops opened; `tables` are the scores of the pairs of ends of each cluster.
 pub fn without_narrow_loops(
     branches: &Branches,
-    tables: &[Option<PairTable>],
+    tables: &[PairTable],
     blocks: Vec<Blocks>,
     weights: &PartitionWeights,
     field: &Field,
@@ -155,7 +155,7 @@ impl Opening<'_> {
     fn open(&mut self, found: &Loop) -> bool {
         let mut best: Option<(f64, usize, [usize; 2], Blocks)> = None;
         for (cluster, [a, b]) in found.passes.iter().copied().filter(|(_, [a, b])| a != b) {
-            let Some(table) = &self.tables[cluster] else { continue };
+            let table = &self.tables[cluster];
             let pair = [a.min(b), a.max(b)];
             let ends = self.branches.clusters[cluster].ends.len();
             let now = most_probable(table, ends, self.weights, JoinableEnds::except(&self.apart[cluster]));

@@ -1,7 +1,6 @@
 //! The lumen along each branch end at a cluster, and the tubes that may run from one end to another.
 
 use super::branches::Branches;
-use super::courses::Courses;
 use super::sections::{Section, axis_of, section};
 use willis_core::support::geometry::{Point, area_of, distance, dot, norm, radius_of, sub, unit};
 use willis_core::support::statistics::median;
@@ -39,10 +38,10 @@ pub struct LumenArm {
 
 impl LumenArm {
     /// That of an end of a cluster.
-    pub fn new(field: &Field, branches: &Branches, courses: &Courses, cluster: usize, end: usize) -> Self {
+    pub fn new(field: &Field, branches: &Branches, cluster: usize, end: usize) -> Self {
         let c = &branches.clusters[cluster];
         let rho = 1.5 * c.radius;
-        let course = courses.walk(branches, c.ends[end], 8.0 * rho);
+        let course = branches.walk(c.ends[end], 8.0 * rho);
         let length = course.length();
         let last = STATIONS[STATIONS.len() - 1] * rho;
         let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };

@@ -26,11 +26,10 @@ pub use basis::Basis;
 
 use ndarray::Array2;
 
-use branches::Branches;
-use courses::Courses;
+use branches::{Branches, Cluster};
 use crowding::Crowding;
 use evidence::mask_features;
-use features::{Pair, PairTable, pairs_of, skeleton_features};
+use features::{Pair, PairTable, pairs_among, pairs_of, skeleton_features};
 use loops::without_narrow_loops;
 use model::ContactModel;
 use partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
@@ -45,48 +44,42 @@ pub struct ContactTable {
     pub branches: Branches,
     /// Pairs of ends, cluster by cluster.
     pub pairs: Vec<Pair>,
-    courses: Courses,
 }
 
 impl ContactTable {
     /// The contacts of the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
         let branches = Branches::new(network);
-        let (courses, pairs) = (Courses::new(&branches), pairs_of(&branches));
-        Self { branches, pairs, courses }
+        Self { pairs: pairs_of(&branches), branches }
     }
 
     /// What is measured of the pairs, a row each, a column one of [`Basis::feature_names`]. Where there is a mask the skeleton's own features
     /// are left out: on manual masks they mislead.
     pub fn features(&self, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
         let rows = match mask {
-            Some(field) => mask_features(field, scene, &self.branches, &self.courses, &self.pairs),
-            None => skeleton_features(&self.branches, &self.courses, &self.pairs),
+            Some(field) => mask_features(field, scene, &self.branches, &self.pairs),
+            None => skeleton_features(&self.branches, &self.pairs),
         };
         let columns = Basis::of(mask, scene).feature_names().len();
         Array2::from_shape_fn((rows.len(), columns), |(row, column)| stored(rows[row][column]))
     }
 
-    /// Per cluster the scores of its pairs, given those of all pairs; `None` for one of fewer than two ends.
-    pub fn by_cluster(&self, scores: &[f64]) -> Vec<Option<PairTable>> {
-        let mut out: Vec<Option<PairTable>> = self.branches.clusters.iter().map(|_| None).collect();
-        let mut from = 0;
-        for pairs in self.pairs.chunk_by(|a, b| a.cluster == b.cluster) {
-            let own = &scores[from..from + pairs.len()];
-            let ends = self.branches.clusters[pairs[0].cluster].ends.len();
-            out[pairs[0].cluster] = Some(PairTable::over(pairs, ends, 0.0, |row| own[row]));
-            from += pairs.len();
-        }
-        out
+    /// Per cluster the scores of its pairs, given those of all pairs.
+    pub fn by_cluster(&self, scores: &[f64]) -> Vec<PairTable> {
+        let (mut pairs, mut scores) = (&self.pairs[..], scores);
+        let of = |cluster: &Cluster| {
+            let (own, of_own);
+            (own, pairs) = pairs.split_at(pairs_among(cluster.ends.len()).count());
+            (of_own, scores) = scores.split_at(own.len());
+            PairTable::over(own, cluster.ends.len(), 0.0, |row| of_own[row])
+        };
+        self.branches.clusters.iter().map(of).collect()
     }
 
     /// The most probable blocks of each cluster, given the scores of its pairs.
-    pub fn blocks(&self, tables: &[Option<PairTable>], weights: &PartitionWeights) -> Vec<Blocks> {
-        let of = |(table, cluster): (&Option<PairTable>, &branches::Cluster)| match table {
-            Some(table) => most_probable(table, cluster.ends.len(), weights, JoinableEnds::ANY),
-            None => Blocks { of_end: vec![0; cluster.ends.len()], ..Blocks::default() },
-        };
-        tables.iter().zip(&self.branches.clusters).map(of).collect()
+    pub fn blocks(&self, tables: &[PairTable], weights: &PartitionWeights) -> Vec<Blocks> {
+        let clusters = tables.iter().zip(&self.branches.clusters);
+        clusters.map(|(table, c)| most_probable(table, c.ends.len(), weights, JoinableEnds::ANY)).collect()
     }
 }
 

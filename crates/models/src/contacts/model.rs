@@ -140,7 +140,17 @@ impl ContactModel {
         for (place, part, basis) in
             [("skeleton", &model.skeleton, Basis::Skeleton), ("mask", &model.mask, Basis::Mask)].into_iter().chain(image)
         {
-            check(place, part, &basis.feature_names())?;
+            let names = basis.feature_names();
+            check_features(&format!("{place} features"), &part.features, &names)?;
+            if part.calibration[1] < 0.0 {
+                let accepted = "expected [a, b] with b of at least 0";
+                return Err(Fault::item(format!("{place} calibration"), format!("{:?}", part.calibration), accepted));
+            }
+            if let Some(most) = part.crowding.filter(|most| !(most.contacts >= 0.0 && most.handles >= 0.0)) {
+                let found = format!("{} and {}", most.contacts, most.handles);
+                return Err(Fault::item(format!("{place} crowding"), found, "expected numbers from 0 on"));
+            }
+            part.trees.check(place, names.len())?;
         }
         Ok(model)
     }
@@ -153,17 +163,4 @@ impl ContactModel {
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         write(out, HEADING, true, self)
     }
-}
-
-fn check(place: &str, part: &ContactPart, names: &[String]) -> Result<(), Fault> {
-    check_features(&format!("{place} features"), &part.features, names)?;
-    if part.calibration[1] < 0.0 {
-        let accepted = "expected [a, b] with b of at least 0";
-        return Err(Fault::item(format!("{place} calibration"), format!("{:?}", part.calibration), accepted));
-    }
-    if let Some(most) = part.crowding.filter(|most| !(most.contacts >= 0.0 && most.handles >= 0.0)) {
-        let found = format!("{} and {}", most.contacts, most.handles);
-        return Err(Fault::item(format!("{place} crowding"), found, "expected numbers from 0 on"));
-    }
-    part.trees.check(place, names.len())
 }

@@ -46,11 +46,9 @@ pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
 pub fn partition_features(blocks: &[usize], scores: &PairTable) -> [f64; PARTITION_FEATURES] {
     let ends = blocks.len();
     let (mut sum, mut against) = (0.0, 0.0);
-    for i in 0..ends {
-        for j in (i + 1..ends).filter(|j| blocks[*j] == blocks[i]) {
-            sum += scores.get(i, j);
-            against += scores.get(i, j).min(0.0);
-        }
+    for [i, j] in pairs_among(ends).filter(|[i, j]| blocks[*i] == blocks[*j]) {
+        sum += scores.get(i, j);
+        against += scores.get(i, j).min(0.0);
     }
     let count = blocks.iter().max().map_or(0, |most| most + 1);
     let of_size = |size: usize| (0..count).filter(|b| blocks.iter().filter(|x| *x == b).count() == size).count();

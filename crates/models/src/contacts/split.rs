@@ -118,11 +118,8 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
         (hub.unwrap_or(cluster.nodes[0]), nodes)
     };
     let hubs: Vec<(usize, Vec<usize>)> = (0..blocks.count()).map(hub_of).collect();
-    for inner in &cluster.inner {
-        for (vessel, _) in &branches.inner[*inner].vessels {
-            plan.copies.entry(*vessel).or_default();
-        }
-    }
+    let inside = cluster.inner.iter().flat_map(|inner| &branches.inner[*inner].vessels);
+    plan.copies.extend(inside.map(|(vessel, _)| (*vessel, Vec::new())));
     // Per block its own junctions; the first block that needs one keeps it.
     let mut used: BTreeSet<usize> = BTreeSet::new();
     let mut own: Vec<BTreeMap<usize, usize>> = vec![BTreeMap::new(); hubs.len()];

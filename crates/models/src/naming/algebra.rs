@@ -127,6 +127,15 @@ pub fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + rest
 }
 
+/// Divides by the sum, and returns it.
+pub fn normalise(row: &mut [f64]) -> f64 {
+    let sum: f64 = row.iter().sum();
+    for p in row {
+        *p /= sum;
+    }
+    sum
+}
+
 /// A table, by rows, times a vector.
 pub struct TableTimes<'a> {
     /// The rows, each as long as the vector.

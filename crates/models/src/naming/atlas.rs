@@ -128,26 +128,22 @@ fn smoothing(tables: &StateTables) -> Vec<f64> {
 }
 
 /// P(s, s')/(P(s) P(s')) from counts: smoothed along the arteries, with a trace of every pair of arteries that were seen side by side, and
-/// less of all others. `k` is 0 within branches, 1 at junctions.
-fn pair_factors(tables: &StateTables, counted: &[Vec<f64>; 2], k: usize) -> Vec<f64> {
+/// less of all others. `kind` is 0 within branches, 1 at junctions.
+fn pair_factors(tables: &StateTables, counted: &[Vec<f64>; 2], kind: usize) -> Vec<f64> {
+    let labels = |k: usize| [tables.label[k / STATES], tables.label[k % STATES]];
     let mut met = [[false; LABELS]; LABELS];
-    for a in 0..STATES {
-        for b in 0..STATES {
-            if counted[0][a * STATES + b] + counted[1][a * STATES + b] > 0.0 {
-                met[tables.label[a]][tables.label[b]] = true;
-            }
-        }
+    for k in (0..STATES * STATES).filter(|k| counted[0][*k] + counted[1][*k] > 0.0) {
+        let [a, b] = labels(k);
+        met[a][b] = true;
     }
-    let (along, seen, trace) = [(2.0, 0.002, 2e-4), (0.3, 0.02, 1e-3)][k];
+    let (along, seen, trace) = [(2.0, 0.002, 2e-4), (0.3, 0.02, 1e-3)][kind];
     let smooth = smoothing(tables);
-    let mut joint = vec![0.0; STATES * STATES];
-    for a in 0..STATES {
-        for b in 0..STATES {
-            let known = if met[tables.label[a]][tables.label[b]] { seen } else { 0.0 };
-            joint[a * STATES + b] = counted[k][a * STATES + b] + along * smooth[a * STATES + b] + known + trace;
-        }
-    }
-    lift_of(&symmetric(&joint))
+    let of = |k: usize| {
+        let [a, b] = labels(k);
+        let known = if met[a][b] { seen } else { 0.0 };
+        counted[kind][k] + along * smooth[k] + known + trace
+    };
+    lift_of(&symmetric(&(0..STATES * STATES).map(of).collect::<Vec<f64>>()))
 }
 
 /// The mean of a table and its transpose.

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use super::algebra::{TableTimes, dot};
+use super::algebra::{TableTimes, dot, normalise};
 use super::atlas::Atlas;
 use super::nodes::Nodes;
 use super::states::STATES;
@@ -383,15 +383,6 @@ fn row(all: &[f64], node: usize) -> &[f64] {
 
 fn row_mut(all: &mut [f64], node: usize) -> &mut [f64] {
     &mut all[node * STATES..(node + 1) * STATES]
-}
-
-/// Divides by the sum, and returns it.
-fn normalise(row: &mut [f64]) -> f64 {
-    let sum: f64 = row.iter().sum();
-    for p in row.iter_mut() {
-        *p /= sum;
-    }
-    sum
 }
 
 /// Multiplies and divides by the largest, so that nothing becomes too small; returns that.

@@ -65,10 +65,9 @@ impl NamedCircle {
     /// The network with the odds and probabilities of candidates as names leave them.
     pub fn weighed(&self, network: &Network) -> Network {
         let mut network = network.clone();
-        for (row, factor) in &self.factors {
-            if let Some(evidence) =
-                (*row < network.vessel_count()).then(|| &mut network.vessel_mut(*row).evidence).and_then(Option::as_mut)
-            {
+        let count = network.vessel_count();
+        for (row, factor) in self.factors.iter().filter(|(row, _)| *row < count) {
+            if let Some(evidence) = &mut network.vessel_mut(*row).evidence {
                 evidence.continuation_odds = evidence.continuation_odds.map(|odds| odds * factor);
                 evidence.probability = probability_with(evidence.probability, *factor);
             }
@@ -190,7 +189,7 @@ impl Names {
         let [Some(left), Some(right)] = BodySide::BOTH.map(middle_of) else { return false };
         let (rightward, middle) = (sub(right, left), lerp(left, right, 0.5));
         let agrees = |(side, at): &(BodySide, Point)| {
-            let at = self.frame.turn(Frame::Ras, *at).map(millimetres);
+            let at = self.bearings.frame.turn(Frame::Ras, *at).map(millimetres);
             let away = dot(sub(at, middle), rightward);
             if *side == BodySide::Right { away } else { -away }
         };
@@ -199,13 +198,13 @@ impl Names {
 
     /// Whether a segment, or what lies at both of its ends, is seen.
     fn is_decidable(&self, segment: usize) -> bool {
-        self.is_seen[segment] || RING[segment].joins().iter().all(|end| end.iter().any(|artery| self.sees(*artery)))
+        self.seen.is_seen(segment) || RING[segment].joins().iter().all(|end| end.iter().any(|artery| self.sees(*artery)))
     }
 
     /// Whether a segment, or what lies at one of its ends, is seen.
     fn has_surroundings(&self, segment: usize) -> bool {
         let beside = if let Artery::A1(side) = RING[segment] { Some(Artery::M1(side)) } else { None };
-        self.is_seen[segment] || RING[segment].joins().into_iter().flatten().chain(beside).any(|artery| self.sees(artery))
+        self.seen.is_seen(segment) || RING[segment].joins().into_iter().flatten().chain(beside).any(|artery| self.sees(artery))
     }
 
     fn sees(&self, artery: Artery) -> bool {
@@ -215,7 +214,7 @@ impl Names {
     /// Whether the middle of a segment in the atlas lies within the box of all that is seen.
     fn encloses(&self, segment: usize, atlas: &Atlas) -> bool {
         let states = states_of(label_of(RING[segment]));
-        let at: Vec<Point> = self.nodes.at.iter().map(|p| self.pose.apply(*p)).collect();
+        let at: Vec<Point> = self.nodes.at.iter().map(|p| self.bearings.pose.apply(*p)).collect();
         (0..3).all(|k| {
             let middle = states.clone().map(|state| atlas.data.pieces[state].mean[k]).sum::<f64>() / states.len() as f64;
             at.iter().any(|p| p[k] <= middle) && at.iter().any(|p| p[k] >= middle)
@@ -238,7 +237,7 @@ impl Names {
 
     /// That the frame was found, not stated.
     pub fn frame_note(&self) -> Option<String> {
-        let frame = self.frame.name().filter(|_| self.frame_was_found)?;
+        let frame = self.bearings.frame.name().filter(|_| self.frame_was_found)?;
         Some(format!(
             "no frame is stated: front and back fit {frame}, and left and right follow from that; a mirrored file looks the same (see `frame`)"
         ))
@@ -282,7 +281,7 @@ impl Names {
         let listed = sure.iter().copied().filter(needed).map(|NamedPlace { label, at, .. }| ListedLandmark {
             place: Place::File,
             label: label.clone(),
-            position: Frame::Ras.turn(self.frame, *at).map(metres),
+            position: Frame::Ras.turn(self.bearings.frame, *at).map(metres),
         });
         let landmarks = identify_landmarks(listed.collect())?;
         let (circle, notes) = Circle::at(network, &landmarks)?;

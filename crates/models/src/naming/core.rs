@@ -1,8 +1,7 @@
 //! The part of a network that may be the circle: all of a small one, of a whole brain what lies on the atlas.
 
 use super::atlas::{Atlas, all_states, arteries};
-use super::belief::NamingForest;
-use super::emission::{Pose, radius_fit};
+use super::emission::Pose;
 use super::nodes::Nodes;
 use super::pose::{Pulls, Scored, Search};
 use willis_core::support::geometry::{distance, dot, sub};
@@ -59,7 +58,11 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
         return (!poses.is_empty()).then_some((Core { nodes, median_log_radius: None }, poses));
     }
     let radius = branch_radii(&nodes);
-    let thick = quantile(&radius, &nodes.weight, |_| true, THICK);
+    let length_below = |counts: &dyn Fn(usize) -> bool, share: f64| {
+        let those = (0..nodes.len()).filter(|n| counts(*n)).map(|n| (radius[n], nodes.weight[n]));
+        weighted_quantile(those, share).unwrap_or(f64::INFINITY)
+    };
+    let thick = length_below(&|_| true, THICK);
     let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
     let middle = [0, 1, 2].map(|k| {
         let mut x: Vec<f64> = of_thick.iter().map(|n| nodes.at[*n][k]).collect();
@@ -67,23 +70,20 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
         x.get(x.len() / 2).copied().unwrap_or_default()
     });
     let near = |n: usize| distance(nodes.at[n], middle) < REACH;
-    let least = quantile(&radius, &nodes.weight, near, SEARCHED);
+    let least = length_below(&near, SEARCHED);
     let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
     if searched.is_empty() {
         return None;
     }
     let median = searched.median_log_radius(|_| 1.0);
-    let pose = search(&searched, atlas).first()?.pose;
+    let mut pose = search(&searched, atlas).first()?.pose;
     let named = on_the_atlas(&nodes, atlas, &pose);
     if named.is_empty() {
         return None;
     }
-    let radius = radius_fit(&named, atlas, median);
-    let forest = NamingForest::of(&named, &named.spanning_bridges(|_| true));
     let weight = vec![1.0; named.len()];
-    let search = Search { nodes: &named, atlas, weight: &weight, radius: &radius, forest: &forest };
+    let search = Search::new(&named, atlas, &weight, &named.spanning_bridges(|_| true), median);
     let all: Vec<usize> = (0..named.len()).collect();
-    let mut pose: Pose = pose;
     let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
     for _ in 0..3 {
         pose = search.named_step(&all, &pose, &pulls, &atlas.position);
@@ -92,10 +92,8 @@ pub fn find(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
 }
 
 fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
-    let radius = radius_fit(nodes, atlas, nodes.median_log_radius(|_| 1.0));
-    let forest = NamingForest::of(nodes, &nodes.spanning_bridges(|_| true));
-    let weight = vec![1.0; nodes.len()];
-    Search { nodes, atlas, weight: &weight, radius: &radius, forest: &forest }.everywhere()
+    let (weight, median) = (vec![1.0; nodes.len()], nodes.median_log_radius(|_| 1.0));
+    Search::new(nodes, atlas, &weight, &nodes.spanning_bridges(|_| true), median).everywhere()
 }
 
 /// Per node the mean radius of its branch, mm.
@@ -106,10 +104,4 @@ fn branch_radii(nodes: &Nodes) -> Vec<f64> {
         length[nodes.branch[n]] += nodes.weight[n];
     }
     nodes.branch.iter().map(|b| sum[*b] / length[*b]).collect()
-}
-
-/// The value below which a share of the length of some nodes lies.
-fn quantile(values: &[f64], weight: &[f64], counts: impl Fn(usize) -> bool, share: f64) -> f64 {
-    let those = (0..values.len()).filter(|n| counts(*n)).map(|n| (values[n], weight[n]));
-    weighted_quantile(those, share).unwrap_or(f64::INFINITY)
 }

@@ -66,16 +66,8 @@ pub fn meeting_place(
 ) -> Option<(Point, f64)> {
     let of = |group: &[ArteryLabel]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
     let [one, other] = [of(&between[0]), of(&between[1])];
-    let mut closest: Option<(f64, usize, usize)> = None;
-    for a in &one {
-        for b in &other {
-            let d = distance(nodes.at[*a], nodes.at[*b]);
-            if closest.is_none_or(|(known, ..)| d < known) {
-                closest = Some((d, *a, *b));
-            }
-        }
-    }
-    let (d, a, b) = closest?;
+    let pairs = one.iter().flat_map(|a| other.iter().map(|b| (distance(nodes.at[*a], nodes.at[*b]), *a, *b)));
+    let (d, a, b) = pairs.reduce(|closest, next| if next.0 < closest.0 { next } else { closest })?;
     let sure = |n: usize, group: &[ArteryLabel]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
     (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
 }

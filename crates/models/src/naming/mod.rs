@@ -25,9 +25,7 @@ pub mod states;
 pub mod ways;
 
 pub use algebra::{outer_sum, rotation, symmetric_times, turned};
-pub use circle::log_odds;
-pub use circle::topologies_say;
-pub use circle::{CirclePrior, NamedCircle};
+pub use circle::{CirclePrior, NamedCircle, log_odds, topologies_say};
 pub use labelled::labelled_network;
 pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
@@ -61,24 +59,18 @@ const LEAST_TRUE: f64 = 20.0;
 pub struct Names {
     /// The nodes, in mm and RAS.
     pub nodes: Nodes,
-    /// The frame of the network's file, stated or found.
-    pub frame: Frame,
     /// Whether the frame was found by front and back.
     pub frame_was_found: bool,
-    /// How the case lies in the atlas.
-    pub pose: Pose,
+    /// How the case was found to lie, and by which model.
+    pub bearings: Bearings,
     /// How well it fits there: the log ratio of all names to no artery of the circle, with the prior of the pose. NaN where the pose was known.
     pub fit: f64,
-    /// The number of the model that named it, of [`NamingModels`].
-    pub(crate) by: usize,
     /// Per node the probabilities of the labels.
     pub labels: Vec<[f64; LABELS]>,
     /// Per node the probabilities of the states, given that its piece is part of the circle: nodes x states.
     pub states: Vec<f64>,
     /// Per piece the probability that it is no artery of the circle.
     pub false_pieces: Vec<f64>,
-    /// Whether enough of each segment of [`crate::circle_of_willis::RING`] is seen to name it.
-    pub is_seen: [bool; 7],
     /// Whether they are of a part of the network: the circle of a whole brain.
     pub(crate) is_part: bool,
     /// What is seen of each label.
@@ -92,16 +84,12 @@ pub struct Names {
 /// How a case was found to lie, and by which model.
 #[derive(Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct Bearings {
-    frame: Frame,
-    pose: Pose,
-    by: usize,
-}
-
-impl Names {
-    /// How the case lies.
-    pub fn bearings(&self) -> Bearings {
-        Bearings { frame: self.frame, pose: self.pose, by: self.by }
-    }
+    /// The frame of the network's file, stated or found.
+    pub frame: Frame,
+    /// How the case lies in the atlas.
+    pub pose: Pose,
+    /// The number of the model that named it, of [`NamingModels`].
+    pub(crate) by: usize,
 }
 
 /// What one pass finds.
@@ -146,8 +134,8 @@ pub fn name_with(
     let best = found.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
     found.retain(|one| score(one) >= best - NEAR * one.1.nodes.len() as f64);
     let named = found.into_iter().filter_map(|(frame, core, poses)| {
-        let poses = poses.iter().map(|scored| scored.pose).collect();
-        names_at(network, model, frame, core, &Poses::Found(poses), &is_false)
+        let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
+        names_at(network, model, frame, core, &poses, false, &is_false)
     });
     let fit = |names: &Names| if names.fit.is_nan() { f64::NEG_INFINITY } else { names.fit };
     named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
@@ -158,32 +146,23 @@ pub fn name_again(network: &Network, model: &NamingModel, like: &Bearings) -> Op
     let all = Nodes::of(network);
     let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
     let core = core::at(all, &model.atlas, &like.pose)?;
-    names_at(network, model, like.frame, core, &Poses::Known(like.pose), |features, pass| model.is_false(features, pass))
+    names_at(network, model, like.frame, core, &[like.pose], true, |features, pass| model.is_false(features, pass))
 }
 
-/// Where a case may lie.
-enum Poses {
-    /// The best first, found without knowing which pieces are false.
-    Found(Vec<Pose>),
-    /// Where the same vessels lie.
-    Known(Pose),
-}
-
-/// The names at some poses.
+/// The names at the best of some poses: the best first, found without knowing which pieces are false, or the one where the same vessels are
+/// known to lie.
 fn names_at(
     network: &Network,
     model: &NamingModel,
     frame: Frame,
     core: core::Core,
-    poses: &Poses,
+    poses: &[Pose],
+    is_known: bool,
     is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
 ) -> Option<Names> {
     let atlas = &model.atlas;
     let nodes = core.nodes;
-    let pose = match poses {
-        Poses::Found(poses) => *poses.first()?,
-        Poses::Known(pose) => *pose,
-    };
+    let pose = *poses.first()?;
     let one = vec![1.0; nodes.len()];
 
     let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
@@ -200,13 +179,9 @@ fn names_at(
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
-        if let Poses::Found(poses) = poses {
-            let radius = radius_fit(&nodes, atlas, median);
-            let forest = NamingForest::of(&nodes, &used);
-            let search = Search { nodes: &nodes, atlas, weight: &weight, radius: &radius, forest: &forest };
-            if let Some(found) = search.around(poses).first() {
-                (pose, fit) = (found.pose, found.score);
-            }
+        let search = (!is_known).then(|| Search::new(&nodes, atlas, &weight, &used, median));
+        if let Some(found) = search.and_then(|search| search.around(poses).first().copied()) {
+            (pose, fit) = (found.pose, found.score);
         }
     } else {
         weight = one;
@@ -221,15 +196,12 @@ fn names_at(
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     Some(Names {
         is_part: core.median_log_radius.is_some(),
-        is_seen: std::array::from_fn(|segment| seen.is_seen(segment)),
         states: second.beliefs.states,
         frame_was_found: !network.frame.is_known(),
         piece_features: [first.features, second.features],
+        bearings: Bearings { frame, pose, by: 0 },
         nodes,
-        frame,
-        pose,
         fit,
-        by: 0,
         labels,
         false_pieces,
         seen,
@@ -311,7 +283,7 @@ impl Names {
             .into_iter()
             .filter_map(|meeting| {
                 let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
-                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.pose, &meeting))?;
+                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.bearings.pose, &meeting))?;
                 Some(NamedPlace { label: meeting.label, at, probability })
             })
             .collect();

@@ -138,11 +138,14 @@ impl NamingModel {
         lengths("false_pieces", &file.false_pieces, &|k| 1 + PIECE_FEATURES + k)?;
         lengths("presence", &file.presence, &|_| 2 + PRESENCE_FEATURES)?;
         let tables = StateTables::default();
+        let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
+        let counted = |n: f64, of: String| {
+            if (0.0..1e9).contains(&n) { Ok(n) } else { Err(wrong(format!("count of {of}"), "expected a number from 0 on")) }
+        };
         let mut pieces: Vec<Option<AtlasPiece>> = vec![None; NOWHERE];
         let mut length = vec![0.0; STATES];
         for row in &file.states {
-            let state =
-                state_of(&row.name).ok_or_else(|| wrong(format!("state \"{}\"", row.name), "expected such as \"L-ICA 0\""))?;
+            let state = of(&row.name)?;
             length[state] = row.length;
             length[tables.mirrored[state]] = row.length;
             if state == NOWHERE {
@@ -162,40 +165,26 @@ impl NamingModel {
             pieces[tables.mirrored[state]] = Some(mirrored(&piece));
             pieces[state] = Some(piece);
         }
-        let missing = pieces.iter().position(Option::is_none);
-        if let Some(state) = missing {
-            return Err(wrong(
-                format!("state \"{}\"", state_name(state, &tables)),
-                "expected one row for every state of the left side and the middle",
-            ));
+        if let Some(state) = pieces.iter().position(Option::is_none) {
+            let accepted = "expected one row for every state of the left side and the middle";
+            return Err(wrong(format!("state \"{}\"", state_name(state, &tables)), accepted));
         }
-        let of = |name: &str| state_of(name).ok_or_else(|| wrong(format!("state \"{name}\""), "expected such as \"L-ICA 0\""));
         let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(AtlasState, AtlasState, f64)>, Fault> {
             let mut all = BTreeMap::new();
             for (a, b, n) in rows {
-                if !(*n >= 0.0 && *n < 1e9) {
-                    return Err(wrong(format!("count of \"{a}\" and \"{b}\""), "expected a number from 0 on"));
-                }
-                let (a, b) = (of(a)?, of(b)?);
-                let (ma, mb) = (tables.mirrored[a], tables.mirrored[b]);
-                for pair in [(a, b), (b, a), (ma, mb), (mb, ma)] {
-                    all.insert(pair, *n);
-                }
+                let n = counted(*n, format!("\"{a}\" and \"{b}\""))?;
+                all.extend(tables.alike(of(a)?, of(b)?).map(|pair| (pair, n)));
             }
             Ok(all.into_iter().map(|((a, b), n)| (a, b, n)).collect())
         };
         let neighbours = [pairs(&file.within_branches)?, pairs(&file.at_junctions)?];
         let mut bifurcations = Vec::new();
         for (a, b, c, middle, n) in &file.bifurcations {
-            if !(*n >= 0.0 && *n < 1e9) {
-                return Err(wrong(format!("count of a bifurcation at \"{middle}\""), "expected a number from 0 on"));
-            }
+            let n = counted(*n, format!("a bifurcation at \"{middle}\""))?;
             let (mut arms, middle) = ([of(a)?, of(b)?, of(c)?], of(middle)?);
             arms.sort_unstable();
-            bifurcations.push((arms, middle, *n));
-            let mut arms = arms.map(|s| tables.mirrored[s]);
-            arms.sort_unstable();
-            bifurcations.push((arms, tables.mirrored[middle], *n));
+            let (other_arms, other_middle) = tables.mirrored_bifurcation(arms, middle);
+            bifurcations.extend([(arms, middle, n), (other_arms, other_middle, n)]);
         }
         if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
             return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
@@ -225,17 +214,13 @@ impl NamingModel {
         let (AtlasData { pieces, other_radius, centroid, counts }, tables) = (&self.atlas.data, &self.atlas.tables);
         let name = |state: AtlasState| state_name(state, tables);
         let pairs = |list: &[(AtlasState, AtlasState, f64)]| {
-            let is_first = |(a, b, _): &&(AtlasState, AtlasState, f64)| {
-                let (ma, mb) = (tables.mirrored[*a], tables.mirrored[*b]);
-                [(*b, *a), (ma, mb), (mb, ma)].iter().all(|other| (*a, *b) <= *other)
-            };
+            let is_first =
+                |(a, b, _): &&(AtlasState, AtlasState, f64)| tables.alike(*a, *b).iter().all(|other| (*a, *b) <= *other);
             list.iter().filter(is_first).map(|(a, b, n)| (name(*a), name(*b), *n)).collect()
         };
         let mut bifurcations = BTreeMap::new();
         for (arms, middle, n) in &counts.bifurcations {
-            let mut other = arms.map(|s| tables.mirrored[s]);
-            other.sort_unstable();
-            let (own, other) = ((*arms, *middle), (other, tables.mirrored[*middle]));
+            let (own, other) = ((*arms, *middle), tables.mirrored_bifurcation(*arms, *middle));
             if own <= other {
                 // A bifurcation that is its own mirror image stands for both.
                 *bifurcations.entry(own).or_insert(0.0) += if own == other { 0.5 * n } else { *n };

@@ -43,7 +43,7 @@ impl NamingModels {
     pub fn name(&self, network: &Network) -> Option<Names> {
         let mut best: Option<Names> = None;
         for (by, model) in self.0.iter().enumerate() {
-            let Some(names) = name_arteries(network, model) else { continue };
+            let Some(mut names) = name_arteries(network, model) else { continue };
             // Of a whole brain each atlas names another part, so that their fits do not compare; and drawn circles are no brains.
             if by == 0 && (names.share_named() >= ENOUGH || names.is_part) {
                 return Some(names);
@@ -51,7 +51,8 @@ impl NamingModels {
             // A case of which a model knows next to nothing has no fit.
             let fit = |names: &Names| names.fit.max(f64::MIN);
             if best.as_ref().is_none_or(|known| fit(&names) > fit(known)) {
-                best = Some(Names { by, ..names });
+                names.bearings.by = by;
+                best = Some(names);
             }
         }
         best
@@ -59,11 +60,13 @@ impl NamingModels {
 
     /// The names by the same model of a network that lies where `like` was found to lie: see [`name_again`].
     pub fn name_again(&self, network: &Network, like: &Bearings) -> Option<Names> {
-        name_again(network, self.0.get(like.by)?, like).map(|names| Names { by: like.by, ..names })
+        let mut names = name_again(network, self.0.get(like.by)?, like)?;
+        names.bearings.by = like.by;
+        Some(names)
     }
 
     /// The model that gave some names.
     pub fn of(&self, names: &Names) -> &NamingModel {
-        &self.0[names.by]
+        &self.0[names.bearings.by]
     }
 }

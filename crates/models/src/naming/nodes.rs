@@ -192,13 +192,7 @@ impl Nodes {
         let mut before = None;
         let mut rows = Vec::with_capacity(pieces + 1);
         for (j, point) in sampled.iter().enumerate() {
-            let at_end = if j == 0 {
-                Some(first.0)
-            } else if j == pieces {
-                Some(last.0)
-            } else {
-                None
-            };
+            let at_end = [(0, first.0), (pieces, last.0)].into_iter().find(|(at, _)| *at == j).map(|(_, node)| node);
             let known = at_end.map(|node| node_at[node]).filter(|row| *row != usize::MAX);
             let row = known.unwrap_or_else(|| {
                 self.at.push(point.at);
@@ -262,15 +256,12 @@ fn points_of(network: &Network, row: usize, from: usize) -> Vec<(PathPoint, f64)
             point.id = network.node(node).id.parse().ok();
         }
     }
-    let mut along = 0.0;
-    let mut placed = Vec::with_capacity(points.len());
-    for (k, point) in points.iter().enumerate() {
-        if k > 0 {
-            along += millimetres(distance(points[k - 1].position, point.position));
-        }
-        placed.push((*point, along));
-    }
-    in_direction(placed, network.ends(row)[0] == from)
+    let (mut before, mut along) = (None, 0.0);
+    let placed = points.into_iter().map(|point| {
+        along += before.replace(point.position).map_or(0.0, |before| millimetres(distance(before, point.position)));
+        (point, along)
+    });
+    in_direction(placed.collect(), network.ends(row)[0] == from)
 }
 
 /// The point at a share of the way between two points.

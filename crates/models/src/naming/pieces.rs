@@ -60,9 +60,7 @@ pub fn piece_features(
         mean(1 + k, &ratio, &mut features);
     }
     mean(4, &|n| nodes.log_radius[n] - median_log_radius, &mut features);
-    let filled = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
-    let mut by_all = vec![0.0; STATES];
-    filled.chunks(STATES).for_each(|row| by_all.iter_mut().zip(row).for_each(|(sum, o)| *sum += o));
+    let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
     let doubled = |n: usize| {
         let own = &filled[nodes.piece[n] * STATES..(nodes.piece[n] + 1) * STATES];
         let given = &given[n * STATES..(n + 1) * STATES];

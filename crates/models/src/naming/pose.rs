@@ -6,7 +6,7 @@ use faer::{Mat, Side};
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
 use super::atlas::{Atlas, all_states};
 use super::belief::NamingForest;
-use super::emission::{Parts, Pose, TEMPER, emission, tempered};
+use super::emission::{Parts, Pose, TEMPER, emission, radius_fit, tempered};
 use super::exclusion::exclusion;
 use super::nodes::Nodes;
 use super::single::Single;
@@ -40,9 +40,9 @@ pub struct Search<'a> {
     /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
     pub weight: &'a [f64],
     /// From [`super::emission::radius_fit`].
-    pub radius: &'a [f64],
+    pub radius: Vec<f64>,
     /// The forest of names.
-    pub forest: &'a NamingForest,
+    pub forest: NamingForest,
 }
 
 /// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
@@ -84,15 +84,22 @@ pub struct Scored {
     pub score: f64,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
+    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
+        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
+    }
+
     /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
     pub fn everywhere(&self) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
         // Pieces of 8 mm serve a search among Gaussians that are wide.
         let coarse: Vec<AtlasState> =
             all.iter().copied().filter(|s| *s == NOWHERE || self.atlas.tables.bin[*s].is_multiple_of(2)).collect();
-        let centre = self.mean(&(0..self.nodes.len()).collect::<Vec<_>>(), |n| self.nodes.at[n]);
-        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], self.radius, Parts::SEARCH.radius);
+        let nodes = 0..self.nodes.len();
+        let total: f64 = nodes.clone().map(|n| self.length(n)).sum::<f64>().max(1e-9);
+        let centre = [0, 1, 2].map(|k| nodes.clone().map(|n| self.nodes.at[n][k] * self.length(n)).sum::<f64>() / total);
+        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], &self.radius, Parts::SEARCH.radius);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
             let precisions = self.atlas.widened(tau);
@@ -116,7 +123,7 @@ impl Search<'_> {
             }
         }
         let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
-        let single = Single::new(self.nodes, self.atlas, [&subset, &all], self.radius, Parts::REFINE.radius);
+        let single = Single::new(self.nodes, self.atlas, [&subset, &all], &self.radius, Parts::REFINE.radius);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
@@ -145,7 +152,7 @@ impl Search<'_> {
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
         let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
-        let single = Single::new(self.nodes, self.atlas, [&all, &states], self.radius, Parts::REFINE.radius);
+        let single = Single::new(self.nodes, self.atlas, [&all, &states], &self.radius, Parts::REFINE.radius);
         let at_width = |tau: f64| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
@@ -178,7 +185,7 @@ impl Search<'_> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, Parts::ALL, self.radius);
+        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, Parts::ALL, &self.radius);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
         let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
@@ -199,7 +206,7 @@ impl Search<'_> {
 
     /// A step of `all` nodes by the names of all together.
     pub fn named_step(&self, all: &[usize], pose: &Pose, pulls: &Pulls, precisions: &[(Symmetric, f64)]) -> Pose {
-        let e = tempered(self.nodes, self.atlas, pose, precisions, self.radius);
+        let e = tempered(self.nodes, self.atlas, pose, precisions, &self.radius);
         self.step(all, pose, pulls, &self.forest.beliefs(self.atlas, &e).states, true)
     }
 
@@ -284,11 +291,6 @@ impl Search<'_> {
         subset
     }
 
-    fn mean(&self, subset: &[usize], of: impl Fn(usize) -> Point) -> Point {
-        let total: f64 = subset.iter().map(|n| self.length(*n)).sum::<f64>().max(1e-9);
-        [0, 1, 2].map(|k| subset.iter().map(|n| of(*n)[k] * self.length(*n)).sum::<f64>() / total)
-    }
-
     /// The best of some poses that differ by an angle (radians) or by a distance (mm) where `centre` comes to lie.
     fn distinct(mut poses: Vec<Scored>, centre: Point, angle: f64, shift: f64, most: usize) -> Vec<Scored> {
         poses.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -328,22 +330,10 @@ const START_OFFSETS: [Point; 7] = [
 
 /// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {
-    let mut turns = vec![[0.0; 3]];
-    for axis in 0..3 {
-        for degrees in [25.0, -25.0, 42.0, -42.0] {
-            let mut turn = [0.0; 3];
-            turn[axis] = degrees;
-            turns.push(turn);
-        }
-    }
-    for a in [-18.0, 18.0] {
-        for b in [-18.0, 18.0] {
-            for c in [-18.0, 18.0] {
-                turns.push([a, b, c]);
-            }
-        }
-    }
-    turns
+    let about = |axis: usize, degrees: f64| [0, 1, 2].map(|k| if k == axis { degrees } else { 0.0 });
+    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| about(axis, degrees)));
+    let all = (0..8).map(|n| [n & 4, n & 2, n & 1].map(|bit| if bit == 0 { -18.0 } else { 18.0 }));
+    std::iter::once([0.0; 3]).chain(one).chain(all).collect()
 }
 
 /// -H⁻¹ g, by Cholesky's method; `None` where H is not positive definite.

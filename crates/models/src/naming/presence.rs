@@ -36,36 +36,13 @@ pub struct Seen {
     pub evidence: [f64; 7],
     /// Per segment the cheapest way between its ends.
     pub ways: [Way; 7],
-    /// How broken the case is.
-    pub damage: Damage,
-}
-
-/// How broken a case is: what a gap or a piece of some size means depends on how many there are.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Damage {
-    /// The expected number of pieces that are arteries of the circle, and of those that are not.
+    /// How broken the case is, for what a gap or a piece of some size means depends on how many there are: the expected number of pieces that are
+    /// arteries of the circle, and of those that are not, ...
     pub pieces: [f64; 2],
-    /// The root mean square of the gaps that candidates cross (mm), each as often as it is probable.
+    /// ... the root mean square of the gaps that candidates cross (mm), each as often as it is probable, ...
     pub gap: f64,
-    /// The expected number of free ends of arteries of the circle.
+    /// ... and the expected number of free ends of arteries of the circle.
     pub ends: f64,
-}
-
-impl Damage {
-    fn of(nodes: &Nodes, false_pieces: &[f64], bridge_factor: &[f64]) -> Self {
-        let (mut total, mut squares) = (0.0, 0.0);
-        for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
-            let p = probability_with(bridge.probability, *factor);
-            total += p;
-            squares += p * bridge.gap * bridge.gap;
-        }
-        let is_artery = |piece: usize| 1.0 - false_pieces[piece];
-        Self {
-            pieces: [(0..false_pieces.len()).map(is_artery).sum(), false_pieces.iter().sum()],
-            gap: if total > 0.0 { (squares / total).sqrt() } else { 0.0 },
-            ends: (0..nodes.len()).filter(|n| nodes.degree(*n) == 1).map(|n| is_artery(nodes.piece[n])).sum(),
-        }
-    }
 }
 
 impl Seen {
@@ -79,8 +56,22 @@ impl Seen {
                 best[label] = best[label].max(p[label]);
             }
         }
-        let ways = ways(nodes, labels, bridge_factor);
-        Self { length, best, evidence, ways, damage: Damage::of(nodes, false_pieces, bridge_factor) }
+        let (mut total, mut squares) = (0.0, 0.0);
+        for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
+            let p = probability_with(bridge.probability, *factor);
+            total += p;
+            squares += p * bridge.gap * bridge.gap;
+        }
+        let is_artery = |piece: usize| 1.0 - false_pieces[piece];
+        Self {
+            length,
+            best,
+            evidence,
+            ways: ways(nodes, labels, bridge_factor),
+            pieces: [(0..false_pieces.len()).map(is_artery).sum(), false_pieces.iter().sum()],
+            gap: if total > 0.0 { (squares / total).sqrt() } else { 0.0 },
+            ends: (0..nodes.len()).filter(|n| nodes.degree(*n) == 1).map(|n| is_artery(nodes.piece[n])).sum(),
+        }
     }
 
     /// The features of a segment of [`RING`]: its length over the usual one, the logarithm of that, its best node, the lengths (cm) of what
@@ -88,38 +79,31 @@ impl Seen {
     pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
         let (kind, label) = (kind_of(segment), label_of(RING[segment]));
         let cm = |artery: Artery| (self.length[label_of(artery)] / 10.0).min(1.5);
-        let around = match RING[segment] {
-            Artery::A1(side) => {
-                let other = side.other();
-                [Artery::A2(side), Artery::AComm, Artery::Ica(side), Artery::A1(other), Artery::A2(other)].map(cm)
+        let mut around = match RING[segment] {
+            Artery::A1(s) => {
+                [Artery::A2(s), Artery::AComm, Artery::Ica(s), Artery::A1(s.other()), Artery::A2(s.other())].map(cm).to_vec()
             }
-            Artery::PComm(side) => {
-                let [a, b, c, d] = [Artery::P2(side), Artery::P1(side), Artery::Ica(side), Artery::PComm(side.other())].map(cm);
-                [a, b, c, d, 0.0]
-            }
-            Artery::P1(side) => {
-                let [a, b, c, d] = [Artery::P2(side), Artery::PComm(side), Artery::Ba, Artery::P1(side.other())].map(cm);
-                [a, b, c, d, 0.0]
-            }
+            Artery::PComm(s) => [Artery::P2(s), Artery::P1(s), Artery::Ica(s), Artery::PComm(s.other())].map(cm).to_vec(),
+            Artery::P1(s) => [Artery::P2(s), Artery::PComm(s), Artery::Ba, Artery::P1(s.other())].map(cm).to_vec(),
             _ => {
                 let [a, b] = BodySide::BOTH.map(|side| cm(Artery::A1(side)));
                 let [c, d] = BodySide::BOTH.map(|side| cm(Artery::A2(side)));
-                [a.min(b), a.max(b), c.min(d), 0.0, 0.0]
+                vec![a.min(b), a.max(b), c.min(d)]
             }
         };
+        around.resize(5, 0.0);
         let x = (self.length[label] / USUAL[kind]).min(1.2);
-        let [a, b, c, d, e] = around;
-        let (evidence, way, damage) = (self.evidence[segment].max(0.0), &self.ways[segment], &self.damage);
+        let (evidence, way) = (self.evidence[segment].max(0.0), &self.ways[segment]);
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.length[label]).sum();
         [
             x,
             (0.02 + x).ln(),
             self.best[label],
-            a,
-            b,
-            c,
-            d,
-            e,
+            around[0],
+            around[1],
+            around[2],
+            around[3],
+            around[4],
             evidence.min(30.0) / 10.0,
             evidence.ln_1p(),
             way.observed.min(20.0) / 5.0,
@@ -127,10 +111,10 @@ impl Seen {
             way.gap.min(20.0) / 10.0,
             way.diameters.min(8.0),
             way.named.min(15.0) / 10.0,
-            damage.pieces[0].ln_1p(),
-            damage.pieces[1].ln_1p(),
-            damage.gap.min(15.0) / 5.0,
-            damage.ends.ln_1p(),
+            self.pieces[0].ln_1p(),
+            self.pieces[1].ln_1p(),
+            self.gap.min(15.0) / 5.0,
+            self.ends.ln_1p(),
             named / 400.0,
         ]
     }

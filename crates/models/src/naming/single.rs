@@ -6,7 +6,7 @@
 
 #![expect(clippy::inline_always, reason = "a kernel is compiled as a whole for each instruction set")]
 
-use super::algebra::{Symmetric, turned};
+use super::algebra::{Symmetric, normalise, turned};
 use super::atlas::Atlas;
 use super::emission::{POSITION_FREEDOM, Pose};
 use super::nodes::Nodes;
@@ -77,11 +77,7 @@ impl<'a> Single<'a> {
             let at = pose.apply(self.nodes.at[*node]);
             self.instructions.run(Fit { at, direction, weight: &weight[..last], places, along: &self.along, out: arteries });
             nowhere[0] = weight[last] * other;
-            let sum: f64 = row.iter().sum();
-            for p in row {
-                *p /= sum;
-            }
-            log += sum.ln();
+            log += normalise(row).ln();
         }
         (all, log)
     }

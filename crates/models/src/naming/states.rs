@@ -138,6 +138,19 @@ impl Default for StateTables {
 }
 
 impl StateTables {
+    /// Two neighbours in either order, and their mirror images.
+    pub fn alike(&self, a: AtlasState, b: AtlasState) -> [(AtlasState, AtlasState); 4] {
+        let (ma, mb) = (self.mirrored[a], self.mirrored[b]);
+        [(a, b), (b, a), (ma, mb), (mb, ma)]
+    }
+
+    /// The mirror image of a bifurcation, whose arms are in order.
+    pub fn mirrored_bifurcation(&self, arms: [AtlasState; 3], middle: AtlasState) -> ([AtlasState; 3], AtlasState) {
+        let mut arms = arms.map(|state| self.mirrored[state]);
+        arms.sort_unstable();
+        (arms, self.mirrored[middle])
+    }
+
     /// The state so many bins further along the same artery, or none.
     pub fn step(&self, state: AtlasState, bins: isize) -> Option<AtlasState> {
         let to = state.checked_add_signed(bins)?;

@@ -4,7 +4,7 @@ use super::joins::probability_with;
 use super::nodes::Nodes;
 use super::states::{LABELS, label_of};
 use crate::circle_of_willis::{Artery, RING};
-use willis_core::network::paths::ShortestPaths;
+use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::network::walks::Walk;
 use willis_core::support::geometry::distance;
 
@@ -62,25 +62,24 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
     let elsewhere = |[a, b]: [usize; 2], length: f64| ELSEWHERE * length * (1.0 - 0.5 * (belongs[a] + belongs[b]));
     let improbable = |p: f64, least: f64| -2.0 * p.max(least).ln();
     let start = nodes.len();
-    // Edges: links, then bridges; the last ones lead from the start to every node as far as it is what lies at the first end.
-    let mut edges: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); start + 1];
-    let join = |edges: &mut Vec<Vec<_>>, number: usize, [a, b]: [usize; 2], cost: f64| {
-        edges[a].push((number, b, cost));
-        edges[b].push((number, a, cost));
-    };
-    edges[start] = from.iter().enumerate().map(|(n, p)| (usize::MAX, n, improbable(p.min(1.0), LEAST_NAME))).collect();
-    for (number, [a, b]) in nodes.links.iter().enumerate() {
+    let links = nodes.links.iter().map(|[a, b]| {
         let length = distance(nodes.at[*a], nodes.at[*b]);
-        join(&mut edges, number, [*a, *b], STEP * length + elsewhere([*a, *b], length));
-    }
-    let arrival: Vec<f64> = to.iter().map(|p| improbable(p.min(1.0), LEAST_NAME)).collect();
-    let (observed, _) = cheapest(paths, start, &edges, &arrival);
-    for (number, (bridge, factor)) in nodes.bridges.iter().zip(bridge_factor).enumerate() {
+        ([*a, *b], STEP * length + elsewhere([*a, *b], length))
+    });
+    let bridges = nodes.bridges.iter().zip(bridge_factor).map(|(bridge, factor)| {
         let probability = probability_with(bridge.probability, *factor);
-        let cost = improbable(probability, LEAST_CANDIDATE) + elsewhere(bridge.nodes, bridge.gap);
-        join(&mut edges, nodes.links.len() + number, bridge.nodes, cost);
-    }
-    let (cost, end) = cheapest(paths, start, &edges, &arrival);
+        (bridge.nodes, improbable(probability, LEAST_CANDIDATE) + elsewhere(bridge.nodes, bridge.gap))
+    });
+    // Edges: links, then bridges; the last ones lead from the start to every node as far as it is what lies at the first end.
+    let edges: Vec<([usize; 2], f64)> = links.chain(bridges).collect();
+    let arrival: Vec<f64> = to.iter().map(|p| improbable(p.min(1.0), LEAST_NAME)).collect();
+    let mut by = |edges: &[([usize; 2], f64)]| {
+        let mut at = lengths_at(start + 1, edges.iter().enumerate().map(|(number, (ends, cost))| (number, *ends, *cost)));
+        at[start] = from.iter().enumerate().map(|(n, p)| (usize::MAX, n, improbable(p.min(1.0), LEAST_NAME))).collect();
+        cheapest(paths, start, &at, &arrival)
+    };
+    let (observed, _) = by(&edges[..nodes.links.len()]);
+    let (cost, end) = by(&edges);
     let Walk { nodes: mut along, edges: used } = paths.path_to(end);
     along.retain(|n| *n != start);
     let bridges = used.iter().filter_map(|edge| edge.checked_sub(nodes.links.len())).filter_map(|row| nodes.bridges.get(row));

@@ -43,7 +43,6 @@ struct Posed<'a> {
 /// What an observation of a state adds.
 #[derive(Clone, Copy)]
 struct Observed {
-    state: AtlasState,
     at: Point,
     direction: [f64; 6],
     log_radius: f64,
@@ -68,7 +67,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
             let nodes = &one.truth.nodes;
             let (weight, all) = (vec![1.0; nodes.len()], (0..nodes.len()).collect::<Vec<_>>());
             let forest = NamingForest::of(nodes, &[]);
-            let search = Search { nodes, atlas: &atlas, weight: &weight, radius: &[], forest: &forest };
+            let search = Search { nodes, atlas: &atlas, weight: &weight, radius: Vec::new(), forest };
             for _ in 0..POSE_STEPS {
                 one.pose = search.step(&all, &one.pose, &pulls, &one.known, false);
             }
@@ -120,10 +119,10 @@ fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<AtlasPiece> {
             let (at, d) = (one.pose.apply(nodes.at[n]), turned(&one.pose.turn, &nodes.direction[n]));
             let state = one.truth.state[n];
             let (log_radius, weight) = (nodes.log_radius[n] - one.median, nodes.weight[n]);
-            by_state[state].push(Observed { state, at, direction: d, log_radius, weight });
+            by_state[state].push(Observed { at, direction: d, log_radius, weight });
             let mirror = tables.mirrored[state];
             let flipped = [d[0], d[1], d[2], -d[3], -d[4], d[5]];
-            by_state[mirror].push(Observed { state: mirror, at: [-at[0], at[1], at[2]], direction: flipped, log_radius, weight });
+            by_state[mirror].push(Observed { at: [-at[0], at[1], at[2]], direction: flipped, log_radius, weight });
         }
     }
     let mut pieces: Vec<AtlasPiece> = Vec::with_capacity(NOWHERE);
@@ -135,8 +134,8 @@ fn distributions(posed: &[Posed], tables: &StateTables) -> Vec<AtlasPiece> {
     for label in 0..OTHER {
         let states: Vec<AtlasState> = (0..NOWHERE).filter(|state| tables.label[*state] == label).collect();
         let (mut sum, mut count) = (0.0, 0);
-        for observed in states.iter().flat_map(|state| &by_state[*state]) {
-            sum += (observed.log_radius - pieces[observed.state].log_radius).powi(2);
+        for (state, observed) in states.iter().flat_map(|state| by_state[*state].iter().map(move |o| (*state, o))) {
+            sum += (observed.log_radius - pieces[state].log_radius).powi(2);
             count += 1;
         }
         for state in states.iter().filter(|_| count > 5) {
@@ -189,18 +188,15 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
         }
         for [a, b] in &nodes.links {
             let kind = usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2);
-            let (x, y) = (state[*a], state[*b]);
-            let (mx, my) = (tables.mirrored[x], tables.mirrored[y]);
-            for pair in [(x, y), (y, x), (mx, my), (my, mx)] {
+            for pair in tables.alike(state[*a], state[*b]) {
                 *pairs[kind].entry(pair).or_insert(0.0) += times;
             }
         }
         for n in (0..nodes.len()).filter(|n| nodes.degree(*n) == 3) {
-            for flip in [false, true] {
-                let seen = |s: AtlasState| if flip { tables.mirrored[s] } else { s };
-                let mut arms = [0, 1, 2].map(|k| seen(state[nodes.neighbours[n][k]]));
-                arms.sort_unstable();
-                *bifurcations.entry((arms, seen(state[n]))).or_insert(0.0) += times;
+            let mut arms = [0, 1, 2].map(|k| state[nodes.neighbours[n][k]]);
+            arms.sort_unstable();
+            for seen in [(arms, state[n]), tables.mirrored_bifurcation(arms, state[n])] {
+                *bifurcations.entry(seen).or_insert(0.0) += times;
             }
         }
     }

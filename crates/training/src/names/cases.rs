@@ -108,14 +108,13 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
         present[row] = Some(segment.present);
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
-    let truth_of_nodes = label_nodes(&graph, &labels);
     Ok(LabelledCase {
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,
+        truth: label_nodes(&graph, &labels),
         network,
         graph,
-        truth: truth_of_nodes,
         present,
     })
 }

@@ -26,12 +26,10 @@ const PRESENCE_L2: f64 = 1.5;
 /// A model of all subjects, and one without each fold's subjects.
 #[derive(Debug)]
 pub struct FittedNames {
-    /// Of all subjects.
+    /// Of all subjects. Its figures, by level, are those of the models of the folds on the subjects that they never saw.
     pub model: NamingModel,
     /// Without those of each fold.
     pub folds: Vec<NamingModel>,
-    /// How the models of the folds did on the subjects that they never saw, by level.
-    pub scores: Vec<NamingScores>,
 }
 
 /// A case as an atlas without its subject sees it.
@@ -71,12 +69,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     for pass in 0..2 {
         let found = in_order(cases, |at, case| {
             let of = &models[fold_of[at]];
-            name_with(&case.graph, of, |features, before| {
-                let mut x = features.to_vec();
-                x.extend(before);
-                let weights = &of.false_pieces[usize::from(before.is_some())];
-                if before.is_none() && pass == 0 { 0.0 } else { logistic_probability(weights, &x) }
-            })
+            name_with(&case.graph, of, |x, before| if before.is_none() && pass == 0 { 0.0 } else { of.is_false(x, before) })
         });
         named = cases
             .iter()
@@ -92,15 +85,9 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     let weights = Weights::shipped()?;
     let judged: Vec<JudgedCase> = in_order(&named, |_, one| judge(one, &models[one.fold], &weights));
     let presence_rows = |fold: usize, kind: usize| -> Vec<RegressionRow> {
-        let mut rows = Vec::new();
-        for one in judged.iter().filter(|one| one.fold != fold) {
-            for segment in (0..7).filter(|s| kind_of(*s) == kind) {
-                if let Some(there) = one.case.present[segment] {
-                    rows.push(([&[1.0][..], &one.features(segment)].concat(), there, 1.0));
-                }
-            }
-        }
-        rows
+        let others = judged.iter().filter(|one| one.fold != fold);
+        let each = others.flat_map(|one| (0..7).filter(|s| kind_of(*s) == kind).map(move |segment| (one, segment)));
+        each.filter_map(|(one, s)| Some(([&[1.0][..], &one.features(s)].concat(), one.case.present[s]?, 1.0))).collect()
     };
     let share = |rows: &[RegressionRow]| (rows.iter().filter(|row| row.1).count() as f64 + 0.5) / (rows.len() as f64 + 1.0);
     for kind in 0..KINDS {
@@ -111,7 +98,7 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
     }
     progress("presence");
     let levels = cases.iter().map(|c| c.level.as_str()).collect::<BTreeSet<_>>();
-    let scores: Vec<NamingScores> = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
+    let figures = levels.into_iter().map(|level| scores_at(level, &judged, &models)).collect();
     for (fold, of) in models.iter_mut().enumerate() {
         let held_out: Vec<String> =
             subjects.iter().enumerate().filter(|(k, _)| k % folds == fold).map(|(_, s)| (*s).to_owned()).collect();
@@ -119,9 +106,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
         of.provenance =
             ModelProvenance { cases: own, subjects: subjects.len() - held_out.len(), held_out, ..ModelProvenance::default() };
     }
-    let mut model = models.remove(all);
-    model.figures.clone_from(&scores);
-    Ok(FittedNames { model, folds: models, scores })
+    let model = NamingModel { figures, ..models.remove(all) };
+    Ok(FittedNames { model, folds: models })
 }
 
 /// Whether there is enough to fit to.
@@ -145,10 +131,7 @@ fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> Judged
     let pieces: Vec<f64> = one.names.piece_features[1]
         .iter()
         .zip(&one.names.piece_features[0])
-        .map(|(x, before)| {
-            let before = logistic_probability(&of.false_pieces[0], before);
-            logistic_probability(&of.false_pieces[1], &[&x[..], &[(before + 1e-3).ln()]].concat())
-        })
+        .map(|(x, before)| of.is_false(x, Some((of.is_false(before, None) + 1e-3).ln())))
         .collect();
     let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
     let names = &one.names;
@@ -160,9 +143,9 @@ fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> Judged
 /// What is seen of a case, and the share of its plausible topologies with each segment, once candidates know where blood enters: as `infer`
 /// and `classify` see it. `None` where no circle was found.
 fn seen_again(names: &Names, case: &LabelledCase, of: &NamingModel, weights: &Weights) -> Option<(Seen, [f64; 7])> {
-    let (circle, _) = name_again(&case.network, of, &names.bearings())?.located(&case.network, of).ok()?;
+    let (circle, _) = name_again(&case.network, of, &names.bearings)?.located(&case.network, of).ok()?;
     let graph = build_with_evidence(&case.network, &circle.inlets(), &CandidateOptions::default(), weights).ok()?.0;
-    let names = name_again(&graph, of, &names.bearings())?;
+    let names = name_again(&graph, of, &names.bearings)?;
     let (circle, _) = names.located(&graph, of).ok()?;
     let topologies = topologies_say(&circle, &names.circle(of), &graph, &SamplingOptions::default());
     Some((names.seen, topologies))

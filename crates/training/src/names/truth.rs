@@ -7,9 +7,7 @@ use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, distance};
 use willis_models::circle_of_willis::{Artery, BodySide, Direction};
 use willis_models::naming::Nodes;
-use willis_models::naming::states::{
-    ArteryLabel, AtlasState, NOWHERE, OTHER, artery_of, begins, begins_at, bins_of, first_state, state_at,
-};
+use willis_models::naming::states::{ArteryLabel, AtlasState, NOWHERE, OTHER, artery_of, begins, begins_at, state_at};
 
 /// The nodes of a case with what they are.
 #[derive(Debug, Clone)]
@@ -37,12 +35,6 @@ fn true_states(nodes: &Nodes, label: &[ArteryLabel]) -> Vec<AtlasState> {
     for artery in 0..OTHER {
         let own: Vec<usize> = (0..nodes.len()).filter(|n| label[*n] == artery).collect();
         if own.is_empty() {
-            continue;
-        }
-        if bins_of(artery) == 1 {
-            for n in &own {
-                state[*n] = first_state(artery);
-            }
             continue;
         }
         let is_reference = |n: &usize| nodes.neighbours[*n].iter().any(|z| label[*z] != artery && begins_at(artery, label[*z]));

@@ -14,8 +14,7 @@ use crate::candidates::search::point_index::PointIndex;
 use willis_core::error::{Error, Result};
 use willis_core::network::centerlines::is_radius;
 use willis_core::network::{Network, Origin, PathPoint, Vessel, fragments};
-use willis_core::support::geometry::{Point, distance};
-use willis_core::support::statistics::median;
+use willis_core::support::geometry::Point;
 use willis_core::support::ties::steady;
 use willis_io::masks::ScanCenterlines;
 
@@ -58,7 +57,7 @@ pub struct Extraction {
     pub fragments: Vec<Fragment>,
     /// The largest figures of its fragments and free ends.
     pub largest: Largest,
-    /// The median distance between consecutive points, m, positive.
+    /// The distance between consecutive points, m, positive.
     pub spacing: f64,
     /// The branches as a graph.
     pub graph: BranchGraph,
@@ -76,7 +75,7 @@ impl Extraction {
         self.end_at[point].map_or(self.smooth.radius[point], |end| self.ends[end].radius)
     }
 
-    /// The points of a network's observed vessels; `inlets` are nodes where blood is known to enter.
+    /// The points of a network's observed vessels, which lie so far (m, positive) apart; `inlets` are nodes where blood is known to enter.
     ///
     /// # Errors
     ///
@@ -85,20 +84,7 @@ impl Extraction {
     /// # Panics
     ///
     /// When an inlet is no node.
-    pub fn new(network: &Network, inlets: &[usize]) -> Result<Self> {
-        Self::with_spacing(network, inlets, None)
-    }
-
-    /// The same, with a spacing (m, positive) that is known where it is given.
-    ///
-    /// # Errors
-    ///
-    /// A node without a position.
-    ///
-    /// # Panics
-    ///
-    /// When an inlet is no node.
-    pub fn with_spacing(network: &Network, inlets: &[usize], spacing: Option<f64>) -> Result<Self> {
+    pub fn new(network: &Network, inlets: &[usize], spacing: f64) -> Result<Self> {
         let mut position = Vec::with_capacity(network.node_count());
         for node in network.nodes() {
             position.push(node.position.ok_or_else(|| {
@@ -133,9 +119,6 @@ impl Extraction {
             }
             lines.push(line);
         }
-        let steps = lines.iter().flat_map(|l| l.windows(2)).map(|w| distance(position[w[0]], position[w[1]]));
-        let usual = || median(&steps.collect::<Vec<f64>>()).filter(|h| *h > 0.0).unwrap_or(1.0);
-        let spacing = spacing.unwrap_or_else(usual);
         let graph = BranchGraph::new(network.node_count(), &lines, &position);
         // A node that no vessel reaches is a branch of its own, as thin as its surroundings can show.
         for node in (0..network.node_count()).filter(|node| degree[*node] == 0) {
@@ -203,11 +186,8 @@ impl Extraction {
             out[*part].radius += radius.ln();
             points[*part] += 1.0;
         }
-        for (part, points) in out.iter_mut().zip(&points) {
-            part.radius = f64::exp(part.radius / f64::max(*points, 1.0));
-        }
-        for (part, spread) in out.iter_mut().zip(self.radius_spreads(&points)) {
-            part.radius_spread = spread;
+        for ((part, points), spread) in out.iter_mut().zip(&points).zip(self.radius_spreads(&points)) {
+            (part.radius, part.radius_spread) = (f64::exp(part.radius / f64::max(*points, 1.0)), spread);
         }
         for (node, degree) in self.degree.iter().enumerate() {
             out[self.fragment[node]].junctions += usize::from(*degree > 2);

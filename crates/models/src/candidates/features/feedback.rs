@@ -113,6 +113,7 @@ const SEPARATION_RADII: f64 = 2.0;
 const SEPARATION_SPACINGS: f64 = 2.0;
 
 /// Per candidate the rows of others.
+#[derive(Default)]
 pub struct Competitors {
     /// Those that attach the parent to a third fragment by the free end that is met.
     pub elsewhere: Vec<Vec<usize>>,
@@ -133,22 +134,17 @@ impl Competitors {
             at.entry(candidate.point).or_default().push(row);
         }
         let nearby = near_each(e, &at);
-        let none = Vec::new();
-        let of = |rows: &Vec<usize>, keep: &dyn Fn(usize) -> bool| rows.iter().copied().filter(|row| keep(*row)).collect();
-        let each = |rows_of: &dyn Fn(usize, &EndCandidate) -> Vec<usize>| {
-            candidates.iter().enumerate().map(|(row, candidate)| rows_of(row, candidate)).collect::<Vec<Vec<usize>>>()
+        let of = |rows: Option<&Vec<usize>>, keep: &dyn Fn(usize) -> bool| {
+            rows.into_iter().flatten().copied().filter(|row| keep(*row)).collect::<Vec<usize>>()
         };
-        Self {
-            elsewhere: each(&|row, candidate| {
-                of(e.end_at[candidate.point].map_or(&none, |end| &from[end]), &|other| parent(other) != child(row))
-            }),
-            on_child: each(&|row, candidate| {
-                of(at.get(&e.ends[candidate.end].point).unwrap_or(&none), &|other| child(other) != parent(row))
-            }),
-            nearby: each(&|row, candidate| {
-                of(nearby.get(&candidate.point).unwrap_or(&none), &|other| child(other) != child(row))
-            }),
+        let mut this = Self::default();
+        for (row, candidate) in candidates.iter().enumerate() {
+            let by_end = e.end_at[candidate.point].map(|end| &from[end]);
+            this.elsewhere.push(of(by_end, &|other| parent(other) != child(row)));
+            this.on_child.push(of(at.get(&e.ends[candidate.end].point), &|other| child(other) != parent(row)));
+            this.nearby.push(of(nearby.get(&candidate.point), &|other| child(other) != child(row)));
         }
+        this
     }
 }
 

@@ -8,7 +8,7 @@ pub(crate) mod branch_graph;
 pub mod candidate_features;
 pub(crate) mod extraction;
 pub(crate) mod feedback;
-mod fragment;
+pub(crate) mod fragment;
 pub(crate) mod measured_candidate;
 mod orientation;
 pub(crate) mod root_features;

@@ -51,12 +51,12 @@ pub fn inlet(_: &Extraction, fragment: &Fragment) -> f64 {
 
 /// ln of the radius of its widest free end over that of the widest fragment's.
 pub fn relative_width(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    (end_radius(extraction, fragment) / extraction.largest.fragment_end).ln()
+    (fragment.end_radius(extraction.spacing) / extraction.largest.fragment_end).ln()
 }
 
 /// ln of the radius of its widest free end in spacings.
 pub fn width_in_spacings(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    (end_radius(extraction, fragment) / extraction.spacing).ln()
+    (fragment.end_radius(extraction.spacing) / extraction.spacing).ln()
 }
 
 /// ln of the number of fragments, less 3: the more there are, the more are false.
@@ -67,9 +67,4 @@ pub fn clutter(extraction: &Extraction, _: &Fragment) -> f64 {
 /// The standard deviation of ln of its radii along it, at most 0.6: vessels taper, noise has any radius.
 pub fn radius_variation(_: &Extraction, fragment: &Fragment) -> f64 {
     fragment.radius_spread.min(MOST_VARIATION)
-}
-
-/// The radius (m) of its widest free end, half a spacing at least.
-fn end_radius(extraction: &Extraction, fragment: &Fragment) -> f64 {
-    fragment.end_radius(extraction.spacing)
 }

@@ -21,6 +21,7 @@ const CURVED_RADII: f64 = 6.0;
 const RIDGE: f64 = 0.02;
 
 /// What is measured along the course of a free end. Lengths in m.
+#[derive(Default)]
 pub struct EndCourse {
     /// Unit vectors out of the vessel, by [`SCALES`].
     pub directions: [Point; 4],
@@ -53,15 +54,12 @@ impl EndCourse {
         let arc = arc_lengths(position.iter().copied());
         let smooth = if position.len() > 3 { slightly_smooth(&position) } else { position };
         let mut course = Self {
-            directions: [[0.0; 3]; 4],
-            tip_direction: [0.0; 3],
-            curvature: [0.0; 3],
             first_run: junction.map_or(arc[arc.len() - 1], |at| arc[at]),
             junction_radius: junction.map_or(extraction.radius[end.point], |at| extraction.smooth.radius[points[at]]),
             tip_radius: points.iter().take(2).map(|p| extraction.radius[*p]).sum::<f64>() / points.len().min(2) as f64,
             far_radius: if points.len() > 4 { log_mean(extraction, &points[3..points.len().min(16)]) } else { end.radius },
             length: arc[arc.len() - 1],
-            wiggle: 0.0,
+            ..Self::default()
         };
         for (scale, windows) in SCALES.iter().enumerate() {
             let upto = arc.iter().take_while(|s| **s <= windows * h + windows / 3.0 * end.radius).count();

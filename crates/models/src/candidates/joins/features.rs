@@ -9,6 +9,7 @@ use ndarray::Array2;
 use super::course::EndCourse;
 use super::rivals::{Rivals, rivals};
 use crate::candidates::features::candidate_features::{log_detour, slenderness};
+use crate::candidates::features::fragment::Fragment;
 use crate::candidates::features::measured_candidate::{MeasuredCandidate, angle, measured};
 use crate::candidates::features::{Extraction, FEATURES, Feature};
 use crate::candidates::search::EndCandidate;
@@ -200,22 +201,22 @@ fn spur(j: &Join, course: &EndCourse) -> f64 {
     ((course.first_run + 0.5 * h(j)) / (course.junction_radius + h(j))).ln()
 }
 
-fn sides<T>(j: &Join, of: impl Fn(usize) -> T) -> [T; 2] {
+/// The fragments of the child and of the parent.
+fn fragments<'a>(j: &Join<'a>) -> [&'a Fragment; 2] {
     let e = j.measured.extraction;
-    [j.measured.child.point, j.measured.point].map(|point| of(e.fragment[point]))
+    [j.measured.child.point, j.measured.point].map(|point| &e.fragments[e.fragment[point]])
 }
 
 fn slim(j: &Join) -> [f64; 2] {
-    let e = j.measured.extraction;
-    sides(j, |fragment| slenderness(e, &e.fragments[fragment]))
+    fragments(j).map(|fragment| slenderness(j.measured.extraction, fragment))
 }
 
 fn free_ends(j: &Join) -> [f64; 2] {
-    sides(j, |fragment| (j.measured.extraction.fragments[fragment].free_ends as f64).ln_1p())
+    fragments(j).map(|fragment| (fragment.free_ends as f64).ln_1p())
 }
 
 fn lengths(j: &Join) -> [f64; 2] {
-    sides(j, |fragment| j.measured.extraction.fragments[fragment].length)
+    fragments(j).map(|fragment| fragment.length)
 }
 
 /// Free ends are counted over so many spacings around a free end, ...

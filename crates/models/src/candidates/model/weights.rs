@@ -16,7 +16,7 @@ const SHIPPED: &str = include_str!("weights.toml");
 const TUBES: &str = include_str!("tubes.toml");
 
 /// What is fitted to cases whose connections are known.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Weights {
     /// The passes, one at least; each is fed by the posterior of the one before.
     pub passes: Vec<PassWeights>,

@@ -113,11 +113,8 @@ fn by_name<T: Copy>(names: impl IntoIterator<Item = &'static str>, weights: &[T]
 
 /// The weights in the order of the features' names.
 fn in_order<T>(place: &str, mut given: BTreeMap<String, T>, names: Vec<&str>) -> Result<Vec<T>, Fault> {
-    let mut out = Vec::new();
-    for name in &names {
-        let weight = given.remove(*name);
-        out.push(weight.ok_or_else(|| Fault::item(place, format!("no weight {name}"), "expected one for every feature"))?);
-    }
+    let missing = |name: &str| Fault::item(place, format!("no weight {name}"), "expected one for every feature");
+    let out = names.iter().map(|name| given.remove(*name).ok_or_else(|| missing(name))).collect::<Result<_, _>>()?;
     match given.into_keys().next() {
         Some(other) => {
             let meant = did_you_mean(&other, names);

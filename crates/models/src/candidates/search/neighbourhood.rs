@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use super::free_ends::FreeEnd;
 use crate::candidates::features::extraction::Extraction;
-use willis_core::support::geometry::{Point, dot, sub};
+use willis_core::support::geometry::{dot, sub};
 use willis_core::support::ties::{compare, steady};
 
 /// Reach in point spacings and in end radii: independent of any unit.
@@ -95,7 +95,8 @@ impl<'a> Neighbourhood<'a> {
 
     fn hit(&self, (distance, point): (f64, usize)) -> Hit {
         let e = self.extraction;
-        let cos = cosine(sub(e.position[point], e.position[self.end.point]), self.end.direction, distance);
+        let along = dot(sub(e.position[point], e.position[self.end.point]), self.end.direction);
+        let cos = if distance > 0.0 { along / distance } else { 0.0 };
         let [away, radius] = [distance, e.smooth.radius[point]].map(|x| steady(x / e.spacing));
         Hit { point, distance, order: [away, steady(BEND - cos), radius], cos }
     }
@@ -105,9 +106,4 @@ fn in_order(hits: impl Iterator<Item = Hit>) -> Vec<Hit> {
     let mut hits: Vec<Hit> = hits.collect();
     hits.sort_unstable_by(|a, b| compare(&a.order, &b.order).then(a.point.cmp(&b.point)));
     hits
-}
-
-/// The cosine between a displacement of a length and a unit vector; zero without a length.
-fn cosine(displacement: Point, direction: Point, length: f64) -> f64 {
-    if length > 0.0 { dot(displacement, direction) / length } else { 0.0 }
 }

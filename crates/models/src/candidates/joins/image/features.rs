@@ -50,50 +50,43 @@ const MOST_MARGIN: f64 = 8.0;
 
 /// What the image shows between the points of pairs, before any score.
 pub struct ImageTable {
-    /// Per pair its features but those of scores and rivals; `None` where the image ends.
-    rows: Vec<Option<PairSeen>>,
-    /// Per pair the cheapest path, or the way to the vessel met.
-    paths: Vec<Option<CheapestPath>>,
+    /// What each pair shows; `None` where the image ends.
+    seen: Vec<Option<PairSeen>>,
     /// The first of the pairs that were found in the image.
     first_met: usize,
 }
 
-/// What one pair shows.
-#[derive(Clone, Copy)]
-struct PairSeen {
-    values: [f64; BETWEEN],
-    /// ln of the cost of the path as a share of that of a straight line of background.
-    cost: f64,
-    /// Mean contrast of the path.
-    contrast: f64,
-}
+/// The features of a pair but those of scores and rivals, and the cheapest path, or the way to the vessel met.
+type PairSeen = ([f64; BETWEEN], CheapestPath);
 
-/// The features that need no score and no rival.
+/// The features that need no score and no rival; two of them are compared with those of rivals.
 const BETWEEN: usize = 31;
+const PATH_COST: usize = 13;
+const PATH_MEAN: usize = 17;
 
 impl ImageTable {
     /// Measures pairs of points in an image: those that `scores` of the second pass leave possible, without scores all; and the last of them,
     /// which were found in the image by the ways given.
     pub fn new(scene: &Scene, e: &Extraction, pairs: &Pairs, ahead: &Ahead, ways: &[&[Point]], scores: Option<&[f64]>) -> Self {
         let first_met = pairs.points.len() - ways.len();
-        let found = in_order(&pairs.points, |pair, points| {
+        let seen = in_order(&pairs.points, |pair, points| {
             let way = pair.checked_sub(first_met).map(|met| ways[met]);
             let is_possible = way.is_some() || scores.is_none_or(|scores| scores[pair] >= LEAST_SCORE);
-            if is_possible { see(scene, e, *points, ahead, way) } else { (None, None) }
+            is_possible.then(|| see(scene, e, *points, ahead, way)).flatten()
         });
-        let (rows, paths) = found.into_iter().unzip();
-        Self { rows, paths, first_met }
+        Self { seen, first_met }
     }
 
     /// Whether the image decides about a pair with this score: it shows what lies between its points, and the pair is possible or was
     /// found in the image.
     pub fn is_seen(&self, pair: usize, score: f64) -> bool {
-        self.rows[pair].is_some() && (score >= LEAST_SCORE || pair >= self.first_met)
+        self.seen[pair].is_some() && (score >= LEAST_SCORE || pair >= self.first_met)
     }
 
     /// The cheapest path of a pair from one of its points (m); `None` where nothing is seen.
     pub fn course(&self, pair: usize, from: usize, pairs: &Pairs) -> Option<Vec<Point>> {
-        Some(in_direction(self.paths[pair].as_ref()?.points.clone(), pairs.points[pair][0] == from))
+        let (_, path) = self.seen[pair].as_ref()?;
+        Some(in_direction(path.points.clone(), pairs.points[pair][0] == from))
     }
 
     /// A row a pair, a column one of [`image_feature_names`], given the scores of the second pass; zeros where nothing is seen.
@@ -113,16 +106,16 @@ impl ImageTable {
             (own - best).clamp(-MOST_MARGIN, MOST_MARGIN)
         };
         let mut out = Array2::zeros((pairs.points.len(), image_feature_names().len()));
-        for (pair, seen) in self.rows.iter().enumerate() {
-            let Some(seen) = seen.as_ref().filter(|_| is_rival(pair)) else { continue };
+        for (pair, seen) in self.seen.iter().enumerate() {
+            let Some((seen, _)) = seen.as_ref().filter(|_| is_rival(pair)) else { continue };
             let margins = |of: &dyn Fn(usize) -> Option<f64>| {
                 let [a, b] = pairs.points[pair].map(|point| margin(pair, point, of));
                 [a.min(b), a.max(b)]
             };
             let score = margins(&|pair| Some(scores[pair]));
-            let cost = margins(&|pair| self.rows[pair].map(|seen| -seen.cost));
-            let contrast = margins(&|pair| self.rows[pair].map(|seen| seen.contrast));
-            let values = [scores[pair]].into_iter().chain(score).chain(seen.values).chain(cost).chain(contrast);
+            let cost = margins(&|pair| self.seen[pair].as_ref().map(|(seen, _)| -seen[PATH_COST]));
+            let contrast = margins(&|pair| self.seen[pair].as_ref().map(|(seen, _)| seen[PATH_MEAN]));
+            let values = [scores[pair]].into_iter().chain(score).chain(*seen).chain(cost).chain(contrast);
             for (column, x) in values.enumerate() {
                 out[[pair, column]] = stored(x);
             }
@@ -141,13 +134,8 @@ struct Along {
     inside: f64,
 }
 
-fn see(
-    scene: &Scene,
-    e: &Extraction,
-    points: [usize; 2],
-    ahead: &Ahead,
-    way: Option<&[Point]>,
-) -> (Option<PairSeen>, Option<CheapestPath>) {
+/// What a pair shows, along the straight line and along the cheapest path, or along the way by which it was found.
+fn see(scene: &Scene, e: &Extraction, points: [usize; 2], ahead: &Ahead, way: Option<&[Point]>) -> Option<PairSeen> {
     let h = e.spacing;
     let ends = points.map(|p| e.position[p]);
     let radius = points.map(|p| e.radius_at(p));
@@ -161,17 +149,32 @@ fn see(
     let level = Level { background, noise };
     let ring = radius[0].min(radius[1]) + RING * h;
     let between = Between { ends, own: radius.map(|r| r + h), background, contrast, spacing: h };
-    let Some(line) = along(scene, &ends, radius, level, contrast, ring, h) else { return (None, None) };
-    let Some(path) = path_of(scene, &between, e, points, ahead, way) else { return (None, None) };
-    let Some(course) = along(scene, &path.points, radius, level, contrast, ring, h) else { return (None, None) };
+    let line = along(scene, &ends, radius, level, contrast, ring, h)?;
+    let [a, b] = points;
+    let found = || [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair));
+    let path = match way {
+        None => cheapest_path(scene, &between)?,
+        Some(way) => CheapestPath {
+            points: in_direction(way.to_vec(), way.first() == Some(&ends[0])),
+            cost: found().map(|(_, cost, _)| cost).fold(MOST_COST, f64::min),
+        },
+    };
+    let course = along(scene, &path.points, radius, level, contrast, ring, h)?;
     let length: f64 = path.points.windows(2).map(|w| distance(w[0], w[1])).sum();
     let cost = (path.cost / (gap / h).max(1.0)).ln();
     let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
     let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len() as f64;
     let quarter = |x: &[f64]| quantile(x, 0.25).unwrap_or(0.0);
     let steady_noise = noise.max(1e-3);
-    let dip = longest(&course.contrast, |c| *c < DIP) as f64 * STEP;
-    let met = met(e, points, ahead);
+    let dips = course.contrast.chunk_by(|a, b| (*a < DIP) == (*b < DIP)).filter(|run| run[0] < DIP);
+    let widest_dip = dips.map(<[f64]>::len).max().unwrap_or(0) as f64 * STEP;
+    // How the pair compares with the vessels met from its free ends: rank and ln of the cost, the least of both, and ln of that cost over the
+    // least of the other vessels.
+    let best = found().min_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
+    let ln = |cost: f64| (cost + LEAST_COST).ln();
+    let [rank, met_cost, margin] = best.map_or([MOST_MET as f64, ln(2.0 * MOST_COST), MOST_MARGIN], |(rank, cost, other)| {
+        [rank as f64, ln(cost), ln(cost) - ln(other.unwrap_or(MOST_COST))]
+    });
     let values = [
         (gap / h + 0.1).ln(),
         (gap / (radius[0] + radius[1])).ln(),
@@ -200,49 +203,12 @@ fn see(
         mean(&course.ring) / steady_noise,
         (length / gap.max(h)).ln(),
         course.inside,
-        dip,
-        met.0,
-        met.1,
-        met.2,
+        widest_dip,
+        rank,
+        met_cost,
+        margin,
     ];
-    (Some(PairSeen { values, cost, contrast: mean(&course.contrast) }), Some(path))
-}
-
-/// The cheapest path, or the way by which the pair was found.
-fn path_of(
-    scene: &Scene,
-    between: &Between,
-    e: &Extraction,
-    points: [usize; 2],
-    ahead: &Ahead,
-    way: Option<&[Point]>,
-) -> Option<CheapestPath> {
-    let Some(way) = way else { return cheapest_path(scene, between) };
-    let [a, b] = points;
-    let cost =
-        [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair)).map(|(_, cost, _)| cost).fold(MOST_COST, f64::min);
-    Some(CheapestPath { points: in_direction(way.to_vec(), way.first() == Some(&e.position[a])), cost })
-}
-
-/// How a pair compares with the vessels met from its free ends: rank and ln of the cost, the least of both, and ln of that cost over the
-/// least of the other vessels.
-fn met(e: &Extraction, [a, b]: [usize; 2], ahead: &Ahead) -> (f64, f64, f64) {
-    let found = [[a, b], [b, a]].into_iter().filter_map(|pair| ahead.of(e, pair));
-    let best = found.min_by(|x, y| x.1.total_cmp(&y.1).then(x.0.cmp(&y.0)));
-    let ln = |cost: f64| (cost + LEAST_COST).ln();
-    best.map_or((MOST_MET as f64, ln(2.0 * MOST_COST), MOST_MARGIN), |(rank, cost, other)| {
-        (rank as f64, ln(cost), ln(cost) - ln(other.unwrap_or(MOST_COST)))
-    })
-}
-
-/// The longest run of places of a kind.
-fn longest(x: &[f64], is: impl Fn(&f64) -> bool) -> usize {
-    let (mut most, mut run) = (0, 0);
-    for value in x {
-        run = if is(value) { run + 1 } else { 0 };
-        most = most.max(run);
-    }
-    most
+    Some((values, path))
 }
 
 /// What the image shows along a line between two ends; `None` where it is not known.
