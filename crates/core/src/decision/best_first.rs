@@ -44,17 +44,13 @@ pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
     let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain && v.origin != Origin::Candidate);
     let joins = network.vessels().filter(|(_, v)| v.certain && v.origin == Origin::Candidate);
     let used = joins.flat_map(|(ends, _)| ends).filter(|end| degree[*end] <= 1).collect();
-    let candidates: Vec<(usize, f64, [Option<usize>; 2])> = network
-        .vessels()
-        .enumerate()
-        .filter(|(_, (_, v))| !given(v) && v.origin == Origin::Candidate)
-        .filter_map(|(row, (ends, v))| Some((row, v.evidence()?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
-        .collect();
-    let probability: Vec<f64> = candidates.iter().map(|(_, p, _)| *p).collect();
-    let ends: Vec<[Option<usize>; 2]> = candidates.iter().map(|(_, _, ends)| *ends).collect();
+    let candidates = network.vessels().enumerate().filter(|(_, (_, v))| !given(v) && v.origin == Origin::Candidate);
+    let free = |ends: [usize; 2]| ends.map(|end| (degree[end] <= 1).then_some(end));
+    let (rows, (probability, ends)): (Vec<usize>, (Vec<f64>, Vec<_>)) =
+        candidates.filter_map(|(row, (ends, v))| Some((row, (v.evidence()?.probability, free(ends))))).unzip();
     let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
-    for ((row, _, _), keeps) in candidates.iter().zip(best_first(&probability, &ends, used, least)) {
-        kept[*row] = keeps;
+    for (row, keeps) in rows.into_iter().zip(best_first(&probability, &ends, used, least)) {
+        kept[row] = keeps;
     }
     kept
 }

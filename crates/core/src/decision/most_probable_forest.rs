@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use crate::error::Result;
 use crate::forest_posterior::{Edge, Forests, arborescence};
 use crate::network::{Network, Origin, Vessel, fragments};
+use crate::support::numbered::counted;
 
 /// The usual price of a false connection.
 pub const PRICE: f64 = 1.5;
@@ -124,8 +125,7 @@ pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
 /// The fragments of a forest, each after all those that hang on it.
 fn leaves_first(forests: &Forests, attached: &[Option<usize>]) -> Vec<usize> {
     let parent = |child: usize| attached[child].map(|edge| forests.edges()[edge].parent);
-    let mut hanging = vec![0; attached.len()];
-    (0..attached.len()).filter_map(parent).for_each(|parent| hanging[parent] += 1);
+    let mut hanging = counted(attached.len(), (0..attached.len()).filter_map(parent));
     let mut order: Vec<usize> = (0..attached.len()).filter(|fragment| hanging[*fragment] == 0).collect();
     let mut at = 0;
     while at < order.len() {

@@ -2,6 +2,7 @@
 //! found by structure, because a solver that subtracts leaves rounding there that could pass for flow.
 
 use super::circuit::Circuit;
+use crate::support::numbered::grouped;
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
 #[derive(Debug, Clone)]
@@ -49,11 +50,8 @@ impl DeadEnds {
             }
         }
         pairs.extend((nodes..root).map(|l| ([l, root], ALWAYS)));
-        let mut lists = vec![Vec::new(); root + 1];
-        for ([a, b], vessel) in pairs {
-            lists[a].push((b as u32, vessel));
-            lists[b].push((a as u32, vessel));
-        }
+        let links = pairs.into_iter().flat_map(|([a, b], vessel)| [(a, (b as u32, vessel)), (b, (a as u32, vessel))]);
+        let lists = grouped(root + 1, links);
         let mut start = vec![0];
         start.extend(lists.iter().scan(0, |sum, l| {
             *sum += l.len() as u32;

@@ -79,7 +79,9 @@ fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
     for start in 0..root {
         let (mut path, mut node) = (Vec::new(), start);
         while seen[node] == usize::MAX {
-            let Some(arc) = entering[node].pop_and_lower() else { break };
+            // The cheapest arc lowers the costs of all others by its own.
+            let Some(Reverse((cost, arc))) = entering[node].heap.pop() else { break };
+            entering[node].lowered = cost;
             path.push((node, arc));
             seen[node] = start;
             node = union.find(arcs[arc].from);
@@ -126,13 +128,6 @@ struct EnteringArcs {
 }
 
 impl EnteringArcs {
-    /// Takes the cheapest arc and lowers the costs of all others by its own.
-    fn pop_and_lower(&mut self) -> Option<usize> {
-        let Reverse((cost, arc)) = self.heap.pop()?;
-        self.lowered = cost;
-        Some(arc)
-    }
-
     /// Takes in those of another node; the fewer are moved to the more.
     fn meld(&mut self, mut other: Self) {
         if self.heap.len() < other.heap.len() {

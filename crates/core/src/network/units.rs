@@ -159,6 +159,16 @@ impl LengthUnit {
             Self::Voxel => "voxel",
         }
     }
+
+    /// Its length, mm; of a voxel 1.
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Millimetre | Self::Voxel => 1.0,
+            Self::Micrometre => 1e-3,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1e3,
+        }
+    }
 }
 
 impl Scale {
@@ -220,17 +230,5 @@ impl Scale {
     pub fn length(&self, x: f64) -> f64 {
         let s = self.axes();
         metres(x * s[0].min(s[1]).min(s[2]))
-    }
-}
-
-impl LengthUnit {
-    /// Its length, mm; of a voxel 1.
-    pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre | Self::Voxel => 1.0,
-            Self::Micrometre => 1e-3,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1e3,
-        }
     }
 }

@@ -118,11 +118,11 @@ fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> 
         return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
     }
     match stenosis.stretch {
-        Some(stretch) if !(stretch > 0.0 && stretch <= length) => Err(Error::parameter(
-            "stenosis",
-            format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel)),
-            format!("expected a positive length of at most the vessel's, {} mm", millimetres(length)),
-        )),
+        Some(stretch) if !(stretch > 0.0 && stretch <= length) => {
+            let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel));
+            let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
+            Err(Error::parameter("stenosis", found, accepted))
+        }
         _ => Ok(()),
     }
 }
