@@ -9,8 +9,7 @@ use super::{add_node, check_positions, check_range};
 use willis_core::error::{Error, Result};
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::{Network, Origin, PathPoint, Role, Vessel, fragments};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 use willis_models::candidates::search::join_nearest;
 
 /// How many vessels are interrupted, and the distance of centerline points.

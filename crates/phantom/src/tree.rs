@@ -8,8 +8,7 @@ use willis_core::error::Result;
 use willis_core::network::units::{cubic_metres_per_second, metres};
 use willis_core::network::{Condition, INLET_PRESSURE, Network, Role};
 use willis_core::support::geometry::{cross, dot, sub, unit};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
