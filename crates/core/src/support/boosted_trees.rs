@@ -35,13 +35,11 @@ impl Boosted {
     /// A column beyond the last.
     pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
         let beyond = |tree: &RegressionTree| tree.last_column().filter(|column| *column >= columns);
-        match self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?))) {
-            None => Ok(()),
-            Some((at, column)) => {
-                let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
-                Err(Fault::item(place, format!("feature {column}"), accepted))
-            }
-        }
+        let wrong = self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?)));
+        wrong.map_or(Ok(()), |(at, column)| {
+            let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
+            Err(Fault::item(place, format!("feature {column}"), accepted))
+        })
     }
 }
 

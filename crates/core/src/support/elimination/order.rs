@@ -59,9 +59,7 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
     }?;
     for star in &mut stars {
         star.center = rest[star.center];
-        for node in &mut star.neighbours {
-            *node = rest[*node];
-        }
+        star.neighbours.iter_mut().for_each(|node| *node = rest[*node]);
     }
     Some(stars)
 }
