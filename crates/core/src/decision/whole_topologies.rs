@@ -20,7 +20,7 @@ use crate::error::Result;
 use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, fragments};
+use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
 use crate::sampling::{Coins, Kruskal};
@@ -86,7 +86,7 @@ impl Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
-        let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
+        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
         for first in (0..params.samples).step_by(BLOCK as usize) {
             let mut rng = stream(params.seed, random::ends(first / BLOCK));
             for _ in first..params.samples.min(first + BLOCK) {
@@ -202,7 +202,7 @@ impl KnownEnds<'_> {
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
     fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<(usize, f64)>> {
-        let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
+        let degree = network.degrees(Vessel::is_given);
         let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {

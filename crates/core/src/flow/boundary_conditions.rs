@@ -287,13 +287,10 @@ pub fn stated(network: &Network) -> Vec<Given> {
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
-    let ends = ends.nodes.len();
-    let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
-    Error::parameter(
-        what_is_missing,
-        format!("is given or can be found among {ends} free ends"),
-        format!("give `{what}=NODE` (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet=NODE`" }),
-    )
+    let (no_other, give_other) = if other { ("", "") } else { (" and no outlet", " and `outlet=NODE`") };
+    let found = format!("is given or can be found among {} free ends", ends.nodes.len());
+    let accepted = format!("give `{what}=NODE` (an id, a label or x,y,z in mm){give_other}");
+    Error::parameter(format!("no {what}{no_other}"), found, accepted)
 }
 
 /// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.

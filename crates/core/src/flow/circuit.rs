@@ -87,23 +87,17 @@ impl Circuit {
         };
         let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {
-            let at = provisional.binary_search_by_key(node, |p| p.node).ok();
-            match (condition, at.map(|at| &provisional[at])) {
-                (Condition::Pressure(p), None) => circuit.fixed[*node] = Some(p - level),
-                (Condition::Resistance { resistance, venous }, None) => {
-                    circuit.shunt[*node] = 1.0 / resistance;
-                    circuit.source[*node] = (venous - level) / resistance;
+            let is_provisional = provisional.binary_search_by_key(node, |p| p.node).is_ok();
+            match condition {
+                Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level, &mut outside),
+                Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
+                Condition::Resistance { resistance, venous } if is_provisional => {
+                    circuit.link(*node, false, 1.0 / resistance, venous - level, &mut outside);
                 }
-                (Condition::Pressure(p), Some(provisional)) => {
-                    circuit.link(provisional.node, true, 1.0, p - level, &mut outside);
+                Condition::Resistance { resistance, venous } => {
+                    (circuit.shunt[*node], circuit.source[*node]) = (1.0 / resistance, (venous - level) / resistance);
                 }
-                (Condition::Resistance { resistance, venous }, Some(provisional)) => {
-                    circuit.link(provisional.node, false, 1.0 / resistance, venous - level, &mut outside);
-                }
-                (Condition::Flow(q), _) => {
-                    circuit.source[*node] = *q;
-                    circuit.injects = true;
-                }
+                Condition::Flow(q) => (circuit.source[*node], circuit.injects) = (*q, true),
             }
         }
         Ok(circuit)

@@ -205,11 +205,9 @@ impl GraphEditor {
             path.dedup_by(|a, b| distance(a.position, b.position) == 0.0);
             if has_path { path } else { Vec::new() }
         });
-        let part = |share: f64, path: Vec<PathPoint>| Vessel {
-            length: share * vessel.length,
-            resistance: vessel.resistance.map(|whole| share * whole),
-            path,
-            ..vessel.clone()
+        let part = |share: f64, path: Vec<PathPoint>| {
+            let resistance = vessel.resistance.map(|whole| share * whole);
+            Vessel { length: share * vessel.length, resistance, path, ..vessel.clone() }
         };
         let (kept, other) = (part(share[0], kept), part(share[1], other));
         let far = std::mem::replace(&mut ends[1], node);
@@ -221,14 +219,8 @@ impl GraphEditor {
 
     /// An id that no node has.
     fn free_id(&mut self, like: &str) -> String {
-        let mut number = 1;
-        loop {
-            let id = format!("{like}.{number}");
-            if self.ids.insert(id.clone()) {
-                return id;
-            }
-            number += 1;
-        }
+        let mut ids = (1_u64..).map(|number| format!("{like}.{number}"));
+        ids.find(|id| self.ids.insert(id.clone())).unwrap_or_default()
     }
 
     fn join(&mut self, way: &[MmPoint]) -> Result<(), String> {

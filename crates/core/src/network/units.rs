@@ -181,11 +181,10 @@ impl Scale {
         use crate::error::Error;
         let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
-            (LengthUnit::Voxel, None) => Err(Error::parameter(
-                "units",
-                "voxel",
-                "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit",
-            )),
+            (LengthUnit::Voxel, None) => {
+                let accepted = "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit";
+                Err(Error::parameter("units", "voxel", accepted))
+            }
             (LengthUnit::Voxel | LengthUnit::Millimetre, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")
             }

@@ -148,6 +148,11 @@ impl Vessel {
         Self { length, radius, origin, prior: 1.0, ..Self::default() }
     }
 
+    /// Whether it is there without a question: observed, or certain.
+    pub fn is_given(&self) -> bool {
+        self.origin == Origin::Observed || self.certain
+    }
+
     /// The path, or the straight line between two places (m) where it has none.
     pub fn path_between(&self, ends: [Point; 2]) -> Vec<PathPoint> {
         if self.path.len() > 1 {

@@ -178,15 +178,8 @@ fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&Flo
     changes
 }
 
-fn untouched<'a>(
-    before: &'a State,
-    after: &'a State,
-    perturbations: &'a [Perturbation],
-) -> impl Iterator<Item = FlowChange> + 'a {
+fn untouched(before: &State, after: &State, perturbations: &[Perturbation]) -> impl Iterator<Item = FlowChange> {
     let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
-    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| FlowChange {
-        vessel,
-        before: b.flow,
-        after: a.flow,
-    })
+    let others = pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row));
+    others.map(|(vessel, (b, a))| FlowChange { vessel, before: b.flow, after: a.flow })
 }
