@@ -5,7 +5,7 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, LogNormal, Uniform};
 
 use super::large::Large;
-use super::{add_node, make_inlet};
+use super::{add_node, state};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Fragments, Network, Role};
 use willis_core::support::numbered::counted;
@@ -66,11 +66,9 @@ pub fn capillary(params: &Large) -> Result<Network> {
         let [x, y, _] = network.node(top).position.unwrap_or_default();
         let mouth = add_node(&mut network, [x, y, SPACING], None);
         params.add_vessel(&mut network, [mouth, top], FEEDER[0]);
-        make_inlet(&mut network, mouth);
-        if number % 2 == 1 {
-            let node = network.node_mut(mouth);
-            (node.role, node.condition) = (Some(Role::Outlet), Some(Condition::GROUND));
-        }
+        let ends = [(Role::Inlet, Condition::INLET), (Role::Outlet, Condition::GROUND)];
+        let (role, condition) = ends[number % 2];
+        state(&mut network, mouth, role, condition);
     }
     Ok(network)
 }
