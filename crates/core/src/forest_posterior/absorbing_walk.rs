@@ -5,7 +5,8 @@
 /// What a node steps to itself with is never read: it only delays the walk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbsorbingWalk {
-    nodes: usize,
+    /// How many nodes there are.
+    pub nodes: usize,
     /// Odds of a step from row to column, row by row.
     step: Vec<f64>,
     /// Odds of dying, per node.
@@ -16,11 +17,6 @@ impl AbsorbingWalk {
     /// A walk without any odds yet.
     pub fn new(nodes: usize) -> Self {
         Self { nodes, step: vec![0.0; nodes * nodes], death: vec![0.0; nodes] }
-    }
-
-    /// How many nodes there are.
-    pub fn nodes(&self) -> usize {
-        self.nodes
     }
 
     /// The odds of stepping from a node to each.
