@@ -57,9 +57,8 @@ impl Gaps {
 /// A share out of its range, a node without position.
 pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)> {
     let mut interrupted = gaps.choose(network)?.into_iter().peekable();
-    let vessels = (0..network.vessel_count())
-        .map(|row| gaps.sampled(network, row, interrupted.next_if_eq(&row).is_some()))
-        .collect::<Vec<_>>();
+    let sampled = |row: usize| gaps.sampled(network, row, interrupted.next_if_eq(&row).is_some());
+    let vessels: Vec<SampledVessel> = (0..network.vessel_count()).map(sampled).collect();
     let params = Breaks { jitter: 0.0, radius_noise: 0.0, radius_bias: 0.0, spurious: 0.0, ..Breaks::default() };
     // The random order of fragments and points uses a later part of the stream than the gaps.
     let mut rng = stream(gaps.seed, random::GAPS);

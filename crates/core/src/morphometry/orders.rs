@@ -147,13 +147,12 @@ fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize
             (n > 0.0).then(|| [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()])
         };
         let most = order.iter().flatten().copied().max().unwrap_or(0);
-        let limit: Vec<f64> = (0..=most)
-            .map(|of| match (spread(of), spread(of + 1)) {
-                (Some([mean, deviation]), Some([next, of_next])) => f64::midpoint(mean + deviation, next - of_next),
-                (Some([mean, deviation]), None) => mean + deviation,
-                (None, _) => f64::INFINITY,
-            })
-            .collect();
+        let limit = |of: usize| match (spread(of), spread(of + 1)) {
+            (Some([mean, deviation]), Some([next, of_next])) => f64::midpoint(mean + deviation, next - of_next),
+            (Some([mean, deviation]), None) => mean + deviation,
+            (None, _) => f64::INFINITY,
+        };
+        let limit: Vec<f64> = (0..=most).map(limit).collect();
         let again = raised(ways, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
         if again == order {
             break;
