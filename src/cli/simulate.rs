@@ -136,7 +136,8 @@ fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     }
     let reduction = percent / 100.0;
     let narrowed = if of_area { Stenosis::of_area(reduction) } else { Stenosis::of_diameter(reduction) };
-    Ok((name, Change::Stenosis(stretch.map_or(narrowed, |(place, length)| narrowed.over(length).at(place)))))
+    let over = |(place, length)| Stenosis { stretch: Some(length), place, ..narrowed };
+    Ok((name, Change::Stenosis(stretch.map_or(narrowed, over))))
 }
 
 /// The place and the length (m) in `mid:10mm`, `start:10mm` or `end:10mm`: only a pulse notices where the stretch lies.

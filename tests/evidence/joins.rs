@@ -299,7 +299,7 @@ fn a_row_goes_left_below_the_value_of_a_split() {
     let tree: RegressionTree = "1<0.5 0<-2 1 2 3".parse().unwrap();
     let value = |row: [f32; 2]| tree.value(&row);
     assert_eq!([value([-3.0, 0.0]), value([-2.0, 0.0]), value([-3.0, 0.5])], [1.0, 2.0, 3.0]);
-    assert_eq!(tree.to_string(), "1<0.5 0<-2 1 2 3");
+    assert_eq!(String::from(tree.clone()), "1<0.5 0<-2 1 2 3");
     for wrong in ["", "1<0.5 1", "1 2", "1<x 1 2", "nan", "-1<0 1 2"] {
         assert!(wrong.parse::<RegressionTree>().is_err(), "{wrong}");
     }

@@ -330,7 +330,7 @@ fn a_narrowing_is_a_narrower_vessel_and_its_place_is_noticed() {
     whole.node_mut(1).windkessel = behind.stated();
     let conditions = [(0, ends[0].1), (1, ends[1].1)];
     let narrowed = |place| {
-        let change = Change::Stenosis(Stenosis::of_diameter(0.5).over(0.012).at(place));
+        let change = Change::Stenosis(Stenosis { stretch: Some(0.012), place, ..Stenosis::of_diameter(0.5) });
         solve(&whole, &conditions, vec![Perturbation { vessel: 0, change }])
     };
     let cases = [

@@ -219,7 +219,7 @@ fn the_last_bit_of_a_pressure_drives_nothing_into_a_dead_end() {
 fn a_focal_stenosis_is_vessels_in_series() {
     let (whole, ends) = line(&[(30.0, 1.5)]);
     let (parts, part_ends) = line(&[(12.0, 1.5), (8.0, 0.6), (10.0, 1.5)]);
-    let stenosis = Stenosis::of_diameter(0.6).over(8e-3);
+    let stenosis = Stenosis { stretch: Some(8e-3), ..Stenosis::of_diameter(0.6) };
     let one = after(&whole, &ends, &[(0, Change::Stenosis(stenosis))]).vessels[0];
     let series = solve(&parts, &part_ends, VISCOSITY).vessels;
     close(one.flow, series[0].flow, one.flow);
@@ -258,7 +258,7 @@ fn a_uniform_stenosis_and_tortuosity_are_a_thinner_and_a_longer_vessel() {
     same(&[(1, Change::Tortuosity(1.3))], &[(30.0, 1.5), (26.0, 1.0)]);
     same(&[(1, half), (1, Change::Tortuosity(1.3)), (0, half)], &[(30.0, 0.75), (26.0, 0.5)]);
     // A stretch as long as the vessel that tortuosity has made is the whole of it.
-    let all = Change::Stenosis(Stenosis::of_diameter(0.5).over(26e-3));
+    let all = Change::Stenosis(Stenosis { stretch: Some(26e-3), ..Stenosis::of_diameter(0.5) });
     same(&[(1, all), (1, Change::Tortuosity(1.3))], &[(30.0, 1.5), (26.0, 0.5)]);
 }
 
@@ -266,7 +266,7 @@ fn a_uniform_stenosis_and_tortuosity_are_a_thinner_and_a_longer_vessel() {
 #[test]
 fn a_stated_resistance_is_multiplied() {
     let network = resistors(2, &[(0, 1, 4.0)]);
-    let stenosis = Change::Stenosis(Stenosis::of_diameter(0.5).over(2e-3));
+    let stenosis = Change::Stenosis(Stenosis { stretch: Some(2e-3), ..Stenosis::of_diameter(0.5) });
     let state = after(&network, &[(0, pressure(100.0)), (1, pressure(0.0))], &[(0, stenosis), (0, Change::Tortuosity(1.0))]);
     close(state.vessels[0].resistance / OHM, 16.0, 16.0);
 }

@@ -104,11 +104,10 @@ impl Anatomy {
                 let accepted = format!("expected a number of vessels, {least} to {most}: {self} may have any size");
                 Err(Error::parameter("edges", "missing", accepted))
             }
-            (_, Some(edges)) => Err(Error::parameter(
-                "edges",
-                edges,
-                format!("{self} has a size of its own; expected with arterial or capillary"),
-            )),
+            (_, Some(edges)) => {
+                let accepted = format!("{self} has a size of its own; expected with arterial or capillary");
+                Err(Error::parameter("edges", edges, accepted))
+            }
         }
     }
 }

@@ -10,8 +10,7 @@ use super::{add_node, make_inlet};
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::support::geometry::{Point, distance, lerp};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 
 /// Territories along each axis: in all two for each of the six cerebral arteries.
 const TERRITORIES: [usize; 3] = [3, 2, 2];

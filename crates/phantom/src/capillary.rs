@@ -5,11 +5,11 @@ use rand::{Rng, RngExt};
 use rand_distr::{Distribution, LogNormal, Uniform};
 
 use super::large::Large;
-use super::{add_node, make_inlet};
+use super::{add_node, state};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Fragments, Network, Role};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::numbered::counted;
+use willis_core::support::random::{self, stream};
 
 /// The distance between neighbours on the lattice, m.
 const SPACING: f64 = 5e-5;
@@ -66,11 +66,9 @@ pub fn capillary(params: &Large) -> Result<Network> {
         let [x, y, _] = network.node(top).position.unwrap_or_default();
         let mouth = add_node(&mut network, [x, y, SPACING], None);
         params.add_vessel(&mut network, [mouth, top], FEEDER[0]);
-        make_inlet(&mut network, mouth);
-        if number % 2 == 1 {
-            let node = network.node_mut(mouth);
-            (node.role, node.condition) = (Some(Role::Outlet), Some(Condition::GROUND));
-        }
+        let ends = [(Role::Inlet, Condition::INLET), (Role::Outlet, Condition::GROUND)];
+        let (role, condition) = ends[number % 2];
+        state(&mut network, mouth, role, condition);
     }
     Ok(network)
 }
@@ -128,11 +126,6 @@ impl Lattice {
         [place % self.side, place / self.side % self.side, place / (self.side * self.side)]
     }
 
-    /// The number of complete layers.
-    fn layers(self) -> usize {
-        self.places / (self.side * self.side)
-    }
-
     /// The two places of a link. A link leads from a place to the next along an axis, and is numbered by both.
     fn ends(self, link: u32) -> [usize; 2] {
         let first = link as usize / 3;
@@ -165,7 +158,7 @@ impl Mesh {
     /// of its places has three vessels already. The top of a feeder has one vessel more, from above the lattice.
     fn new(lattice: Lattice, feeders: usize, rng: &mut impl Rng) -> Self {
         let columns = lattice.side * lattice.side;
-        let down = lattice.layers().saturating_sub(1).max(1);
+        let down = (lattice.places / columns).saturating_sub(1).max(1);
         let mut tops = index::sample(rng, columns, feeders.min(columns)).into_vec();
         tops.sort_unstable();
         let feeders: Vec<_> = tops.into_iter().map(|top| (top, rng.random_range(down.div_ceil(2)..=down))).collect();
@@ -222,10 +215,7 @@ impl Mesh {
 fn largest_part(lattice: Lattice, taken: &[bool]) -> (Vec<bool>, Vec<u32>) {
     let links = || (0..taken.len() as u32).filter(|link| taken[*link as usize]);
     let Fragments { of_node, count } = Fragments::over(lattice.places, links().map(|link| lattice.ends(link)));
-    let mut size = vec![0_usize; count];
-    for part in &of_node {
-        size[*part] += 1;
-    }
+    let size = counted(count, of_node.iter().copied());
     let largest = (0..count).fold(0, |largest, part| if size[part] > size[largest] { part } else { largest });
     let kept: Vec<bool> = of_node.into_iter().map(|part| part == largest).collect();
     let links = links().filter(|link| kept[lattice.ends(*link)[0]]).collect();

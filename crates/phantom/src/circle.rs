@@ -2,7 +2,7 @@
 
 use super::alastruey::{POSITIONS, ROOT, TABLE};
 use super::curve::course;
-use super::{add_curved_vessel, add_node, make_inlet, widen_nodes};
+use super::{add_curved_vessel, add_node, make_inlet, state, widen_nodes};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Frame, Network, Role, Vessel};
 use willis_core::support::suggestions::did_you_mean;
@@ -31,9 +31,7 @@ pub fn circle_of_willis(spacing: f64) -> Network {
         let points = course(a, b, row.length, row.bow, spacing);
         widen_nodes(&mut network, ends, row.radius);
         if let Some(resistance) = row.terminal {
-            let node = network.node_mut(ends[1]);
-            node.role = Some(Role::Outlet);
-            node.condition = Some(Condition::Resistance { resistance, venous: 0.0 });
+            state(&mut network, ends[1], Role::Outlet, Condition::Resistance { resistance, venous: 0.0 });
         }
         add_curved_vessel(&mut network, ends, points, row.length, row.radius, row.label);
     }

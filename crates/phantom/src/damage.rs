@@ -9,6 +9,7 @@ use willis_core::network::units::metres;
 use willis_core::network::{Network, Role};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::geometry::{Point, distance, unit};
+use willis_core::support::numbered::grouped;
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
 #[derive(Debug, Clone, PartialEq)]
@@ -110,11 +111,6 @@ pub(crate) struct SampledVessel {
 }
 
 impl SampledVessel {
-    /// The vessel of a row at steps of about `spacing`.
-    pub fn of(network: &Network, row: usize, spacing: f64) -> Self {
-        Self::at(network, row, |length| ((length / spacing).round() as usize).max(LEAST - 1))
-    }
-
     /// The vessel of a row at a number of equal steps, at least one, that `steps` computes from its length (m). A vessel without a path
     /// is straight.
     pub fn at(network: &Network, row: usize, steps: impl FnOnce(f64) -> usize) -> Self {
@@ -159,36 +155,11 @@ impl SampledVessel {
 
 /// Damages the vessels: first ends, then junctions in node order, then gaps along the vessels.
 pub(crate) fn damage(network: &Network, params: &Breaks, rng: &mut impl Rng) -> Vec<SampledVessel> {
-    let mut vessels: Vec<_> = (0..network.vessel_count()).map(|row| SampledVessel::of(network, row, params.spacing)).collect();
-    let mut at_node = vec![Vec::new(); network.node_count()];
-    for (row, (ends, _)) in network.vessels().enumerate() {
-        for (end, node) in ends.into_iter().enumerate() {
-            at_node[node].push((row, end));
-        }
-    }
-    damage_ends(network, &at_node, params, &mut vessels, rng);
-    for present in &at_node {
-        let present: Vec<_> = present.iter().copied().filter(|(row, end)| vessels[*row].reaches(*end)).collect();
-        cut_junction(present, params, &mut vessels, rng);
-    }
-    for vessel in &mut vessels {
-        let expected = params.vessel_gaps * vessel.step * vessel.last() as f64 / (200.0 * vessel.radius);
-        let gaps = Poisson::new(expected).map_or(0.0, |law| law.sample(rng)) as usize;
-        for _ in 0..gaps {
-            interrupt(vessel, params, rng);
-        }
-    }
-    vessels
-}
-
-/// Removes or shortens the vessels with a free end that is not an inlet; a junction keeps at least two vessels.
-fn damage_ends(
-    network: &Network,
-    at_node: &[Vec<(usize, usize)>],
-    params: &Breaks,
-    vessels: &mut [SampledVessel],
-    rng: &mut impl Rng,
-) {
+    let steps = |length: f64| ((length / params.spacing).round() as usize).max(LEAST - 1);
+    let mut vessels: Vec<_> = (0..network.vessel_count()).map(|row| SampledVessel::at(network, row, steps)).collect();
+    let ends = network.vessels().enumerate().flat_map(|(row, (ends, _))| [(ends[0], (row, 0)), (ends[1], (row, 1))]);
+    let at_node = grouped(network.node_count(), ends);
+    // A vessel with a free end that is not an inlet is removed or shortened; a junction keeps at least two vessels.
     let mut degree: Vec<usize> = at_node.iter().map(Vec::len).collect();
     for (row, vessel) in vessels.iter_mut().enumerate() {
         let ends = network.ends(row);
@@ -206,6 +177,18 @@ fn damage_ends(
             vessel.shorten(free, length, 0);
         }
     }
+    for present in &at_node {
+        let present: Vec<_> = present.iter().copied().filter(|(row, end)| vessels[*row].reaches(*end)).collect();
+        cut_junction(present, params, &mut vessels, rng);
+    }
+    for vessel in &mut vessels {
+        let expected = params.vessel_gaps * vessel.step * vessel.last() as f64 / (200.0 * vessel.radius);
+        let gaps = Poisson::new(expected).map_or(0.0, |law| law.sample(rng)) as usize;
+        for _ in 0..gaps {
+            interrupt(vessel, params, rng);
+        }
+    }
+    vessels
 }
 
 /// Disconnects the thinnest vessel from a junction, sometimes the second thinnest too.

@@ -11,8 +11,8 @@ use willis_core::error::Result;
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::{Fragments, Frame, Network, Role};
 use willis_core::support::geometry::Point;
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::numbered::grouped;
+use willis_core::support::random::{self, stream};
 
 /// The extraction before its points are shuffled and get noise.
 #[derive(Default)]
@@ -95,18 +95,12 @@ impl OrderedExtraction {
     /// The connected points as lists, in the order of their first points.
     fn fragments(&self) -> Vec<Vec<usize>> {
         let Fragments { of_node, count } = Fragments::over(self.points.len(), self.links.iter().copied());
-        let mut fragments = vec![Vec::new(); count];
-        of_node.into_iter().enumerate().for_each(|(point, fragment)| fragments[fragment].push(point));
-        fragments
+        grouped(count, of_node.into_iter().zip(0..))
     }
 
     /// The shuffled, noisy centerlines, and for each point its row in them.
     fn centerlines(&self, frame: Frame, params: &Breaks, rng: &mut impl Rng) -> (Centerlines, Vec<usize>) {
-        let mut neighbours = vec![Vec::new(); self.points.len()];
-        for [a, b] in &self.links {
-            neighbours[*a].push(*b);
-            neighbours[*b].push(*a);
-        }
+        let mut neighbours = grouped(self.points.len(), self.links.iter().flat_map(|[a, b]| [(*a, *b), (*b, *a)]));
         let mut fragments = self.fragments();
         fragments.shuffle(rng);
         let mut lines = Centerlines { frame, ..Centerlines::default() };

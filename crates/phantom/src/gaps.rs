@@ -9,8 +9,7 @@ use super::{add_node, check_positions, check_range};
 use willis_core::error::{Error, Result};
 use willis_core::network::centerlines::Centerlines;
 use willis_core::network::{Network, Origin, PathPoint, Role, Vessel, fragments};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 use willis_models::candidates::search::join_nearest;
 
 /// How many vessels are interrupted, and the distance of centerline points.
@@ -58,9 +57,8 @@ impl Gaps {
 /// A share out of its range, a node without position.
 pub fn with_gaps(network: &Network, gaps: &Gaps) -> Result<(Centerlines, Truth)> {
     let mut interrupted = gaps.choose(network)?.into_iter().peekable();
-    let vessels = (0..network.vessel_count())
-        .map(|row| gaps.sampled(network, row, interrupted.next_if_eq(&row).is_some()))
-        .collect::<Vec<_>>();
+    let sampled = |row: usize| gaps.sampled(network, row, interrupted.next_if_eq(&row).is_some());
+    let vessels: Vec<SampledVessel> = (0..network.vessel_count()).map(sampled).collect();
     let params = Breaks { jitter: 0.0, radius_noise: 0.0, radius_bias: 0.0, spurious: 0.0, ..Breaks::default() };
     // The random order of fragments and points uses a later part of the stream than the gaps.
     let mut rng = stream(gaps.seed, random::GAPS);

@@ -6,6 +6,7 @@ use super::mask_truth::MaskBreak;
 use super::truth::BreakKind;
 use super::tube::{DrawnTube, VoxelGrid};
 use willis_core::support::geometry::{Point, distance};
+use willis_core::support::numbered::grouped;
 use willis_io::masks::Mask;
 
 /// Which stations the mask shows.
@@ -22,12 +23,8 @@ pub(super) struct ShownStations<'a> {
 
 impl<'a> ShownStations<'a> {
     pub fn new(tubes: &'a [DrawnTube], nodes: usize, grid: &'a VoxelGrid, mask: &'a Mask) -> Self {
-        let mut at_node = vec![Vec::new(); nodes];
-        for (row, tube) in tubes.iter().enumerate() {
-            for (end, node) in tube.nodes.iter().flatten().enumerate() {
-                at_node[*node].push((row, end));
-            }
-        }
+        let known = tubes.iter().enumerate().filter_map(|(row, tube)| Some((row, tube.nodes?)));
+        let at_node = grouped(nodes, known.flat_map(|(row, ends)| [(ends[0], (row, 0)), (ends[1], (row, 1))]));
         let is_shown = |tube: &DrawnTube| tube.stations.iter().map(|at| mask.classes[grid.row(*at)] > 0).collect();
         let seen = tubes.iter().map(is_shown).collect();
         Self { tubes, grid, mask, arcs: tubes.iter().map(DrawnTube::arc).collect(), seen, at_node }

@@ -14,8 +14,7 @@ use willis_core::network::units::millimetres;
 use willis_core::network::{Network, Role};
 use willis_core::support::gamma::Gamma;
 use willis_core::support::geometry::{Point, bounds, dot};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 use willis_core::support::statistics::median;
 use willis_io::masks::{Image, Mask};
 
@@ -222,7 +221,7 @@ impl<'a> Signal<'a> {
     /// The voxels above the threshold, noise included: 1, else 0; all values are put into `image`.
     fn segment(&self, grid: &VoxelGrid, tubes: &[DrawnTube], mut image: Option<&mut Vec<f32>>) -> Vec<u8> {
         let mut noise = stream(self.scan.seed, random::NOISE);
-        let layer = grid.shape[0] * grid.shape[1];
+        let (layer, blur) = (grid.shape[0] * grid.shape[1], self.scan.blur * grid.spacing);
         let mut classes = Vec::with_capacity(layer * grid.shape[2]);
         let (mut all, mut own) = (Vec::new(), vec![0.0_f32; layer * LAYERS.min(grid.shape[2])]);
         let mut touched = Vec::new();
@@ -231,7 +230,17 @@ impl<'a> Signal<'a> {
             all.clear();
             all.resize(layer * (end - first), 0.0_f32);
             for (tube, signals) in tubes.iter().zip(&self.signals) {
-                self.draw(grid, tube, signals, [first, end], &mut own, &mut touched);
+                // The largest signal that the links of a tube give each voxel.
+                grid.near(tube, REACH * blur, [first, end], |near| {
+                    let inside = self.profile(near.away, near.radius, blur) * self.edge(-near.beyond, blur);
+                    let (value, row) = ((signals[near.station] * inside) as f32, near.row - first * layer);
+                    if value > own[row] {
+                        if own[row] == 0.0 {
+                            touched.push(row);
+                        }
+                        own[row] = value;
+                    }
+                });
                 // Vessels side by side add up.
                 for row in touched.drain(..) {
                     let value = std::mem::take(&mut own[row]).min(1.0);
@@ -250,30 +259,6 @@ impl<'a> Signal<'a> {
             }));
         }
         classes
-    }
-
-    /// Draws one tube into some layers: the largest signal that its links give each voxel, and the rows of these voxels.
-    fn draw(
-        &self,
-        grid: &VoxelGrid,
-        tube: &DrawnTube,
-        signals: &[f64],
-        layers: [usize; 2],
-        own: &mut [f32],
-        touched: &mut Vec<usize>,
-    ) {
-        let blur = self.scan.blur * grid.spacing;
-        let before = layers[0] * grid.shape[0] * grid.shape[1];
-        grid.near(tube, REACH * blur, layers, |near| {
-            let inside = self.profile(near.away, near.radius, blur) * self.edge(-near.beyond, blur);
-            let (value, row) = ((signals[near.station] * inside) as f32, near.row - before);
-            if value > own[row] {
-                if own[row] == 0.0 {
-                    touched.push(row);
-                }
-                own[row] = value;
-            }
-        });
     }
 
     /// The signal at a distance from the axis of a cylinder after a Gaussian blur, of 1 where it is wide.

@@ -3,13 +3,12 @@
 use rand::RngExt;
 
 use super::curve::{Bow, course};
-use super::{add_curved_vessel, add_node, check_length, check_range, make_inlet};
+use super::{add_curved_vessel, add_node, check_length, check_range, make_inlet, state};
 use willis_core::error::Result;
 use willis_core::network::units::{cubic_metres_per_second, metres};
 use willis_core::network::{Condition, INLET_PRESSURE, Network, Role};
 use willis_core::support::geometry::{cross, dot, sub, unit};
-use willis_core::support::random;
-use willis_core::support::random::stream;
+use willis_core::support::random::{self, stream};
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]
@@ -94,9 +93,7 @@ pub fn branching_tree(params: &BranchingTree) -> Result<Network> {
 /// Makes a node an outlet of a vessel of this radius (m). Its terminal resistance gives Murray's flow at 100 mmHg.
 pub(crate) fn make_terminal(network: &mut Network, row: usize, radius: f64) {
     let flow = cubic_metres_per_second(FLOW_AT_2_MM) * (radius / metres(2.0)).powi(3);
-    let node = network.node_mut(row);
-    node.role = Some(Role::Outlet);
-    node.condition = Some(Condition::Resistance { resistance: INLET_PRESSURE / flow, venous: 0.0 });
+    state(network, row, Role::Outlet, Condition::Resistance { resistance: INLET_PRESSURE / flow, venous: 0.0 });
 }
 
 /// A vessel that the tree will get: its first node, its direction, and the direction in which it will branch.

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use petgraph::unionfind::UnionFind;
 
 use super::most_probable_forest::knows_fragments;
-use crate::network::{Network, Origin, Vessel};
+use crate::network::{Network, Origin};
 
 /// The usual least probability.
 pub const BEST_FIRST: f64 = 0.4;
@@ -40,21 +40,16 @@ pub fn best_first(probability: &[f64], ends: &[[Option<usize>; 2]], mut used: BT
 
 /// Per vessel whether it is observed or certain, or kept by [`best_first`].
 pub fn best_first_of(network: &Network, least: f64) -> Vec<bool> {
-    let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
     let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain && v.origin != Origin::Candidate);
     let joins = network.vessels().filter(|(_, v)| v.certain && v.origin == Origin::Candidate);
     let used = joins.flat_map(|(ends, _)| ends).filter(|end| degree[*end] <= 1).collect();
-    let candidates: Vec<(usize, f64, [Option<usize>; 2])> = network
-        .vessels()
-        .enumerate()
-        .filter(|(_, (_, v))| !given(v) && v.origin == Origin::Candidate)
-        .filter_map(|(row, (ends, v))| Some((row, v.evidence()?.probability, ends.map(|end| (degree[end] <= 1).then_some(end)))))
-        .collect();
-    let probability: Vec<f64> = candidates.iter().map(|(_, p, _)| *p).collect();
-    let ends: Vec<[Option<usize>; 2]> = candidates.iter().map(|(_, _, ends)| *ends).collect();
-    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
-    for ((row, _, _), keeps) in candidates.iter().zip(best_first(&probability, &ends, used, least)) {
-        kept[*row] = keeps;
+    let candidates = network.vessels().enumerate().filter(|(_, (_, v))| !v.is_given() && v.origin == Origin::Candidate);
+    let free = |ends: [usize; 2]| ends.map(|end| (degree[end] <= 1).then_some(end));
+    let (rows, (probability, ends)): (Vec<usize>, (Vec<f64>, Vec<_>)) =
+        candidates.filter_map(|(row, (ends, v))| Some((row, (v.evidence()?.probability, free(ends))))).unzip();
+    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
+    for (row, keeps) in rows.into_iter().zip(best_first(&probability, &ends, used, least)) {
+        kept[row] = keeps;
     }
     kept
 }

@@ -6,7 +6,7 @@ use super::rules::{DecidingFigure, Keep, threshold};
 use crate::error::{Error, Result};
 use crate::flow::Boundary;
 use crate::flow::floating_components::parts_that_carry;
-use crate::network::{Network, Origin, Vessel, cycles, fragments};
+use crate::network::{Network, Origin, cycles, fragments};
 use crate::sampling::likelihood::Likelihood;
 use crate::support::ties::exceeds;
 
@@ -115,8 +115,7 @@ pub fn all_decided(rule: Keep, network: &Network, result: &Likelihood) -> Result
 
 /// The probability of each vessel, which a rule asks for; nothing is asked where every vessel is given.
 fn evidence_if_asked(rule: Keep, network: &Network) -> Result<Vec<Option<f64>>> {
-    let is_given = |(_, vessel): ([usize; 2], &Vessel)| vessel.origin == Origin::Observed || vessel.certain;
-    if network.vessels().all(is_given) { Ok(probabilities(network)) } else { evidence(rule, network) }
+    if network.vessels().all(|(_, vessel)| vessel.is_given()) { Ok(probabilities(network)) } else { evidence(rule, network) }
 }
 
 /// The probability of each vessel, which a rule asks for.
@@ -184,14 +183,12 @@ impl Topology {
             let rows = network.vessels().zip(kept).zip(uncertain).filter(|(_, uncertain)| **uncertain);
             rows.filter(|(((_, vessel), kept), _)| of(vessel.origin, **kept)).count()
         };
+        let observed = |all: bool| count(&|origin, kept| origin == Origin::Observed && (all || !kept));
         Self {
             kept: count(&|_, kept| kept),
             pruned: count(&|_, kept| !kept),
             kept_candidates: count(&|origin, kept| kept && origin == Origin::Candidate),
-            observed: [
-                count(&|origin, _| origin == Origin::Observed),
-                count(&|origin, kept| !kept && origin == Origin::Observed),
-            ],
+            observed: [observed(true), observed(false)],
             components: parts.count,
             cycles: cycles(&graph),
             unperfused: unperfused.iter().filter(|u| **u).count(),

@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use crate::error::Result;
 use crate::forest_posterior::{Edge, Forests, arborescence};
-use crate::network::{Network, Origin, Vessel, fragments};
+use crate::network::{Network, Vessel, fragments};
+use crate::support::numbered::counted;
 
 /// The usual price of a false connection.
 pub const PRICE: f64 = 1.5;
@@ -23,7 +24,7 @@ pub fn has_evidence(network: &Network) -> bool {
 /// The calibrated probability of each vessel: one if it is observed or certain, else that of its evidence; `None` without evidence.
 pub fn probabilities(network: &Network) -> Vec<Option<f64>> {
     let probability = |v: &Vessel| v.evidence().map(|e| e.probability);
-    network.vessels().map(|(_, v)| if v.origin == Origin::Observed || v.certain { Some(1.0) } else { probability(v) }).collect()
+    network.vessels().map(|(_, v)| if v.is_given() { Some(1.0) } else { probability(v) }).collect()
 }
 
 /// The most probable forest, and how much of it is kept.
@@ -61,19 +62,18 @@ pub const WITHOUT_PIECE: f64 = 0.2;
 ///
 /// More fragments or candidates than can be numbered.
 pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
-    let given = |v: &Vessel| v.origin == Origin::Observed || v.certain;
-    let parts = fragments(network, |_, v| given(v));
+    let parts = fragments(network, |_, v| v.is_given());
     let mut known = vec![f64::NAN; parts.count];
     for (node, part) in network.nodes().zip(&parts.of_node) {
         known[*part] = node.root_score.map_or(known[*part], |p| p.min(known[*part]));
     }
     let vessels = network.vessel_count();
-    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| given(v)).collect();
+    let mut kept: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
     let (mut needed, mut instead, mut left_open) = (vec![f64::NAN; vessels], vec![None; vessels], Vec::new());
     let probability: Vec<f64> = network.vessels().map(|(_, v)| v.evidence().map_or(0.0, |e| e.probability)).collect();
     let (mut edges, mut scores, mut vessel) = (Vec::new(), Vec::new(), Vec::new());
     let mut left = vec![1.0; parts.count];
-    for (row, (ends, v)) in network.vessels().enumerate().filter(|(_, (_, v))| !given(v)) {
+    for (row, (ends, v)) in network.vessels().enumerate().filter(|(_, (_, v))| !v.is_given()) {
         let Some(evidence) = v.evidence() else { continue };
         let [a, b] = ends.map(|node| parts.of_node[node]);
         if a == b {
@@ -124,8 +124,7 @@ pub fn probable(network: &Network, price: f64) -> Result<ProbableForest> {
 /// The fragments of a forest, each after all those that hang on it.
 fn leaves_first(forests: &Forests, attached: &[Option<usize>]) -> Vec<usize> {
     let parent = |child: usize| attached[child].map(|edge| forests.edges()[edge].parent);
-    let mut hanging = vec![0; attached.len()];
-    (0..attached.len()).filter_map(parent).for_each(|parent| hanging[parent] += 1);
+    let mut hanging = counted(attached.len(), (0..attached.len()).filter_map(parent));
     let mut order: Vec<usize> = (0..attached.len()).filter(|fragment| hanging[*fragment] == 0).collect();
     let mut at = 0;
     while at < order.len() {
@@ -157,7 +156,7 @@ pub fn expected_errors(network: &Network, kept: &[bool]) -> Option<ExpectedError
     if !has_evidence(network) {
         return None;
     }
-    let parts = fragments(network, |_, v| v.origin == Origin::Observed || v.certain);
+    let parts = fragments(network, |_, v| v.is_given());
     let (mut wrong, mut missed) = (0.0, 0.0);
     // Per pair of fragments the largest probability, and whether they are joined.
     let mut pairs: BTreeMap<[usize; 2], (f64, bool)> = BTreeMap::new();

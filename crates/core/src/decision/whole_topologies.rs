@@ -20,12 +20,11 @@ use crate::error::Result;
 use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, fragments};
+use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
 use crate::sampling::{Coins, Kruskal};
-use crate::support::random;
-use crate::support::random::{BLOCK, RandomStream, stream};
+use crate::support::random::{self, BLOCK, RandomStream, stream};
 
 /// What topologies are drawn from.
 #[derive(Debug, Clone, Copy)]
@@ -61,11 +60,7 @@ impl Topologies {
                 let ends = known.asked_in_turn(network);
                 Ok(Self::of_ends(network, known, params, |rng, kept| connect(&ends, rng, kept)))
             }
-            TopologySource::Samples(above_median) => {
-                let mut count = Count::default();
-                let_samples_vote(network, boundary, params, above_median, &mut count)?;
-                Ok(count.finish(|_| 1.0))
-            }
+            TopologySource::Samples(above_median) => Self::of_samples(network, boundary, params, above_median),
         }
     }
 
@@ -91,7 +86,7 @@ impl Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
-        let given: Vec<bool> = network.vessels().map(|(_, v)| v.origin == Origin::Observed || v.certain).collect();
+        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
         for first in (0..params.samples).step_by(BLOCK as usize) {
             let mut rng = stream(params.seed, random::ends(first / BLOCK));
             for _ in first..params.samples.min(first + BLOCK) {
@@ -104,6 +99,46 @@ impl Topologies {
             }
         }
         count.finish(|kept| known.supply(network, kept))
+    }
+
+    /// Of the topology that each sample votes for, with its weight.
+    fn of_samples(network: &Network, boundary: &Boundary, params: &SamplingOptions, above_median: &[bool]) -> Result<Self> {
+        let mut count = Count::default();
+        let uncertain = params.uncertain.vessels(network);
+        let provisional = params.provisional(network, boundary);
+        let patterns = Patterns::new(network, &provisional, params)?;
+        let at_rest = Tube::at_rest(network, params.viscosity);
+        let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
+        let solver = PressureSolver::new(&circuit)?;
+        let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
+        let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
+            let above_level = solver.above_level(open)?;
+            let mut tubes = at_rest.clone();
+            for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
+                debug_assert!(uncertain[row]);
+                tube.resistance = f64::INFINITY;
+            }
+            let state = State::at_pressures(&circuit.in_sample(open), boundary, &tubes, params.viscosity, &above_level);
+            let mut kept: Vec<bool> = (0..tubes.len()).map(|row| !uncertain[row] || (open(row) && above_median[row])).collect();
+            forest.clear();
+            for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
+                forest.add(coins.key(vessel.resilience, row, coin));
+            }
+            forest.grow(state.pressure.len(), &circuit.ends, |key| coins.vessel(key), |row| kept[row] = true);
+            let weight = if params.weight == Weight::Count { 1.0 } else { state.network_resilience };
+            count.add(&kept, weight * probability);
+            Ok(())
+        };
+        let (mut masks, mut probability) = (Vec::new(), [1.0; BLOCK as usize]);
+        let samples = patterns.samples(params.samples);
+        for first in (0..samples).step_by(BLOCK as usize) {
+            patterns.fill(first / BLOCK, &mut masks, &mut probability);
+            let coin = coins.of_block(first / BLOCK);
+            for (sample, probability) in probability.iter().enumerate().take((samples - first).min(BLOCK) as usize) {
+                vote(&|row| masks[row] >> sample & 1 == 1, *probability, coin[sample])?;
+            }
+        }
+        Ok(count.finish(|_| 1.0))
     }
 }
 
@@ -141,51 +176,6 @@ impl Count {
     }
 }
 
-/// Counts the topology that each sample votes for, with its weight.
-fn let_samples_vote(
-    network: &Network,
-    boundary: &Boundary,
-    params: &SamplingOptions,
-    above_median: &[bool],
-    count: &mut Count,
-) -> Result<()> {
-    let uncertain = params.uncertain.vessels(network);
-    let provisional = params.provisional(network, boundary);
-    let patterns = Patterns::new(network, &provisional, params)?;
-    let at_rest = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
-    let solver = PressureSolver::new(&circuit)?;
-    let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
-    let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
-        let above_level = solver.above_level(open)?;
-        let mut tubes = at_rest.clone();
-        for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
-            debug_assert!(uncertain[row]);
-            tube.resistance = f64::INFINITY;
-        }
-        let state = State::at_pressures(&circuit.in_sample(open), boundary, &tubes, params.viscosity, &above_level);
-        let mut kept: Vec<bool> = (0..tubes.len()).map(|row| !uncertain[row] || (open(row) && above_median[row])).collect();
-        forest.clear();
-        for (row, vessel) in state.vessels.iter().enumerate().filter(|(_, vessel)| vessel.resilience > 0.0) {
-            forest.add(coins.key(vessel.resilience, row, coin));
-        }
-        forest.grow(state.pressure.len(), &circuit.ends, |key| coins.vessel(key), |row| kept[row] = true);
-        let weight = if params.weight == Weight::Count { 1.0 } else { state.network_resilience };
-        count.add(&kept, weight * probability);
-        Ok(())
-    };
-    let (mut masks, mut probability) = (Vec::new(), [1.0; BLOCK as usize]);
-    let samples = patterns.samples(params.samples);
-    for first in (0..samples).step_by(BLOCK as usize) {
-        patterns.fill(first / BLOCK, &mut masks, &mut probability);
-        let coin = coins.of_block(first / BLOCK);
-        for (sample, probability) in probability.iter().enumerate().take((samples - first).min(BLOCK) as usize) {
-            vote(&|row| masks[row] >> sample & 1 == 1, *probability, coin[sample])?;
-        }
-    }
-    Ok(())
-}
-
 /// The factor of a topology for each known outlet that nothing feeds, the same as for an end that ends where it is. It is not zero, because
 /// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
@@ -205,18 +195,14 @@ impl KnownEnds<'_> {
         if self.inlets.is_empty() {
             return 1.0;
         }
-        let parts = fragments(network, |row, _| kept[row]);
-        let mut fed = vec![false; parts.count];
-        for inlet in self.inlets {
-            fed[parts.of_node[*inlet]] = true;
-        }
-        let unfed = (0..self.ends.len()).filter(|node| self.ends[*node] && !fed[parts.of_node[*node]]);
+        let fed = fragments(network, |row, _| kept[row]).holding(self.inlets.iter().copied());
+        let unfed = (0..self.ends.len()).filter(|node| self.ends[*node] && !fed[*node]);
         unfed.fold(1.0, |weight, _| weight * UNFED)
     }
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
     fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<(usize, f64)>> {
-        let degree = network.degrees(|v| v.origin == Origin::Observed || v.certain);
+        let degree = network.degrees(Vessel::is_given);
         let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {

@@ -46,7 +46,7 @@ pub enum Total {
 
 /// The boundary conditions of a network. One that was found belongs to a free end: it does not hold where a candidate or contact joins that
 /// end ([`Boundary::provisional`]), because the end of a gap neither feeds nor drains the vessel that it was joined to.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Boundary {
     /// Node and condition, each node at most once, in node order.
     pub conditions: Vec<(usize, Condition)>,
@@ -88,8 +88,7 @@ impl Boundary {
         let mut boundary = Self {
             conditions: given.iter().map(|g| (g.node, g.condition)).collect(),
             roles: vec![Role::Inner; network.node_count()],
-            found_inlets: Vec::new(),
-            found_outlets: Vec::new(),
+            ..Self::default()
         };
         for g in given {
             boundary.roles[g.node] = g.role;
@@ -140,11 +139,8 @@ impl Boundary {
             *condition = condition.as_stored();
         }
         if boundary.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_))) {
-            return Err(Error::parameter(
-                "conditions",
-                "are flows only",
-                "expected a pressure or a resistance at one node at least",
-            ));
+            let accepted = "expected a pressure or a resistance at one node at least";
+            return Err(Error::parameter("conditions", "are flows only", accepted));
         }
         Ok(boundary)
     }
@@ -186,12 +182,9 @@ impl Boundary {
             self.provisional(network).into_iter().filter(|p| p.others.iter().any(|row| open(*row))).map(|p| p.node).collect();
         let holds = |node: usize| joined.binary_search(&node).is_err();
         let parts = fragments(network, |row, _| open(row));
-        let mut fed = vec![false; parts.count];
-        for (node, _) in self.conditions.iter().filter(|(node, _)| self.roles[*node] == Role::Inlet && holds(*node)) {
-            fed[parts.of_node[*node]] = true;
-        }
+        let fed = parts.holding(self.inlets().filter(|node| holds(*node)));
         let mut found_outlets = self.found_outlets.clone();
-        found_outlets.retain(|node| holds(*node) && fed[parts.of_node[*node]]);
+        found_outlets.retain(|node| holds(*node) && fed[*node]);
         let mut found_inlets = self.found_inlets.clone();
         found_inlets.retain(|node| holds(*node));
         let conducts = |nodes: &[usize]| -> f64 {
@@ -222,6 +215,11 @@ impl Boundary {
             stays
         });
         Self { conditions, roles, found_inlets, found_outlets }
+    }
+
+    /// The nodes with a condition where blood enters.
+    fn inlets(&self) -> impl Iterator<Item = usize> {
+        self.conditions.iter().map(|(node, _)| *node).filter(|node| self.roles[*node] == Role::Inlet)
     }
 
     /// The condition of a node.
@@ -289,27 +287,20 @@ pub fn stated(network: &Network) -> Vec<Given> {
 }
 
 fn none(what: &str, ends: &FreeEnds, other: bool) -> Error {
-    let ends = ends.nodes.len();
-    let what_is_missing = if other { format!("no {what}") } else { format!("no {what} and no outlet") };
-    Error::parameter(
-        what_is_missing,
-        format!("is given or can be found among {ends} free ends"),
-        format!("give `{what}=NODE` (an id, a label or x,y,z in mm){}", if other { "" } else { " and `outlet=NODE`" }),
-    )
+    let (no_other, give_other) = if other { ("", "") } else { (" and no outlet", " and `outlet=NODE`") };
+    let found = format!("is given or can be found among {} free ends", ends.nodes.len());
+    let accepted = format!("give `{what}=NODE` (an id, a label or x,y,z in mm){give_other}");
+    Error::parameter(format!("no {what}{no_other}"), found, accepted)
 }
 
 /// How many parts of the observed vessels can be joined to no inlet, whatever candidates are open: no blood flows there.
 pub fn unfed_fragments(network: &Network, boundary: &Boundary) -> usize {
-    let whole = joinable_parts(network);
-    let mut fed = vec![false; whole.count];
-    for (node, _) in boundary.conditions.iter().filter(|(node, _)| boundary.roles[*node] == Role::Inlet) {
-        fed[whole.of_node[*node]] = true;
-    }
+    let fed = joinable_parts(network).holding(boundary.inlets());
     let observed = |v: &Vessel| v.origin != Origin::Candidate;
     let parts = fragments(network, |_, v| observed(v));
     let mut unfed = vec![false; parts.count];
     for ([a, _], _) in network.vessels().filter(|(_, v)| observed(v)) {
-        unfed[parts.of_node[a]] = !fed[whole.of_node[a]];
+        unfed[parts.of_node[a]] = !fed[a];
     }
     unfed.into_iter().filter(|unfed| *unfed).count()
 }

@@ -52,16 +52,7 @@ impl Circuit {
     ///
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
-        Self::of_tubes(network, boundary, &Tube::at_rest(network, viscosity))
-    }
-
-    /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance.
-    ///
-    /// # Errors
-    ///
-    /// A vessel whose conductance is infinite, not a number, or too small for a double.
-    pub fn of_tubes(network: &Network, boundary: &Boundary, tubes: &[Tube]) -> Result<Self> {
-        Self::with(network, boundary, &[], tubes)
+        Self::with(network, boundary, &[], &Tube::at_rest(network, viscosity))
     }
 
     /// The circuit of an over-connected graph for its samples, in which the `provisional` conditions come and go.
@@ -73,7 +64,12 @@ impl Circuit {
         Self::with(network, boundary, provisional, &Tube::at_rest(network, viscosity))
     }
 
-    fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
+    /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance, and whose `provisional` conditions come and go.
+    ///
+    /// # Errors
+    ///
+    /// A vessel whose conductance is infinite, not a number, or too small for a double.
+    pub fn with(network: &Network, boundary: &Boundary, provisional: &[Provisional], tubes: &[Tube]) -> Result<Self> {
         let conductance = conductances(network, tubes)?;
         let grounds = boundary.conditions.iter().filter_map(|(_, condition)| condition.ground());
         let level = grounds.fold(f64::INFINITY, f64::min);
@@ -91,23 +87,17 @@ impl Circuit {
         };
         let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {
-            let at = provisional.binary_search_by_key(node, |p| p.node).ok();
-            match (condition, at.map(|at| &provisional[at])) {
-                (Condition::Pressure(p), None) => circuit.fixed[*node] = Some(p - level),
-                (Condition::Resistance { resistance, venous }, None) => {
-                    circuit.shunt[*node] = 1.0 / resistance;
-                    circuit.source[*node] = (venous - level) / resistance;
+            let is_provisional = provisional.binary_search_by_key(node, |p| p.node).is_ok();
+            match condition {
+                Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level, &mut outside),
+                Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
+                Condition::Resistance { resistance, venous } if is_provisional => {
+                    circuit.link(*node, false, 1.0 / resistance, venous - level, &mut outside);
                 }
-                (Condition::Pressure(p), Some(provisional)) => {
-                    circuit.link(provisional.node, true, 1.0, p - level, &mut outside);
+                Condition::Resistance { resistance, venous } => {
+                    (circuit.shunt[*node], circuit.source[*node]) = (1.0 / resistance, (venous - level) / resistance);
                 }
-                (Condition::Resistance { resistance, venous }, Some(provisional)) => {
-                    circuit.link(provisional.node, false, 1.0 / resistance, venous - level, &mut outside);
-                }
-                (Condition::Flow(q), _) => {
-                    circuit.source[*node] = *q;
-                    circuit.injects = true;
-                }
+                Condition::Flow(q) => (circuit.source[*node], circuit.injects) = (*q, true),
             }
         }
         Ok(circuit)

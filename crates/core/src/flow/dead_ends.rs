@@ -2,6 +2,7 @@
 //! found by structure, because a solver that subtracts leaves rounding there that could pass for flow.
 
 use super::circuit::Circuit;
+use crate::support::numbered::grouped;
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
 #[derive(Debug, Clone)]
@@ -37,10 +38,8 @@ impl DeadEnds {
         let nodes = circuit.node_count();
         let levels = circuit.levels();
         let root = nodes + levels.len();
-        let mut pairs: Vec<([usize; 2], u32)> = Vec::new();
-        for (vessel, ends) in circuit.ends.iter().enumerate().filter(|(_, e)| e[0] != e[1]) {
-            pairs.push((*ends, vessel as u32));
-        }
+        let vessels = circuit.ends.iter().zip(0..).filter(|(ends, _)| ends[0] != ends[1]);
+        let mut pairs: Vec<([usize; 2], u32)> = vessels.map(|(ends, vessel)| (*ends, vessel)).collect();
         for node in 0..nodes {
             if let Some(p) = circuit.ground(node) {
                 pairs.push(([node, nodes + levels.partition_point(|l| *l <= p) - 1], ALWAYS));
@@ -49,16 +48,12 @@ impl DeadEnds {
             }
         }
         pairs.extend((nodes..root).map(|l| ([l, root], ALWAYS)));
-        let mut lists = vec![Vec::new(); root + 1];
-        for ([a, b], vessel) in pairs {
-            lists[a].push((b as u32, vessel));
-            lists[b].push((a as u32, vessel));
-        }
+        let links = pairs.into_iter().flat_map(|([a, b], vessel)| [(a, (b as u32, vessel)), (b, (a as u32, vessel))]);
+        let lists = grouped(root + 1, links);
         let mut start = vec![0];
-        start.extend(lists.iter().scan(0, |sum, l| {
-            *sum += l.len() as u32;
-            Some(*sum)
-        }));
+        for list in &lists {
+            start.push(start[start.len() - 1] + list.len() as u32);
+        }
         Self { start, links: lists.concat(), nodes, levels }
     }
 

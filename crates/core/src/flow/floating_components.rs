@@ -1,26 +1,16 @@
 //! Floating components: parts of a sampled circuit that no boundary condition grounds. They are found by structure, never by small pivots.
 
-use petgraph::unionfind::UnionFind;
-
 use super::boundary_conditions::Boundary;
 use super::circuit::Circuit;
 use crate::error::{Error, Result};
 use crate::network::{Condition, Fragments, Network, fragments};
+use crate::support::numbered::grouped;
 
 /// Per node whether its component over the open vessels is grounded by a fixed pressure or a terminal resistance.
 pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {
-    let mut parts = UnionFind::<usize>::new(circuit.node_count());
-    for (vessel, ends) in circuit.ends.iter().enumerate() {
-        if open(vessel) {
-            parts.union(ends[0], ends[1]);
-        }
-    }
-    let label = parts.into_labeling();
-    let mut of_part = vec![false; circuit.node_count()];
-    for node in 0..circuit.node_count() {
-        of_part[label[node]] |= circuit.grounds(node);
-    }
-    label.iter().map(|part| of_part[*part]).collect()
+    let open = circuit.ends.iter().enumerate().filter(|(vessel, _)| open(*vessel));
+    let parts = Fragments::over(circuit.node_count(), open.map(|(_, ends)| *ends));
+    parts.holding((0..circuit.node_count()).filter(|node| circuit.grounds(*node)))
 }
 
 /// The nodes whose injected flow has nowhere to go in some samples of a block, with those samples as bits; bit i of
@@ -42,10 +32,7 @@ pub fn stranded(circuit: &Circuit, masks: &[u64], samples: usize) -> Vec<(usize,
 
 /// Per connected part whether blood can flow through it: conditions of two different kinds or pressures.
 pub fn parts_that_carry(parts: &Fragments, boundary: &Boundary) -> Vec<bool> {
-    let mut conditions: Vec<Vec<Condition>> = vec![Vec::new(); parts.count];
-    for (node, condition) in &boundary.conditions {
-        conditions[parts.of_node[*node]].push(*condition);
-    }
+    let conditions = grouped(parts.count, boundary.conditions.iter().map(|(node, of)| (parts.of_node[*node], *of)));
     let carries = |conditions: &Vec<Condition>| {
         let grounds: Vec<f64> = conditions.iter().filter_map(Condition::ground).collect();
         let injected = conditions.len() > grounds.len();

@@ -2,6 +2,7 @@
 
 use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::geometry::{Point, bounds, centroid, distance, dot, lerp, norm_squared, sub};
+use crate::support::numbered::counted;
 use crate::support::ties::{compare, near_zero, steady};
 
 /// How far out, as a share of the way from the middle of all ends to the two widest, the third and the fourth inlet lie at least. Blood
@@ -100,13 +101,10 @@ impl FreeEnds {
         }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
-        let mut free = std::collections::BTreeMap::new();
-        for node in &self.nodes {
-            *free.entry(self.part[*node]).or_insert(0_usize) += 1;
-        }
+        let mut free = counted(self.part.len(), self.nodes.iter().map(|node| self.part[*node]));
         let mut inlets = Vec::new();
         for node in &ranked {
-            let left = free.entry(self.part[*node]).or_default();
+            let left = &mut free[self.part[*node]];
             if (are_known || self.goes_with(*node, &inlets)) && (!spare || *left > 1) {
                 *left -= 1;
                 inlets.push(*node);

@@ -46,11 +46,8 @@ impl<'a> PressureSolver<'a> {
                 return Err(Error::Breakdown);
             }
         }
-        Ok(grounded(circuit, |row| masks[row] == 1)
-            .into_iter()
-            .enumerate()
-            .map(|(node, grounded)| grounded.then(|| pressure(node)))
-            .collect())
+        let grounded = grounded(circuit, |row| masks[row] == 1).into_iter().enumerate();
+        Ok(grounded.map(|(node, grounded)| grounded.then(|| pressure(node))).collect())
     }
 }
 

@@ -58,7 +58,7 @@ impl State {
     ///
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
-        let circuit = Circuit::of_tubes(network, boundary, tubes)?;
+        let circuit = Circuit::with(network, boundary, &[], tubes)?;
         let above_level = PressureSolver::new(&circuit)?.above_level(|row| tubes[row].is_open())?;
         Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Boundary;
 use crate::error::{Error, Result};
 use crate::network::{Network, Role, fragments};
+use crate::support::numbered::placed;
 
 /// What becomes of vessels to which no inlet leads.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -32,10 +33,7 @@ impl FromStr for Unfed {
 
 /// Per node whether vessels lead to it from a node where blood enters.
 pub fn fed(network: &Network, enters: impl Fn(usize) -> bool) -> Vec<bool> {
-    let parts = fragments(network, |_, _| true);
-    let mut is_fed = vec![false; parts.count];
-    (0..network.node_count()).filter(|node| enters(*node)).for_each(|node| is_fed[parts.of_node[node]] = true);
-    parts.of_node.iter().map(|part| is_fed[*part]).collect()
+    fragments(network, |_, _| true).holding((0..network.node_count()).filter(|node| enters(*node)))
 }
 
 impl Boundary {
@@ -46,8 +44,7 @@ impl Boundary {
             return None;
         }
         let (part, nodes, vessels) = network.part(|node| is_fed[node]);
-        let mut row_of = vec![usize::MAX; network.node_count()];
-        nodes.iter().enumerate().for_each(|(row, node)| row_of[*node] = row);
+        let row_of = placed(network.node_count(), nodes.iter().copied());
         let of = |found: &[usize]| found.iter().map(|node| row_of[*node]).filter(|row| *row != usize::MAX).collect();
         let conditions = self.conditions.iter().map(|(node, condition)| (row_of[*node], *condition));
         let held = Self {

@@ -5,7 +5,8 @@
 /// What a node steps to itself with is never read: it only delays the walk.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AbsorbingWalk {
-    nodes: usize,
+    /// How many nodes there are.
+    pub nodes: usize,
     /// Odds of a step from row to column, row by row.
     step: Vec<f64>,
     /// Odds of dying, per node.
@@ -16,11 +17,6 @@ impl AbsorbingWalk {
     /// A walk without any odds yet.
     pub fn new(nodes: usize) -> Self {
         Self { nodes, step: vec![0.0; nodes * nodes], death: vec![0.0; nodes] }
-    }
-
-    /// How many nodes there are.
-    pub fn nodes(&self) -> usize {
-        self.nodes
     }
 
     /// The odds of stepping from a node to each.
@@ -65,24 +61,21 @@ impl AbsorbingWalk {
             let mut k = 0;
             while k < pivots {
                 let together = if k + TOGETHER <= pivots { TOGETHER } else { 1 };
+                let end = k + together;
                 // The odds of stepping to one of these take in what leads there by way of those before it.
-                for first in k..k + together {
+                for first in k..end {
                     let odds = row[first];
-                    add_multiple(
-                        &mut row[first + 1..k + together],
-                        odds,
-                        &above[first * n + first + 1..first * n + k + together],
-                    );
+                    add_multiple(&mut row[first + 1..end], odds, &above[first * n + first + 1..first * n + end]);
                     death += odds * self.death[first];
                 }
-                let (odds, rest) = row.split_at_mut(k + together);
-                let of = |pivot: usize| &above[(k + pivot) * n + k + together..(k + pivot + 1) * n];
+                let (odds, rest) = row.split_at_mut(end);
+                let of = |pivot: usize| &above[(k + pivot) * n + end..(k + pivot + 1) * n];
                 if together == TOGETHER {
                     add_multiples(rest, [0, 1, 2, 3].map(|pivot| odds[k + pivot]), [0, 1, 2, 3].map(of));
                 } else {
                     add_multiple(rest, odds[k], of(0));
                 }
-                k += together;
+                k = end;
             }
             if i < count {
                 let sum = death + row[i + 1..].iter().sum::<f64>();

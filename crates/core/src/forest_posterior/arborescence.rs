@@ -27,20 +27,11 @@ pub fn arborescence(forests: &Forests, edges: &[f64], roots: &[f64]) -> Vec<Opti
     assert_eq!(edges.len(), forests.edges().len(), "one score per edge");
     assert_eq!(roots.len(), forests.fragments(), "one score per fragment");
     let ground = forests.fragments();
-    let between = forests.edges().iter().zip(edges).enumerate().map(|(row, (edge, score))| Arc {
-        from: edge.parent,
-        to: edge.child,
-        cost: cost(*score, row),
-        row: Some(row),
-    });
-    let to_ground = roots.iter().enumerate().map(|(fragment, score)| Arc {
-        from: ground,
-        to: fragment,
-        cost: cost(*score, edges.len() + fragment),
-        row: None,
-    });
-    let possible = between.filter(|arc| arc.row.is_some_and(|row| edges[row] != f64::NEG_INFINITY));
-    let arcs: Vec<Arc> = possible.chain(to_ground).collect();
+    let arc = |from: usize, to: usize, cost: i128, row: Option<usize>| Arc { from, to, cost, row };
+    let possible = forests.edges().iter().zip(edges).enumerate().filter(|(_, (_, score))| **score != f64::NEG_INFINITY);
+    let between = possible.map(|(row, (edge, score))| arc(edge.parent, edge.child, cost(*score, row), Some(row)));
+    let to_ground = roots.iter().enumerate().map(|(at, score)| arc(ground, at, cost(*score, edges.len() + at), None));
+    let arcs: Vec<Arc> = between.chain(to_ground).collect();
     chosen(&arcs, ground).into_iter().map(|arc| arcs[arc].row).collect()
 }
 
@@ -79,13 +70,15 @@ fn chosen(arcs: &[Arc], root: usize) -> Vec<usize> {
     for start in 0..root {
         let (mut path, mut node) = (Vec::new(), start);
         while seen[node] == usize::MAX {
-            let Some(arc) = entering[node].pop_and_lower() else { break };
+            // The cheapest arc lowers the costs of all others by its own.
+            let Some(Reverse((cost, arc))) = entering[node].heap.pop() else { break };
+            entering[node].lowered = cost;
             path.push((node, arc));
             seen[node] = start;
             node = union.find(arcs[arc].from);
             if seen[node] == start {
                 // Back on the path: what lies on the cycle becomes one node with all its arcs.
-                let (joins, end) = (union.joins(), path.len());
+                let (joins, end) = (union.joined.len(), path.len());
                 let (mut whole, mut from) = (EnteringArcs::default(), end);
                 loop {
                     from -= 1;
@@ -126,13 +119,6 @@ struct EnteringArcs {
 }
 
 impl EnteringArcs {
-    /// Takes the cheapest arc and lowers the costs of all others by its own.
-    fn pop_and_lower(&mut self) -> Option<usize> {
-        let Reverse((cost, arc)) = self.heap.pop()?;
-        self.lowered = cost;
-        Some(arc)
-    }
-
     /// Takes in those of another node; the fewer are moved to the more.
     fn meld(&mut self, mut other: Self) {
         if self.heap.len() < other.heap.len() {
@@ -177,11 +163,6 @@ impl UnionFind {
         self.size[large] += self.size[small];
         self.joined.push(small);
         true
-    }
-
-    /// How many joins there were and still are.
-    pub fn joins(&self) -> usize {
-        self.joined.len()
     }
 
     /// Undoes the last joins until so many are left.

@@ -6,6 +6,7 @@
 //! the other.
 
 use crate::support::elimination::Star;
+use crate::support::numbered::{counted, placed};
 
 /// Fragments that are solved together.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -33,10 +34,7 @@ enum Guess {
 
 /// The cliques under one guess.
 fn merged(stars: &[Star], guess: Guess) -> Vec<Clique> {
-    let mut place = vec![0; stars.len()];
-    for (at, star) in stars.iter().enumerate() {
-        place[star.center] = at;
-    }
+    let place = placed(stars.len(), stars.iter().map(|star| star.center));
     let (mut pivots, mut shared): (Vec<Vec<usize>>, Vec<Vec<usize>>) =
         stars.iter().map(|star| (vec![star.center], star.neighbours.clone())).unzip();
     let parent: Vec<Option<usize>> = shared.iter().map(|nodes| nodes.iter().map(|node| place[*node]).min()).collect();
@@ -61,10 +59,7 @@ fn merged(stars: &[Star], guess: Guess) -> Vec<Clique> {
         }
     }
     let kept: Vec<usize> = (0..parent.len()).filter(|at| !merged[*at]).collect();
-    let mut number = vec![0; parent.len()];
-    for (new, old) in kept.iter().enumerate() {
-        number[*old] = new;
-    }
+    let number = placed(parent.len(), kept.iter().copied());
     let clique = |at: &usize| {
         let (own, mut rest) = (std::mem::take(&mut pivots[*at]), std::mem::take(&mut shared[*at]));
         rest.sort_unstable_by_key(|node| place[*node]);
@@ -88,8 +83,7 @@ fn escapes(nodes: usize) -> f64 {
 
 /// Multiplications for all of them, about: children share the work of the messages down to them.
 fn work(cliques: &[Clique]) -> f64 {
-    let mut children = vec![0; cliques.len()];
-    cliques.iter().filter_map(|clique| clique.parent).for_each(|parent| children[parent] += 1);
+    let children = counted(cliques.len(), cliques.iter().filter_map(|clique| clique.parent));
     let each = cliques.iter().zip(children).map(|(clique, children)| {
         let messages = [0.0, 1.0 / 3.0, 1.0][children.min(2)];
         escapes(clique.nodes.len()) + messages * cube(clique.nodes.len()) + CLIQUE

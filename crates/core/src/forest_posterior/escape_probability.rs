@@ -22,7 +22,7 @@ impl Escapes {
 
 /// All escapes of a walk, and ln det L.
 pub fn escapes(walk: &AbsorbingWalk) -> (Escapes, f64) {
-    let n = walk.nodes();
+    let n = walk.nodes;
     let mut out = Escapes { nodes: n, q: vec![0.0; n * n] };
     if n < 2 {
         let sum = if n == 1 { walk.death[0].ln() } else { 0.0 };

@@ -6,6 +6,7 @@ use super::clique_tree::{Clique, cliques};
 use super::escape_probability::escapes;
 use super::{Edge, Forests};
 use crate::support::elimination::{Star, least_degree};
+use crate::support::numbered::grouped;
 
 /// Marginal probabilities of the posterior; those of a fragment's edges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
@@ -40,10 +41,8 @@ pub fn marginals(forests: &Forests) -> Marginals {
     for (number, clique) in cliques.iter().enumerate() {
         clique.nodes[..clique.pivots].iter().for_each(|node| home[*node] = number);
     }
-    let mut held = vec![Vec::new(); cliques.len()];
-    for (row, edge, _) in scaled.possible(forests) {
-        held[home[edge.child].min(home[edge.parent])].push(row);
-    }
+    let possible = scaled.possible(forests);
+    let held = grouped(cliques.len(), possible.map(|(row, edge, _)| (home[edge.child].min(home[edge.parent]), row)));
     let mut place = vec![0; forests.fragments()];
     let own = cliques.iter().zip(&held).map(|(clique, held)| own_walk(clique, held, forests, &scaled, &mut place)).collect();
     let (walks, log_sum) = complete(&cliques, own);

@@ -3,6 +3,7 @@
 use super::Forests;
 use super::marginals::Scaled;
 use crate::support::elimination::Star;
+use crate::support::numbered::placed;
 
 /// A fragment at its turn, by places in the order.
 struct Turn {
@@ -28,8 +29,7 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     assert_eq!(marked.len(), forests.fragments(), "one mark per fragment");
     let scaled = Scaled::new(forests);
     let stars = scaled.stars(forests);
-    let mut place = vec![0; stars.len()];
-    stars.iter().enumerate().for_each(|(at, star)| place[star.center] = at);
+    let place = placed(stars.len(), stars.iter().map(|star| star.center));
     let turn = |star: &Star| {
         let mut to: Vec<usize> = star.neighbours.iter().map(|node| place[*node]).collect();
         to.sort_unstable();

@@ -20,8 +20,7 @@ use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube};
 use crate::network::Network;
 use crate::sampling::Progress;
 use crate::support::limits;
-use crate::support::random;
-use crate::support::random::{BLOCK, stream};
+use crate::support::random::{self, BLOCK, stream};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
 /// Instances solved side by side.
@@ -56,11 +55,15 @@ pub fn modulate(
     check_memory(network, params)?;
     drives_flow(network, boundary)?;
     let tubes = Tube::at_rest(network, params.viscosity);
-    let circuit = Circuit::of_tubes(network, boundary, &tubes)?;
+    let circuit = Circuit::with(network, boundary, &[], &tubes)?;
     let mut unperturbed = Instances::default();
     let at_rest = State::solve(network, boundary, &tubes, params.viscosity)?;
     unperturbed.push(&at_rest, &tubes, &vec![Factors::ONE; tubes.len()], &circuit.ends);
-    let job = Job::new(network, boundary, params, &tubes, &circuit)?;
+    let open = |vessel: usize| circuit.conductance[vessel] > 0.0;
+    let masks: Vec<u64> = (0..tubes.len()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
+    let (solver, instructions) = (BatchSolver::for_few(&circuit)?, InstructionSet::detect());
+    let (grounded, stranded) = (grounded(&circuit, open), stranded(&circuit, &masks, LANES));
+    let job = Job { network, boundary, params, tubes: &tubes, circuit: &circuit, solver, instructions, grounded, stranded };
 
     let blocks = params.samples.div_ceil(BLOCK);
     let total = params.samples * params.classes.len() as u64;
@@ -113,22 +116,7 @@ struct Job<'a> {
     stranded: Vec<(usize, u64)>,
 }
 
-impl<'a> Job<'a> {
-    fn new(
-        network: &'a Network,
-        boundary: &'a Boundary,
-        params: &'a ModulationOptions,
-        tubes: &'a [Tube],
-        circuit: &'a Circuit,
-    ) -> Result<Self> {
-        let open = |vessel: usize| circuit.conductance[vessel] > 0.0;
-        let masks: Vec<u64> = (0..tubes.len()).map(|v| if open(v) { u64::MAX } else { 0 }).collect();
-        let solver = BatchSolver::for_few(circuit)?;
-        let (grounded, stranded) = (grounded(circuit, open), stranded(circuit, &masks, LANES));
-        let instructions = InstructionSet::detect();
-        Ok(Self { network, boundary, params, tubes, circuit, solver, instructions, grounded, stranded })
-    }
-
+impl Job<'_> {
     /// One block of a class; the last one may be shorter.
     fn block(&self, class: usize, block: u64, work: &mut BatchWorkspace<LANES>) -> Result<Instances> {
         let ModulationOptions { classes, samples, seed, reading, vessels, .. } = self.params;
@@ -171,13 +159,10 @@ impl<'a> Job<'a> {
         }
         let above_level = |node: usize, lane: usize| self.grounded[node].then(|| pressure(node, lane));
         let state = |(lane, tubes): (usize, &Vec<Tube>)| {
-            self.state(tubes, &(0..self.grounded.len()).map(|node| above_level(node, lane)).collect::<Vec<_>>())
+            let above_level: Vec<_> = (0..self.grounded.len()).map(|node| above_level(node, lane)).collect();
+            State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, &above_level)
         };
         Ok(instances.iter().enumerate().map(state).collect())
-    }
-
-    fn state(&self, tubes: &[Tube], above_level: &[Option<f64>]) -> State {
-        State::at_pressures(self.circuit, self.boundary, tubes, self.params.viscosity, above_level)
     }
 }
 

@@ -4,6 +4,7 @@ use super::orders::InletWays;
 use super::vessel_lines::VesselLine;
 use crate::network::Network;
 use crate::support::geometry::{Point, cross, dot, norm_squared, sub, unit};
+use crate::support::numbered::grouped;
 
 /// The direction and the width of a vessel are those between so many and so many radii of the widest vessel there.
 const STRETCH: [f64; 2] = [2.0, 6.0];
@@ -45,26 +46,21 @@ struct Leg {
 }
 
 /// The bifurcations of a network, by node.
-pub fn bifurcations(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> Vec<MeasuredBifurcation> {
-    let mut legs: Vec<Vec<(usize, bool)>> = vec![Vec::new(); network.node_count()];
-    for (row, line) in lines.iter().enumerate() {
-        for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] > 2) {
-            legs[node].push((row, last));
-        }
-    }
-    let nodes = (0..network.node_count()).filter(|node| degree[*node] > 2);
-    nodes.map(|node| bifurcation(node, network.node(node).position, lines, &legs[node], ways.arrives_by[node])).collect()
+pub fn bifurcations(network: &Network, ways: &InletWays) -> Vec<MeasuredBifurcation> {
+    let lines = &ways.lines;
+    let ends = lines.iter().enumerate().flat_map(|(row, line)| [(line.ends[0], (row, false)), (line.ends[1], (row, true))]);
+    let ends = grouped(network.node_count(), ends);
+    let measured = |node: usize| {
+        let widest = ends[node].iter().map(|(line, _)| lines[*line].radius()).fold(0.0, f64::max);
+        let position = network.node(node).position;
+        let legs = ends[node].iter().map(|(line, last)| leg(&lines[*line], *line, *last, widest, position)).collect();
+        bifurcation(node, legs, ways.arrives_by[node])
+    };
+    (0..network.node_count()).filter(|node| ways.degree[*node] > 2).map(measured).collect()
 }
 
-fn bifurcation(
-    node: usize,
-    position: Option<Point>,
-    lines: &[VesselLine],
-    ends: &[(usize, bool)],
-    arrives_by: Option<usize>,
-) -> MeasuredBifurcation {
-    let widest = ends.iter().map(|(line, _)| lines[*line].radius()).fold(0.0, f64::max);
-    let mut legs: Vec<Leg> = ends.iter().map(|(line, last)| leg(&lines[*line], *line, *last, widest, position)).collect();
+fn bifurcation(node: usize, mut legs: Vec<Leg>, arrives_by: Option<usize>) -> MeasuredBifurcation {
+    let degree = legs.len();
     legs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     let first = arrives_by.and_then(|row| legs.iter().position(|leg| leg.line == row)).unwrap_or(0);
     let parent = legs.remove(first);
@@ -77,7 +73,7 @@ fn bifurcation(
     let flat = legs[0].direction.zip(legs[1].direction).map(|(a, b)| cross(a, b)).filter(|n| norm_squared(*n) > 1e-12);
     MeasuredBifurcation {
         node,
-        degree: ends.len(),
+        degree,
         parent: parent.line,
         radii: [parent.radius, legs[0].radius, legs[1].radius],
         angle: angle(legs[0].direction, legs[1].direction),

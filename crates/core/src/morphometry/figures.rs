@@ -81,15 +81,14 @@ pub struct NetworkFigures {
     pub territories: BTreeMap<usize, VesselTotals>,
 }
 
-/// Measures the lines of a network; `degree` is that of each node, `territory` that of each line.
+/// Measures the lines of a network; `territory` is that of each line.
 pub fn figures_of(
-    lines: &[VesselLine],
-    degree: &[usize],
     ways: &InletWays,
     bifurcations: &[MeasuredBifurcation],
     territory: &[Option<usize>],
     region: Option<&Region>,
 ) -> NetworkFigures {
+    let InletWays { lines, degree, .. } = ways;
     let mut joined = UnionFind::<usize>::new(degree.len());
     for line in lines {
         joined.union(line.ends[0], line.ends[1]);
@@ -116,7 +115,7 @@ pub fn figures_of(
         loops: lines.len() + of_part.len() - nodes,
         whole,
         longest_part: of_part.values().copied().fold(0.0, f64::max) / whole.length,
-        boxed: box_volume(lines),
+        boxed: box_of(lines).map_or(f64::NAN, |[low, high]| (0..3).map(|k| high[k] - low[k]).product()),
         box_dimension: box_dimension(lines),
         murray: median(&exponents).unwrap_or(f64::NAN),
         in_region: region.map(|region| densities(lines, region)),
@@ -171,10 +170,6 @@ fn densities(lines: &[VesselLine], region: &Region) -> [f64; 3] {
 /// The lowest and the highest corner of the box around all points; none without one.
 fn box_of(lines: &[VesselLine]) -> Option<[Point; 2]> {
     Some(bounds(lines.iter().flat_map(|line| line.points.iter().copied()))).filter(|[low, high]| low[0] <= high[0])
-}
-
-fn box_volume(lines: &[VesselLine]) -> f64 {
-    box_of(lines).map_or(f64::NAN, |[low, high]| (0..3).map(|k| high[k] - low[k]).product())
 }
 
 /// Minus the slope of ln N over ln of the side of a box, where N boxes hold a part of a line.

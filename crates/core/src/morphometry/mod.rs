@@ -19,7 +19,6 @@ use crate::network::{Network, Role};
 use bifurcations::bifurcations;
 use figures::figures_of;
 use orders::{InletWays, Orders};
-use vessel_lines::vessel_lines;
 
 /// A vessel between two junctions or ends.
 #[derive(Debug, Clone)]
@@ -73,14 +72,15 @@ pub struct Morphometry {
 impl Morphometry {
     /// Measures a network; `role` says of each node whether blood enters or leaves there.
     pub fn of(network: &Network, role: impl Fn(usize) -> Role, smoothing: Smoothing, around: MeasureContext<'_>) -> Self {
-        let from_inlets = FromInlets::of(network, role);
-        let (bifurcations, territory, figures) = from_inlets.measured(network, around);
-        let FromInlets { lines, degree, ways } = from_inlets;
-        let orders = Orders::of(network, &lines, &degree, &ways);
+        let ways = InletWays::of(network, role);
+        let (bifurcations, territory) = (bifurcations(network, &ways), ways.territories(around.territory));
+        let figures = figures_of(&ways, &bifurcations, &territory, around.region);
+        let orders = Orders::of(network, &ways);
+        let InletWays { lines, degree, from_inlet, .. } = ways;
         let mut ends: Vec<MeasuredEnd> = Vec::new();
         for (vessel, line) in lines.iter().enumerate() {
             for (node, last) in line.ends.into_iter().zip([false, true]).filter(|(node, _)| degree[*node] == 1) {
-                ends.push(MeasuredEnd { node, vessel, radius: line.end_radius(last), from_inlet: ways.from_inlet[node] });
+                ends.push(MeasuredEnd { node, vessel, radius: line.end_radius(last), from_inlet: from_inlet[node] });
             }
         }
         ends.sort_by_key(|end| end.node);
@@ -90,7 +90,7 @@ impl Morphometry {
             generation: orders.generation[row],
             strahler: orders.strahler[row],
             diameter_strahler: orders.diameter_strahler[row],
-            from_inlet: ways.from_inlet[line.ends[0]],
+            from_inlet: from_inlet[line.ends[0]],
             probability: orders.probability[row],
             territory: territory[row],
             line,
@@ -99,42 +99,8 @@ impl Morphometry {
     }
 }
 
-/// The vessels of a network from the inlets on.
-struct FromInlets {
-    lines: Vec<VesselLine>,
-    /// By node.
-    degree: Vec<usize>,
-    ways: InletWays,
-}
-
-impl FromInlets {
-    fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
-        let inlets: Vec<usize> = (0..network.node_count()).filter(|node| role(*node) == Role::Inlet).collect();
-        let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
-        let ways = InletWays::of(network.node_count(), &mut lines, &inlets);
-        let mut degree = vec![0; network.node_count()];
-        for node in lines.iter().flat_map(|line| line.ends) {
-            degree[node] += 1;
-        }
-        Self { lines, degree, ways }
-    }
-
-    /// Its bifurcations, the territory of each line, and the whole.
-    fn measured(
-        &self,
-        network: &Network,
-        around: MeasureContext<'_>,
-    ) -> (Vec<MeasuredBifurcation>, Vec<Option<usize>>, NetworkFigures) {
-        let Self { lines, degree, ways } = self;
-        let own = |line: &VesselLine| line.pieces.iter().find_map(|row| around.territory.get(*row).copied().flatten());
-        let territory = ways.entered_first(lines.iter().map(own).collect());
-        let bifurcations = bifurcations(network, lines, degree, ways);
-        let figures = figures_of(lines, degree, ways, &bifurcations, &territory, around.region);
-        (bifurcations, territory, figures)
-    }
-}
-
 /// What is measured of a network as a whole; `role` says of each node whether blood enters or leaves there.
 pub fn network_figures(network: &Network, role: impl Fn(usize) -> Role, around: MeasureContext<'_>) -> NetworkFigures {
-    FromInlets::of(network, role).measured(network, around).2
+    let ways = InletWays::of(network, role);
+    figures_of(&ways, &bifurcations(network, &ways), &ways.territories(around.territory), around.region)
 }

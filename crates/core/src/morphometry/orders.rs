@@ -1,14 +1,20 @@
 //! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
 
-use super::vessel_lines::VesselLine;
+use super::vessel_lines::{VesselLine, vessel_lines};
 use crate::network::paths::{ShortestPaths, lengths_at};
-use crate::network::{Network, Vessel};
+use crate::network::{Network, Role, Vessel};
+use crate::support::numbered::counted;
 
 /// So often orders by diameter are found again at most.
 const MOST_PASSES: usize = 100;
 
-/// The ways from the inlets. Each vessel is reached by the shortest way; one that closes a loop leads to no other.
+/// The vessels of a network and the ways to them from the inlets. Each vessel is reached by the shortest way; one that closes a loop leads
+/// to no other.
 pub struct InletWays {
+    /// The vessels, each from the end that is nearer to an inlet on.
+    pub lines: Vec<VesselLine>,
+    /// By node, how many lines end there.
+    pub degree: Vec<usize>,
     /// By node, the length of the way from the nearest inlet, m; infinite without one.
     pub from_inlet: Vec<f64>,
     /// By node, the line by which the way arrives.
@@ -20,12 +26,15 @@ pub struct InletWays {
 }
 
 impl InletWays {
-    /// Finds the ways, and turns every line so that it begins where it is nearer to an inlet.
-    pub fn of(nodes: usize, lines: &mut [VesselLine], inlets: &[usize]) -> Self {
+    /// Finds the ways; `role` says of each node whether blood enters or leaves there.
+    pub fn of(network: &Network, role: impl Fn(usize) -> Role) -> Self {
+        let nodes = network.node_count();
+        let inlets: Vec<usize> = (0..nodes).filter(|node| role(*node) == Role::Inlet).collect();
+        let mut lines = vessel_lines(network, |node| role(node) != Role::Inner);
         let at = lengths_at(nodes, lines.iter().enumerate().map(|(row, line)| (row, line.ends, line.length)));
         let (mut paths, mut reached) = (ShortestPaths::new(nodes), Vec::new());
         let edges = |node: usize| at[node].iter().copied();
-        paths.search(inlets, f64::INFINITY, edges, |_, node| {
+        paths.search(&inlets, f64::INFINITY, edges, |_, node| {
             reached.push(node);
             true
         });
@@ -44,11 +53,14 @@ impl InletWays {
                 leaving[line.ends[0]].push(row);
             }
         }
-        Self { from_inlet, arrives_by, leaving, reached }
+        let degree = counted(nodes, lines.iter().flat_map(|line| line.ends));
+        Self { lines, degree, from_inlet, arrives_by, leaving, reached }
     }
 
-    /// By line the mark of the first marked line on the way to its end, from those that lines have themselves.
-    pub fn entered_first(&self, mut marks: Vec<Option<usize>>) -> Vec<Option<usize>> {
+    /// By line the first territory on the way to its end, from those of the vessels.
+    pub fn territories(&self, of_vessel: &[Option<usize>]) -> Vec<Option<usize>> {
+        let own = |line: &VesselLine| line.pieces.iter().find_map(|row| of_vessel.get(*row).copied().flatten());
+        let mut marks: Vec<Option<usize>> = self.lines.iter().map(own).collect();
         for node in &self.reached {
             let before = self.arrives_by[*node].and_then(|row| marks[row]);
             for row in &self.leaving[*node] {
@@ -59,8 +71,8 @@ impl InletWays {
     }
 
     /// The lines that a line leads to.
-    fn children(&self, lines: &[VesselLine], row: usize) -> &[usize] {
-        let end = lines[row].ends[1];
+    fn children(&self, row: usize) -> &[usize] {
+        let end = self.lines[row].ends[1];
         if self.arrives_by[end] == Some(row) { &self.leaving[end] } else { &[] }
     }
 
@@ -83,20 +95,20 @@ pub struct Orders {
 }
 
 impl Orders {
-    /// The orders of lines by the ways to them; `degree` is that of each node.
-    pub fn of(network: &Network, lines: &[VesselLine], degree: &[usize], ways: &InletWays) -> Self {
-        let mut generation: Vec<Option<usize>> = vec![None; lines.len()];
-        let mut probability: Vec<f64> = lines.iter().map(|line| probability_within(network, line)).collect();
+    /// The orders of lines by the ways to them.
+    pub fn of(network: &Network, ways: &InletWays) -> Self {
+        let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
+        let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
         for node in &ways.reached {
             let before = ways.arrives_by[*node];
-            let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(degree[*node] > 2));
+            let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
             for row in &ways.leaving[*node] {
                 generation[*row] = Some(here);
                 probability[*row] *= before.map_or(1.0, |row| probability[row]);
             }
         }
-        let strahler = raised(lines, ways, |_, _| true);
-        let diameter_strahler = by_diameter(lines, ways, &strahler);
+        let strahler = raised(ways, |_, _| true);
+        let diameter_strahler = by_diameter(ways, &strahler);
         Self { generation, strahler, diameter_strahler, probability }
     }
 }
@@ -109,10 +121,10 @@ fn probability_within(network: &Network, line: &VesselLine) -> f64 {
 
 /// Strahler's orders: that of an end is 1, that of another the largest of its children, and one more where two children have it and
 /// `rises` says so of the line and that order.
-fn raised(lines: &[VesselLine], ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
-    let mut order: Vec<Option<usize>> = vec![None; lines.len()];
+fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
+    let mut order: Vec<Option<usize>> = vec![None; ways.lines.len()];
     for row in ways.back() {
-        let of: Vec<usize> = ways.children(lines, row).iter().filter_map(|child| order[*child]).collect();
+        let of: Vec<usize> = ways.children(row).iter().filter_map(|child| order[*child]).collect();
         let most = of.iter().copied().max();
         order[row] = Some(most.map_or(1, |most| {
             let several = of.iter().filter(|order| **order == most).count() > 1;
@@ -124,8 +136,8 @@ fn raised(lines: &[VesselLine], ways: &InletWays, rises: impl Fn(usize, usize) -
 
 /// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
 /// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
-fn by_diameter(lines: &[VesselLine], ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
-    let radius: Vec<f64> = lines.iter().map(VesselLine::radius).collect();
+fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
+    let radius: Vec<f64> = ways.lines.iter().map(VesselLine::radius).collect();
     let mut order = strahler.to_vec();
     for _ in 0..MOST_PASSES {
         let spread = |of: usize| {
@@ -135,14 +147,13 @@ fn by_diameter(lines: &[VesselLine], ways: &InletWays, strahler: &[Option<usize>
             (n > 0.0).then(|| [mean, (values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / n).sqrt()])
         };
         let most = order.iter().flatten().copied().max().unwrap_or(0);
-        let limit: Vec<f64> = (0..=most)
-            .map(|of| match (spread(of), spread(of + 1)) {
-                (Some([mean, deviation]), Some([next, of_next])) => f64::midpoint(mean + deviation, next - of_next),
-                (Some([mean, deviation]), None) => mean + deviation,
-                (None, _) => f64::INFINITY,
-            })
-            .collect();
-        let again = raised(lines, ways, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
+        let limit = |of: usize| match (spread(of), spread(of + 1)) {
+            (Some([mean, deviation]), Some([next, of_next])) => f64::midpoint(mean + deviation, next - of_next),
+            (Some([mean, deviation]), None) => mean + deviation,
+            (None, _) => f64::INFINITY,
+        };
+        let limit: Vec<f64> = (0..=most).map(limit).collect();
+        let again = raised(ways, |row, of| radius[row] > limit.get(of).copied().unwrap_or(f64::INFINITY));
         if again == order {
             break;
         }

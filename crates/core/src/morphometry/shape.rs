@@ -77,7 +77,7 @@ impl VesselShape {
             Smoothing::Radii(radii) => radii * radius,
             Smoothing::Length(length) => length,
         };
-        let bends = Bends::of(line, within);
+        let ([curvature, torsion, sum_of_angles_metric], inflections) = bends(line, within);
         Self {
             chord,
             radius,
@@ -86,10 +86,10 @@ impl VesselShape {
             volume,
             surface,
             distance_metric,
-            inflection_count_metric: (bends.inflections + 1) as f64 * distance_metric,
-            sum_of_angles_metric: bends.angles,
-            curvature: bends.curvature,
-            torsion: bends.torsion,
+            inflection_count_metric: (inflections + 1) as f64 * distance_metric,
+            sum_of_angles_metric,
+            curvature,
+            torsion,
         }
     }
 }
@@ -125,43 +125,34 @@ fn shares(at: &[f64]) -> Vec<f64> {
     (0..at.len()).map(|i| step(i) + if i > 0 { step(i - 1) } else { 0.0 }).collect()
 }
 
-/// What a smoothed course bends.
-struct Bends {
-    curvature: f64,
-    torsion: f64,
-    angles: f64,
-    inflections: usize,
-}
-
-impl Bends {
-    fn of(line: &VesselLine, within: f64) -> Self {
-        let count = line.points.len();
-        if count < 2 || !(line.length > 0.0 && within > 0.0) {
-            return Self { curvature: f64::NAN, torsion: f64::NAN, angles: f64::NAN, inflections: 0 };
-        }
-        let weights = shares(&line.at);
-        let stations = ((STATIONS * line.length / within).ceil() as usize).clamp(2, STATIONS as usize * count + 2);
-        let (mut sums, mut inflections, mut normal) = ([0.0; 3], 0, None::<Point>);
-        for station in 0..stations {
-            let [velocity, second, third] =
-                derivatives(line, &weights, line.length * (station as f64 + 0.5) / stations as f64, within);
-            let turning = cross(velocity, second);
-            let speed = norm(velocity);
-            let curvature = norm(turning) / speed.powi(3);
-            let mut torsion = 0.0;
-            if curvature * within >= STRAIGHT {
-                torsion = dot(turning, third) / norm_squared(turning);
-                let along = dot(second, velocity) / (speed * speed);
-                let new = unit(sub(second, velocity.map(|x| along * x)));
-                inflections += usize::from(normal.is_some_and(|old| norm_squared(sub(new, old)) > 1.0));
-                normal = Some(new);
-            }
-            for (sum, x) in sums.iter_mut().zip([curvature, torsion.abs(), curvature.hypot(torsion)]) {
-                *sum += x / stations as f64;
-            }
-        }
-        Self { curvature: sums[0], torsion: sums[1], angles: sums[2], inflections }
+/// How a smoothed course bends: means of the curvature, of the size of the torsion, and of the angles metric; and the number of inflections.
+fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
+    let count = line.points.len();
+    if count < 2 || !(line.length > 0.0 && within > 0.0) {
+        return ([f64::NAN; 3], 0);
     }
+    let weights = shares(&line.at);
+    let stations = ((STATIONS * line.length / within).ceil() as usize).clamp(2, STATIONS as usize * count + 2);
+    let (mut sums, mut inflections, mut normal) = ([0.0; 3], 0, None::<Point>);
+    for station in 0..stations {
+        let [velocity, second, third] =
+            derivatives(line, &weights, line.length * (station as f64 + 0.5) / stations as f64, within);
+        let turning = cross(velocity, second);
+        let speed = norm(velocity);
+        let curvature = norm(turning) / speed.powi(3);
+        let mut torsion = 0.0;
+        if curvature * within >= STRAIGHT {
+            torsion = dot(turning, third) / norm_squared(turning);
+            let along = dot(second, velocity) / (speed * speed);
+            let new = unit(sub(second, velocity.map(|x| along * x)));
+            inflections += usize::from(normal.is_some_and(|old| norm_squared(sub(new, old)) > 1.0));
+            normal = Some(new);
+        }
+        for (sum, x) in sums.iter_mut().zip([curvature, torsion.abs(), curvature.hypot(torsion)]) {
+            *sum += x / stations as f64;
+        }
+    }
+    (sums, inflections)
 }
 
 /// The first three derivatives of the smoothed course at a length along it, by that length.

@@ -74,19 +74,7 @@ impl VesselLine {
         }
         if length > 0.0 { sum / length } else { self.radii.first().copied().unwrap_or(f64::NAN) }
     }
-}
 
-/// The vessels of a network as lines; none goes on beyond a node that `stops` it.
-pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
-    let at = vessels_at(network, |_| true);
-    let passes = |node: usize| match *at[node] {
-        [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
-        _ => false,
-    };
-    runs(network, &at, passes).into_iter().map(|run| VesselLine::of(network, run)).collect()
-}
-
-impl VesselLine {
     fn of(network: &Network, run: Walk) -> Self {
         let (label, ends) = (network.vessel(run.edges[0]).label.clone(), run.ends());
         let mut line =
@@ -94,16 +82,12 @@ impl VesselLine {
         for (piece, node) in run.nodes[..line.pieces.len()].iter().enumerate() {
             line.add(network, line.pieces[piece], *node);
         }
-        line.shrink();
+        // Room for points that it has not is given back: of a million short lines that is as much as the points take.
+        line.pieces.shrink_to_fit();
+        line.points.shrink_to_fit();
+        line.radii.shrink_to_fit();
+        line.at.shrink_to_fit();
         line
-    }
-
-    /// Gives back the room for points that it has not: of a million short lines that is as much as the points take.
-    fn shrink(&mut self) {
-        self.pieces.shrink_to_fit();
-        self.points.shrink_to_fit();
-        self.radii.shrink_to_fit();
-        self.at.shrink_to_fit();
     }
 
     /// Adds the points of a piece from `node` on.
@@ -124,6 +108,16 @@ impl VesselLine {
         }
         self.length += vessel.length;
     }
+}
+
+/// The vessels of a network as lines; none goes on beyond a node that `stops` it.
+pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<VesselLine> {
+    let at = vessels_at(network, |_| true);
+    let passes = |node: usize| match *at[node] {
+        [a, b] => a != b && network.vessel(a).label == network.vessel(b).label && !stops(node),
+        _ => false,
+    };
+    runs(network, &at, passes).into_iter().map(|run| VesselLine::of(network, run)).collect()
 }
 
 /// The points of a piece with their radii, its nodes included; none without positions.

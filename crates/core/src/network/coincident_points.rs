@@ -6,6 +6,7 @@ use petgraph::unionfind::UnionFind;
 
 use super::centerlines::{Centerlines, is_radius};
 use crate::support::geometry::{Point, box_diagonal, distance};
+use crate::support::numbered::counted;
 
 /// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
 pub const WELD_TOLERANCE: f64 = 1e-6;
@@ -18,10 +19,7 @@ impl Centerlines {
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let n = self.points.len();
         let reach = tolerance * box_diagonal(self.points.iter().copied());
-        let mut degree = vec![0_u32; n];
-        for end in self.links.iter().flatten() {
-            degree[*end as usize] += 1;
-        }
+        let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
         let mut places = DistinctPositions::of(&self.points, &self.strand);
         places.unite_crowds(reach);
         // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for

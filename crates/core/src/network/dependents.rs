@@ -107,20 +107,16 @@ pub fn if_parted(network: &Network, kept: &[bool], ends: &[(usize, usize, usize)
         Some((row, [a?, b?], vessel.length))
     });
     let at = lengths_at(nodes + blocks, edges);
+    let next = |node: usize| at[node].iter().copied();
     let mut paths = ShortestPaths::new(nodes + blocks);
     let mut whole = 0.0;
     let mut sides = Vec::with_capacity(blocks);
     for block in nodes..nodes + blocks {
         let mut side = 0.0;
-        paths.search(
-            &[block],
-            f64::INFINITY,
-            |node| at[node].iter().copied(),
-            |_, node| {
-                side += at[node].iter().map(|(.., length)| 0.5 * length).sum::<f64>();
-                true
-            },
-        );
+        paths.search(&[block], f64::INFINITY, next, |_, node| {
+            side += at[node].iter().map(|(.., length)| 0.5 * length).sum::<f64>();
+            true
+        });
         let lengths = &paths.lengths()[nodes..];
         let round = (0..blocks).filter(|other| nodes + other != block).map(|other| lengths[other]).fold(f64::INFINITY, f64::min);
         // Each part counts once, for its first block.

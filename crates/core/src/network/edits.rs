@@ -11,7 +11,7 @@ use super::paths::{ShortestPaths, lengths_at};
 use super::units::millimetres;
 use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
 use crate::error::in_few_digits;
-use crate::support::geometry::{Point, distance, lerp};
+use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
 const REACH: f64 = 0.002;
@@ -140,10 +140,8 @@ impl GraphEditor {
         }
         if away > REACH.max(self.vessels[row].1.radius) {
             let (away, reach) = (in_few_digits(format!("{:.1}", millimetres(away))), millimetres(REACH));
-            return Err(format!(
-                "{} is {away} mm from the nearest vessel; expected a place within {reach} mm of one",
-                text_of(&[place])
-            ));
+            let place = text_of(&[place]);
+            return Err(format!("{place} is {away} mm from the nearest vessel; expected a place within {reach} mm of one"));
         }
         Ok(found.into_iter().filter(|one| one.0 <= away + ON_EACH_OTHER).map(|(_, row, on)| (row, on)).collect())
     }
@@ -170,15 +168,11 @@ impl GraphEditor {
         let edges = self.edges(|row| self.is_there(row));
         let mut paths = ShortestPaths::new(self.nodes.len());
         let mut open: BTreeSet<usize> = found.iter().flat_map(|(row, _)| self.vessels[*row].0).collect();
-        paths.search(
-            nodes,
-            f64::INFINITY,
-            |node| edges[node].iter().copied(),
-            |_, node| {
-                open.remove(&node);
-                !open.is_empty()
-            },
-        );
+        let next = |node: usize| edges[node].iter().copied();
+        paths.search(nodes, f64::INFINITY, next, |_, node| {
+            open.remove(&node);
+            !open.is_empty()
+        });
         let away = |row: usize| self.vessels[row].0.map(|node| paths.lengths()[node]).into_iter().fold(f64::INFINITY, f64::min);
         (0..found.len()).min_by(|a, b| away(found[*a].0).total_cmp(&away(found[*b].0))).unwrap_or(0)
     }
@@ -211,11 +205,9 @@ impl GraphEditor {
             path.dedup_by(|a, b| distance(a.position, b.position) == 0.0);
             if has_path { path } else { Vec::new() }
         });
-        let part = |share: f64, path: Vec<PathPoint>| Vessel {
-            length: share * vessel.length,
-            resistance: vessel.resistance.map(|whole| share * whole),
-            path,
-            ..vessel.clone()
+        let part = |share: f64, path: Vec<PathPoint>| {
+            let resistance = vessel.resistance.map(|whole| share * whole);
+            Vessel { length: share * vessel.length, resistance, path, ..vessel.clone() }
         };
         let (kept, other) = (part(share[0], kept), part(share[1], other));
         let far = std::mem::replace(&mut ends[1], node);
@@ -227,14 +219,8 @@ impl GraphEditor {
 
     /// An id that no node has.
     fn free_id(&mut self, like: &str) -> String {
-        let mut number = 1;
-        loop {
-            let id = format!("{like}.{number}");
-            if self.ids.insert(id.clone()) {
-                return id;
-            }
-            number += 1;
-        }
+        let mut ids = (1_u64..).map(|number| format!("{like}.{number}"));
+        ids.find(|id| self.ids.insert(id.clone())).unwrap_or_default()
     }
 
     fn join(&mut self, way: &[MmPoint]) -> Result<(), String> {
@@ -294,26 +280,20 @@ impl GraphEditor {
         }
         for (places, own) in groups.iter().zip(&nodes) {
             if let Some(second) = (1..own.len()).find(|at| own[..*at].contains(&own[*at])) {
-                return Err(format!(
-                    "two places of a group are at one node, the second {}; expected each on a vessel of its own",
-                    text_of(&[places[second]])
-                ));
+                let second = text_of(&[places[second]]);
+                let found = format!("two places of a group are at one node, the second {second}");
+                return Err(format!("{found}; expected each on a vessel of its own"));
             }
         }
         let seen: BTreeSet<usize> = nodes.iter().flatten().copied().collect();
         let trees = self.trees(&nodes, &seen);
         let mut group_of: BTreeMap<usize, usize> = BTreeMap::new();
-        for (group, own) in nodes.iter().enumerate() {
-            for node in own {
-                group_of.entry(*node).or_insert(group);
-            }
+        let own = nodes.iter().enumerate().flat_map(|(group, own)| own.iter().map(move |node| (*node, group)));
+        let of_trees = trees.iter().enumerate().flat_map(|(group, tree)| tree.nodes.iter().map(move |node| (*node, group)));
+        for (node, group) in own.chain(of_trees) {
+            group_of.entry(node).or_insert(group);
         }
-        for (group, tree) in trees.iter().enumerate() {
-            tree.vessels.iter().for_each(|row| self.keep(*row));
-            for node in &tree.nodes {
-                group_of.entry(*node).or_insert(group);
-            }
-        }
+        trees.iter().flat_map(|tree| &tree.vessels).for_each(|row| self.keep(*row));
         // Beyond the places of a group that has vessels between them, vessels may meet.
         let between = trees.iter().zip(&nodes).filter(|(tree, own)| tree.nodes.len() > own.len());
         let beyond: BTreeSet<usize> = between.flat_map(|(_, own)| own).copied().collect();
@@ -440,15 +420,11 @@ impl GraphEditor {
             loop {
                 let edges = self.edges(|row| open.contains(&row));
                 let mut other = None;
-                paths.search(
-                    &own,
-                    f64::INFINITY,
-                    |node| edges[node].iter().copied().filter(|(_, to, _)| !beyond.contains(to)),
-                    |_, node| {
-                        other = group_at(node).filter(|of| **of != group).map(|_| node);
-                        other.is_none()
-                    },
-                );
+                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| !beyond.contains(to));
+                paths.search(&own, f64::INFINITY, next, |_, node| {
+                    other = group_at(node).filter(|of| **of != group).map(|_| node);
+                    other.is_none()
+                });
                 let Some(goal) = other else { break };
                 let from_centre = |row: usize| distance(centre, self.middle_of(row));
                 let rank = |row: &usize| (self.vessels[*row].1.origin != Origin::Contact, from_centre(*row));
@@ -496,9 +472,8 @@ impl GraphEditor {
 
 /// How far along a stretch the point of it lies that is nearest to a place, as a share, and how far away it is, m.
 fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
-    let along = [0, 1, 2].map(|axis| to[axis] - from[axis]);
-    let square: f64 = along.iter().map(|x| x * x).sum();
-    let dot: f64 = (0..3).map(|axis| along[axis] * (at[axis] - from[axis])).sum();
-    let share = if square > 0.0 { (dot / square).clamp(0.0, 1.0) } else { 0.0 };
+    let along = sub(to, from);
+    let square = norm_squared(along);
+    let share = if square > 0.0 { (dot(along, sub(at, from)) / square).clamp(0.0, 1.0) } else { 0.0 };
     (share, distance(at, lerp(from, to, share)))
 }

@@ -7,6 +7,7 @@ use petgraph::unionfind::UnionFind;
 use super::units::as_stored;
 use super::walks::{Walk, other, runs, vessels_at};
 use super::{Network, Origin, Role, Vessel};
+use crate::support::numbered::placed;
 
 /// A network in which vessels are merged, and what its rows were.
 #[derive(Debug, Clone)]
@@ -29,12 +30,24 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
     // No copy and no list of what may be a million nodes, where none of them can go.
     let at = if (0..network.node_count()).any(&may_go) { vessels_at(&network, |_| true) } else { Vec::new() };
     // The runs of vessels while they grow: per vessel one of its run, the ends of each run by its last vessel of that kind.
-    let mut grown = Runs::of(&network);
+    let mut grown = UnionFind::<usize>::new(network.vessel_count());
+    let mut ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+    // Joins the runs of two vessels at the node that they share, unless the whole would begin and end at one node.
+    let mut join = |node: usize, pair: [usize; 2]| {
+        let [a, b] = pair.map(|row| grown.find_mut(row));
+        let far = [a, b].map(|run| other(ends[run], node));
+        let joins = a != b && far[0] != far[1];
+        if joins {
+            grown.union(a, b);
+            ends[grown.find_mut(a)] = far;
+        }
+        joins
+    };
     let mut is_gone = vec![false; network.node_count()];
     for node in 0..at.len() {
         let [a, b] = at[node][..] else { continue };
         let alike = || are_alike(network.vessel(a), network.vessel(b));
-        is_gone[node] = a != b && may_go(node) && is_plain(&network, node) && alike() && grown.join(node, a, b);
+        is_gone[node] = a != b && may_go(node) && is_plain(&network, node) && alike() && join(node, [a, b]);
     }
     if !is_gone.contains(&true) {
         let parts = (0..network.vessel_count()).map(|row| vec![row]).collect();
@@ -42,9 +55,10 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
     }
     let runs = runs(&network, &at, |node| is_gone[node]);
     let mut made = Network { frame: network.frame, ..Network::new() };
-    let mut row_of = vec![usize::MAX; is_gone.len()];
-    for row in (0..is_gone.len()).filter(|row| !is_gone[*row]) {
-        row_of[row] = made.add_node_of(&network, row);
+    let nodes: Vec<usize> = (0..is_gone.len()).filter(|node| !is_gone[*node]).collect();
+    let row_of = placed(is_gone.len(), nodes.iter().copied());
+    for row in &nodes {
+        made.add_node_of(&network, *row);
     }
     for run in &runs {
         let ends = run.ends().map(|node| row_of[node]);
@@ -53,7 +67,6 @@ pub fn merge(network: Cow<'_, Network>, may_go: impl Fn(usize) -> bool) -> Merge
             _ => made.add_vessel(ends, in_a_row(&network, run)),
         };
     }
-    let nodes = (0..is_gone.len()).filter(|node| !is_gone[*node]).collect();
     let network = Cow::Owned(made);
     Merged { network, nodes, parts: runs.into_iter().map(|run| run.edges).collect() }
 }
@@ -80,28 +93,4 @@ fn in_a_row(network: &Network, run: &Walk) -> Vessel {
     let radius = as_stored((length / narrowness).powf(0.25));
     let resistance = vessels().map(|vessel| vessel.resistance).sum::<Option<f64>>();
     Vessel { length: as_stored(length), radius, resistance, path: run.points(network), ..network.vessel(run.edges[0]).clone() }
-}
-
-/// Runs of vessels, of which each knows its two ends.
-struct Runs {
-    runs: UnionFind<usize>,
-    ends: Vec<[usize; 2]>,
-}
-
-impl Runs {
-    fn of(network: &Network) -> Self {
-        Self { runs: UnionFind::new(network.vessel_count()), ends: network.vessels().map(|(ends, _)| ends).collect() }
-    }
-
-    /// Joins the runs of two vessels at the node that they share, unless the whole would begin and end at one node.
-    fn join(&mut self, node: usize, a: usize, b: usize) -> bool {
-        let [a, b] = [a, b].map(|row| self.runs.find_mut(row));
-        let far = [a, b].map(|run| other(self.ends[run], node));
-        if a == b || far[0] == far[1] {
-            return false;
-        }
-        self.runs.union(a, b);
-        self.ends[self.runs.find_mut(a)] = far;
-        true
-    }
 }

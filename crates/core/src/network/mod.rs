@@ -42,6 +42,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::support::arc_lengths::in_direction;
 use crate::support::geometry::{Point, lerp};
+use crate::support::numbered::{counted, marked};
 use crate::support::ties::steady;
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed. A copy, or a part, shares those that it does not
@@ -161,14 +162,7 @@ impl Network {
 
     /// Per node the number of vessel ends of the vessels that `counts` admits; a self-loop counts twice.
     pub fn degrees(&self, counts: impl Fn(&Vessel) -> bool) -> Vec<usize> {
-        let mut degree = vec![0; self.node_count()];
-        for (ends, vessel) in self.vessels() {
-            if counts(vessel) {
-                degree[ends[0]] += 1;
-                degree[ends[1]] += 1;
-            }
-        }
-        degree
+        counted(self.node_count(), self.vessels().filter(|(_, vessel)| counts(vessel)).flat_map(|(ends, _)| ends))
     }
 
     /// The name of a vessel in messages: its row and nodes, and its label.
@@ -279,6 +273,12 @@ impl Fragments {
         };
         Self { of_node: (0..nodes).map(part).collect(), count }
     }
+
+    /// Per node whether one of some nodes is in its part.
+    pub fn holding(&self, nodes: impl Iterator<Item = usize>) -> Vec<bool> {
+        let holds = marked(self.count, nodes.map(|node| self.of_node[node]));
+        self.of_node.iter().map(|part| holds[*part]).collect()
+    }
 }
 
 /// A part shorter than so many of its widths may be a speck of a mask, and no vessel.
@@ -325,14 +325,11 @@ impl<'de> Deserialize<'de> for Network {
         for node in rows.nodes {
             network.add_node(node);
         }
-        for (ends, vessel) in rows.vessels {
-            if ends.iter().any(|node| *node >= network.node_count()) {
-                return Err(D::Error::custom(format!(
-                    "a vessel between nodes {} and {}, which do not both exist",
-                    ends[0], ends[1]
-                )));
+        for ([a, b], vessel) in rows.vessels {
+            if a.max(b) >= network.node_count() {
+                return Err(D::Error::custom(format!("a vessel between nodes {a} and {b}, which do not both exist")));
             }
-            network.add_vessel(ends, vessel);
+            network.add_vessel([a, b], vessel);
         }
         Ok(network)
     }

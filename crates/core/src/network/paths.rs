@@ -4,15 +4,11 @@ use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
 use super::walks::Walk;
+use crate::support::numbered::grouped;
 
 /// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
 pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
-    let mut at = vec![Vec::new(); nodes];
-    for (edge, [a, b], length) in edges {
-        at[a].push((edge, b, length));
-        at[b].push((edge, a, length));
-    }
-    at
+    grouped(nodes, edges.flat_map(|(edge, [a, b], length)| [(a, (edge, b, length)), (b, (edge, a, length))]))
 }
 
 /// The shortest paths from some nodes. One value serves many searches over the same nodes.

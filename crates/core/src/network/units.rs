@@ -159,6 +159,16 @@ impl LengthUnit {
             Self::Voxel => "voxel",
         }
     }
+
+    /// Its length, mm; of a voxel 1.
+    pub fn mm(self) -> f64 {
+        match self {
+            Self::Millimetre | Self::Voxel => 1.0,
+            Self::Micrometre => 1e-3,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1e3,
+        }
+    }
 }
 
 impl Scale {
@@ -171,11 +181,10 @@ impl Scale {
         use crate::error::Error;
         let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
-            (LengthUnit::Voxel, None) => Err(Error::parameter(
-                "units",
-                "voxel",
-                "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit",
-            )),
+            (LengthUnit::Voxel, None) => {
+                let accepted = "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit";
+                Err(Error::parameter("units", "voxel", accepted))
+            }
             (LengthUnit::Voxel | LengthUnit::Millimetre, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
                 refused("expected one or three positive numbers, in mm")
             }
@@ -220,17 +229,5 @@ impl Scale {
     pub fn length(&self, x: f64) -> f64 {
         let s = self.axes();
         metres(x * s[0].min(s[1]).min(s[2]))
-    }
-}
-
-impl LengthUnit {
-    /// Its length, mm; of a voxel 1.
-    pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre | Self::Voxel => 1.0,
-            Self::Micrometre => 1e-3,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1e3,
-        }
     }
 }

@@ -112,7 +112,7 @@ impl PathPoint {
 }
 
 /// A vessel between two nodes.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Vessel {
     /// Length along the centerline, m.
     pub length: f64,
@@ -145,19 +145,12 @@ const END_POINTS: usize = 10;
 impl Vessel {
     /// A vessel with a length and radius (m), and nothing else.
     pub fn new(length: f64, radius: f64, origin: Origin) -> Self {
-        Self {
-            length,
-            radius,
-            resistance: None,
-            label: String::new(),
-            origin,
-            prior: 1.0,
-            certain: false,
-            evidence: None,
-            kept: None,
-            wall: None,
-            path: Vec::new(),
-        }
+        Self { length, radius, origin, prior: 1.0, ..Self::default() }
+    }
+
+    /// Whether it is there without a question: observed, or certain.
+    pub fn is_given(&self) -> bool {
+        self.origin == Origin::Observed || self.certain
     }
 
     /// The path, or the straight line between two places (m) where it has none.

@@ -110,11 +110,29 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
     }
     let mut interpolated = vec![false; lines.points.len()];
     for run in runs {
-        let ends = run.ends().map(|point| row_of[point]);
-        let has_radii = add(&mut out, lines, &run, ends, rule, default_radius)?;
-        for point in run.nodes.iter().filter(|point| has_radii && !is_radius(lines.radii[**point])) {
-            interpolated[*point] = true;
+        let (points, ends) = (&run.nodes, run.ends().map(|point| row_of[point]));
+        let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
+        let radii = if let Some(radii) = radii_along(points, lines) {
+            points.iter().filter(|point| !is_radius(lines.radii[**point])).for_each(|point| interpolated[*point] = true);
+            radii
+        } else {
+            out.default_radii += 1;
+            let found = format!("no valid radius on any of its {} points", points.len());
+            let accepted = "expected a positive radius, or give `default_radius`";
+            vec![default_radius.ok_or_else(|| Fault::item(name(), found, accepted))?; points.len()]
+        };
+        let path = points.iter().zip(&radii);
+        let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
+        let (label, mixed) = label(lines, &run);
+        out.mixed_labels += usize::from(mixed);
+        let vessel = Vessel { label, ..Vessel::along(path, rule) };
+        if vessel.length <= 0.0 {
+            return Err(Fault::item(name(), "length 0", "expected points at different positions"));
         }
+        for (end, radius) in [(ends[0], radii[0]), (ends[1], radii[radii.len() - 1])] {
+            out.network.node_mut(end).radius.get_or_insert(radius);
+        }
+        out.network.add_vessel(ends, vessel);
     }
     let is_root = |point: &usize| is_node[*point] && lines.root == Some(lines.ids[*point]);
     if let Some(root) = (0..lines.points.len()).find(is_root).map(|point| row_of[point]) {
@@ -138,50 +156,12 @@ fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
-/// Adds the vessel of a run; returns whether any of its points has a radius.
-fn add(
-    out: &mut Contraction,
-    lines: &Centerlines,
-    run: &Walk,
-    ends: [usize; 2],
-    rule: RadiusRule,
-    default_radius: Option<f64>,
-) -> Result<bool, Fault> {
-    let points = &run.nodes;
-    let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
+/// The radii along some points: missing ones linear over arc length between valid neighbours, level beyond the outermost; `None`
+/// when there is no valid one.
+fn radii_along(points: &[usize], lines: &Centerlines) -> Option<Vec<f64>> {
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
-    let has_radii = interpolate(&mut radii, points, lines);
-    if !has_radii {
-        let radius = default_radius.ok_or_else(|| {
-            Fault::item(
-                name(),
-                format!("no valid radius on any of its {} points", points.len()),
-                "expected a positive radius, or give `default_radius`",
-            )
-        })?;
-        radii.fill(radius);
-        out.default_radii += 1;
-    }
-    let path = points.iter().zip(&radii);
-    let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
-    let (label, mixed) = label(lines, run);
-    out.mixed_labels += usize::from(mixed);
-    let vessel = Vessel { label, ..Vessel::along(path, rule) };
-    if vessel.length <= 0.0 {
-        return Err(Fault::item(name(), "length 0", "expected points at different positions"));
-    }
-    for (end, radius) in [(ends[0], radii[0]), (ends[1], radii[radii.len() - 1])] {
-        out.network.node_mut(end).radius.get_or_insert(radius);
-    }
-    out.network.add_vessel(ends, vessel);
-    Ok(has_radii)
-}
-
-/// Fills missing radii linearly over arc length between valid neighbours, level beyond the outermost; false when
-/// there is no valid one.
-fn interpolate(radii: &mut [f64], points: &[usize], lines: &Centerlines) -> bool {
     let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
-    let (Some(first), Some(last)) = (valid.first().copied(), valid.last().copied()) else { return false };
+    let (first, last) = (*valid.first()?, *valid.last()?);
     let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let (head, tail) = (radii[first], radii[last]);
     radii[..first].fill(head);
@@ -194,5 +174,5 @@ fn interpolate(radii: &mut [f64], points: &[usize], lines: &Centerlines) -> bool
             radii[i] = ra + share * (rb - ra);
         }
     }
-    true
+    Some(radii)
 }

@@ -1,6 +1,7 @@
 //! Walks along edges: runs of vessels that follow each other at nodes where nothing else begins, and parts of a walk.
 
 use super::{Network, PathPoint};
+use crate::support::numbered::grouped;
 
 /// Nodes and the edges between them: vessels of a network, or links of centerlines.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -80,13 +81,7 @@ impl Walk {
 
 /// The edges at each of so many nodes, an edge from a node to itself twice. Edges are given by number with their nodes.
 pub fn edges_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2])>) -> Vec<Vec<usize>> {
-    let mut at = vec![Vec::new(); nodes];
-    for (edge, ends) in edges {
-        for node in ends {
-            at[node].push(edge);
-        }
-    }
-    at
+    grouped(nodes, edges.flat_map(|(edge, ends)| ends.map(|node| (node, edge))))
 }
 
 /// The vessels at every node that `counts` admits, a vessel from a node to itself twice.

@@ -30,14 +30,10 @@ impl Waveform {
     pub fn own_period(&self) -> f64 {
         let (first, last) = (self.times[0], self.times[self.times.len() - 1]);
         let step = last - self.times.iter().rev().copied().find(|t| *t < last).unwrap_or(first);
-        let (low, high) = self.range();
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        let (low, high) = self.values.iter().fold(ends, |(low, high), x| (low.min(*x), high.max(*x)));
         let jump = (self.values[self.values.len() - 1] - self.values[0]).abs();
         last - first + if jump <= CLOSES * (high - low) { 0.0 } else { step }
-    }
-
-    /// The smallest and the largest value.
-    fn range(&self) -> (f64, f64) {
-        self.values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
     }
 
     /// Refuses points that are not one period of `period` s.

@@ -2,8 +2,7 @@
 
 use rand::Rng;
 
-use crate::support::random;
-use crate::support::random::{RandomStream, stream};
+use crate::support::random::{self, RandomStream, stream};
 
 /// Vessels that draw on the same words.
 const TOGETHER: usize = 16;

@@ -41,18 +41,6 @@ impl Stenosis {
         Self { open_diameter: (1.0 - reduction).sqrt(), stretch: None, place: StretchPlace::Middle }
     }
 
-    /// The same narrowing over a stretch of a length in m.
-    #[must_use]
-    pub fn over(self, stretch: f64) -> Self {
-        Self { stretch: Some(stretch), ..self }
-    }
-
-    /// The same narrowing with its stretch at a place.
-    #[must_use]
-    pub fn at(self, place: StretchPlace) -> Self {
-        Self { place, ..self }
-    }
-
     /// The factors for a vessel of a length in m, at least the stretch.
     pub fn factors(&self, length: f64) -> Factors {
         let narrowed = self.stretch.map_or(1.0, |stretch| stretch / length);

@@ -5,8 +5,7 @@
 use rand::Rng;
 
 use super::per_sample::PerSample;
-use crate::support::random;
-use crate::support::random::stream;
+use crate::support::random::{self, stream};
 use crate::support::simd::{Lanes, Scalar, Simd};
 
 /// The bits of a double that are left out when ρ is rounded.

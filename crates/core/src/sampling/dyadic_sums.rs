@@ -18,16 +18,10 @@ impl Summed for Vec<f64> {
 }
 
 /// The sums over the blocks that are finished: the largest nodes of the tree that they fill.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct DyadicSums<T> {
     /// Blocks of each node and their sum, by the node's first block. A node has 2^k blocks and begins at a multiple of that.
     nodes: BTreeMap<u64, (u64, T)>,
-}
-
-impl<T> Default for DyadicSums<T> {
-    fn default() -> Self {
-        Self { nodes: BTreeMap::new() }
-    }
 }
 
 impl<T: Summed> DyadicSums<T> {

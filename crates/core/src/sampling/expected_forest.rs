@@ -3,12 +3,12 @@
 
 use std::collections::BTreeMap;
 
+use petgraph::unionfind::UnionFind;
 use rand::Rng;
 
 use super::coins::rounded;
 use super::forest::root;
-use crate::support::random;
-use crate::support::random::stream;
+use crate::support::random::{self, stream};
 
 /// States of a group of equals, after so many of its vessels were taken, that are followed at the most.
 const MOST_STATES: usize = 1 << 10;
@@ -159,12 +159,10 @@ fn draw(vessels: &[(usize, [usize; 2])], nodes: usize, inside: &mut [f64]) {
             *key = rng.next_u64();
         }
         order.sort_unstable();
-        let mut parent: Vec<u32> = (0..nodes as u32).collect();
+        let mut joined = UnionFind::<usize>::new(nodes);
         for (_, at) in &order {
-            let (of, ends) = vessels[*at];
-            let [a, b] = ends.map(|node| root(&mut parent, node as u32));
-            if a != b {
-                parent[a as usize] = b;
+            let (of, [a, b]) = vessels[*at];
+            if joined.union(a, b) {
                 inside[of] += 1.0 / f64::from(DRAWN);
             }
         }

@@ -47,10 +47,7 @@ impl Sums {
         self.likelihood.fill(0.0);
         self.square.fill(0.0);
         self.count.fill(0.0);
-        self.network_resilience = 0.0;
-        self.perfused = 0.0;
-        self.residual = 0.0;
-        self.samples = 0;
+        (self.network_resilience, self.perfused, self.residual, self.samples) = (0.0, 0.0, 0.0, 0);
     }
 
     /// Whether samples can have made them, each of which adds a figure of zero or more to the vessels of its forest: whole numbers of

@@ -177,11 +177,6 @@ impl SamplingOptions {
         some.filter(|at| !at.others.is_empty()).collect()
     }
 
-    /// The probability that a connection is true, whatever is occluded.
-    fn truth(vessel: &Vessel) -> f64 {
-        if vessel.certain { 1.0 } else { vessel.prior }
-    }
-
     /// The chance that a vessel which a sample closed is a true connection all the same, only occluded: εA/(1 - λA); zero of one that is never
     /// occluded.
     pub fn occluded_though_true(&self, network: &Network, row: usize) -> f64 {
@@ -192,9 +187,11 @@ impl SamplingOptions {
     /// The probability that some inlet holds in a sample.
     pub fn chance_of_an_inlet(&self, network: &Network, boundary: &Boundary) -> f64 {
         let provisional = self.provisional(network, boundary);
+        // The probability that a connection is none, whatever is occluded.
+        let is_none = |vessel: &Vessel| if vessel.certain { 0.0 } else { 1.0 - vessel.prior };
         let holds = |node: usize| match provisional.binary_search_by_key(&node, |at| at.node) {
             Err(_) => 1.0,
-            Ok(at) => provisional[at].others.iter().map(|row| 1.0 - Self::truth(network.vessel(*row))).product::<f64>(),
+            Ok(at) => provisional[at].others.iter().map(|row| is_none(network.vessel(*row))).product::<f64>(),
         };
         let inlets = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Inlet);
         1.0 - inlets.map(|node| 1.0 - holds(node)).product::<f64>()

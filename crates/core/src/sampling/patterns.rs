@@ -61,14 +61,6 @@ impl Patterns {
             }
         }
         let rows = keep.len();
-        if !params.exact {
-            return Ok(Self {
-                source: PatternSource::Drawn { occlusion: Occlusion::new(keep), seed: params.seed },
-                vessels,
-                against,
-                rows,
-            });
-        }
         let twice = rows - vessels;
         let refused = |uncertain| {
             let ends = format!(", of which {twice} count twice, for they leave ends whose condition was found");
@@ -76,7 +68,11 @@ impl Patterns {
             let accepted = format!("expected at most {MOST_UNCERTAIN}; sample without `exact`");
             Error::parameter("exact", format!("with {uncertain} uncertain vessels{ends}"), accepted)
         };
-        let source = PatternSource::Enumerated(Enumeration::new(&keep).map_err(refused)?);
+        let source = if params.exact {
+            PatternSource::Enumerated(Enumeration::new(&keep).map_err(refused)?)
+        } else {
+            PatternSource::Drawn { occlusion: Occlusion::new(keep), seed: params.seed }
+        };
         Ok(Self { source, vessels, against, rows })
     }
 

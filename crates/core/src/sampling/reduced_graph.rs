@@ -95,10 +95,8 @@ impl SampledGraph {
         let solver = choose_solver::reduced_graph_solver(&core, params.solver)?;
         let ends = core.ends[..flows.len()].to_vec();
         let in_forest: Vec<Option<[usize; 2]>> = ends.iter().copied().map(Some).collect();
-        let forest = match solver.core() {
-            None => choose_solver::forest_program(core.node_count(), &in_forest),
-            Some(_) => None,
-        };
+        let eliminates = solver.core().is_none();
+        let forest = eliminates.then(|| choose_solver::forest_program(core.node_count(), &in_forest)).flatten();
         let slot = |node: usize| solver.slot(node) as u32;
         for (flow, ends) in flows.iter_mut().zip(&core.ends) {
             flow.slots = ends.map(slot);

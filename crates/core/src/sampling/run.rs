@@ -1,6 +1,5 @@
 //! The sampling run: worker threads compute fixed blocks of samples, which are summed over the dyadic tree of block indices.
 
-use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -110,21 +109,26 @@ impl Sampling {
     /// # Errors
     ///
     /// A breakdown of the solver, or a stop by `progress`; `part` then has what was finished.
-    pub fn sample(&self, part: &mut PartialRun, progress: &mut (impl Progress + ?Sized)) -> Result<()> {
+    pub fn sample<P: Progress + ?Sized>(&self, part: &mut PartialRun, progress: &mut P) -> Result<()> {
         let (total, done) = (part.samples(), part.done());
-        let gaps = part.gaps(0..part.blocks());
+        // The blocks of a unit, a power of two. Units are given out in rising order, so that finished ones soon join their neighbours.
         let unit = part.step().min(UNIT);
-        let (stop, shared) =
-            (AtomicBool::new(false), Mutex::new(SharedRun { part, units: Units { gaps, unit }, done, progress }));
-        let report = |shared: &mut SharedRun<'_, _>, fresh: u64| {
-            if !shared.report(fresh, total) {
+        let units = part.gaps(0..part.blocks()).into_iter().flat_map(move |gap| {
+            let numbers = gap.start / unit..gap.end.div_ceil(unit);
+            numbers.map(move |number| gap.start.max(number * unit)..gap.end.min((number + 1) * unit))
+        });
+        let (stop, units) = (AtomicBool::new(false), Mutex::new(units));
+        let shared = Mutex::new(SharedRun { part, done, progress });
+        let report = |shared: &mut SharedRun<'_, P>, fresh: u64| {
+            shared.done += fresh;
+            if !shared.progress.report(shared.done, total) {
                 stop.store(true, Ordering::Relaxed);
             }
         };
         let worker = |_| -> Result<()> {
             let (mut memory, mut spare) = (None, Vec::new());
             while !stop.load(Ordering::Relaxed) {
-                let Some(unit) = locked(&shared).units.next() else { break };
+                let Some(unit) = locked(&units).next() else { break };
                 // One that finds nothing to do has no need of any.
                 let work = memory.get_or_insert_with(|| self.sampler.workspace());
                 let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
@@ -196,37 +200,8 @@ impl Sampling {
 /// What the workers share.
 struct SharedRun<'a, P: ?Sized> {
     part: &'a mut PartialRun,
-    units: Units,
     done: u64,
     progress: &'a mut P,
-}
-
-impl<P: Progress + ?Sized> SharedRun<'_, P> {
-    /// Reports `fresh` more samples; false stops the run.
-    fn report(&mut self, fresh: u64, total: u64) -> bool {
-        self.done += fresh;
-        self.progress.report(self.done, total)
-    }
-}
-
-/// The blocks that are still to be computed. They are given out in rising order, so that finished ones soon join their neighbours.
-struct Units {
-    gaps: Vec<Range<u64>>,
-    /// Blocks of a unit, a power of two.
-    unit: u64,
-}
-
-impl Units {
-    fn next(&mut self) -> Option<Range<u64>> {
-        let gap = self.gaps.first_mut()?;
-        let first = gap.start;
-        let last = gap.end.min((first / self.unit + 1) * self.unit);
-        gap.start = last;
-        if gap.is_empty() {
-            self.gaps.remove(0);
-        }
-        Some(first..last)
-    }
 }
 
 /// The content of a lock. A panic elsewhere leaves it usable: it only holds sums and counts.

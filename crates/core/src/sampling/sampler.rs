@@ -44,28 +44,6 @@ enum SamplingPlan {
     Reference(Box<Reference>),
 }
 
-impl SamplingPlan {
-    /// The plan for a network with the circuit of its samples, whose `certain` vessels are open in all of them: what is asked for, or what is
-    /// predicted to be the fastest.
-    ///
-    /// # Errors
-    ///
-    /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
-    fn choose(network: &Network, circuit: Circuit, certain: &[bool], options: &SamplingOptions) -> Result<Self> {
-        if options.solver == Solver::Reference {
-            return Ok(Self::Reference(Box::new(Reference::new(network, circuit, options.weight))));
-        }
-        let full = match most_joins_in_full(network.vessel_count(), options.solver) {
-            Some(most) => SampledGraph::full(network, &circuit, certain, options, most)?,
-            None => None,
-        };
-        Ok(match full {
-            Some(full) => Self::Full(Box::new(full)),
-            None => Self::Reduced(Box::new(SampledGraph::reduced(network, &circuit, certain, options)?)),
-        })
-    }
-}
-
 impl Sampler {
     /// Prepares the samples of a network.
     ///
@@ -77,7 +55,17 @@ impl Sampler {
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let provisional = params.provisional(network, boundary);
         let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
-        let plan = SamplingPlan::choose(network, circuit, &certain, params)?;
+        // What is asked for, or what is predicted to be the fastest.
+        let plan = if params.solver == Solver::Reference {
+            SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))
+        } else {
+            let most = most_joins_in_full(network.vessel_count(), params.solver);
+            let full = most.map(|most| SampledGraph::full(network, &circuit, &certain, params, most)).transpose()?.flatten();
+            match full {
+                Some(full) => SamplingPlan::Full(Box::new(full)),
+                None => SamplingPlan::Reduced(Box::new(SampledGraph::reduced(network, &circuit, &certain, params)?)),
+            }
+        };
         let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
         Ok(Self { patterns, coins, plan })
     }

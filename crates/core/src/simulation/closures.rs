@@ -43,11 +43,8 @@ pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before
         let closed = [Perturbation { vessel: *vessel, change: Change::Occlusion }];
         let after = State::solve(network, boundary, &perturbed(network, &at_rest, &closed)?, viscosity)?;
         let cut = rounding(before, &after);
-        let pairs: Vec<(usize, f64, f64)> = outlets
-            .iter()
-            .zip(had.iter().zip(delivered(network, &after, &outlets)))
-            .map(|(node, (b, a))| (*node, *b, a))
-            .collect();
+        let both = outlets.iter().zip(&had).zip(delivered(network, &after, &outlets));
+        let pairs: Vec<(usize, f64, f64)> = both.map(|((node, before), after)| (*node, *before, after)).collect();
         let fed = || pairs.iter().filter(|(_, before, _)| *before > cut);
         let lost: f64 = pairs.iter().map(|(_, before, after)| before - after).filter(|less| *less > cut).sum();
         let share = |(node, before, after): &(usize, f64, f64)| (*node, if *after > cut { after / before } else { 0.0 });

@@ -118,11 +118,11 @@ fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> 
         return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
     }
     match stenosis.stretch {
-        Some(stretch) if !(stretch > 0.0 && stretch <= length) => Err(Error::parameter(
-            "stenosis",
-            format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel)),
-            format!("expected a positive length of at most the vessel's, {} mm", millimetres(length)),
-        )),
+        Some(stretch) if !(stretch > 0.0 && stretch <= length) => {
+            let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel));
+            let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
+            Err(Error::parameter("stenosis", found, accepted))
+        }
         _ => Ok(()),
     }
 }
@@ -178,15 +178,8 @@ fn largest_first(changes: impl Iterator<Item = FlowChange>, figure: impl Fn(&Flo
     changes
 }
 
-fn untouched<'a>(
-    before: &'a State,
-    after: &'a State,
-    perturbations: &'a [Perturbation],
-) -> impl Iterator<Item = FlowChange> + 'a {
+fn untouched(before: &State, after: &State, perturbations: &[Perturbation]) -> impl Iterator<Item = FlowChange> {
     let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
-    pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row)).map(|(vessel, (b, a))| FlowChange {
-        vessel,
-        before: b.flow,
-        after: a.flow,
-    })
+    let others = pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row));
+    others.map(|(vessel, (b, a))| FlowChange { vessel, before: b.flow, after: a.flow })
 }

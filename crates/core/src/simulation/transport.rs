@@ -5,11 +5,15 @@
 //! V_j = (Σ q (V_up + (M_up + t - M_j)²) + s_j M_j²)/I_j; first arrival min(first_up + t); per source M_j^k = Σ q f_up^k (M_up^k + t)/(I_j f_j^k).
 //! Pressure falls along the flow, so one pass over the nodes in the order of the flow is exact. Supply fractions: Kansagra and Wong 2008.
 
+use std::collections::BTreeSet;
+
 use super::{Perturbation, Simulation, perturbed};
 use crate::error::Result;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Tube};
 use crate::network::Network;
+use crate::network::walks::other;
+use crate::support::numbered::{grouped, marked};
 
 /// A flow is no source or exit where it is less than this share of what passes its node.
 const ROUNDING: f64 = 1e-9;
@@ -52,11 +56,9 @@ impl Transport {
     /// By node, of which of `count` marks the blood there last passed a vessel, as shares: of what entered and passed none, no share. Flows
     /// (m³/s) between `ends` are those that were followed; `marks` are by vessel.
     pub fn passed(&self, ends: &[[usize; 2]], flow: &[f64], marks: &[Option<usize>], count: usize) -> Vec<Option<Vec<f64>>> {
-        let mut into = vec![Vec::new(); self.nodes.len()];
-        for (row, [a, b]) in ends.iter().enumerate() {
-            let Some((up, _)) = self.vessels[row] else { continue };
-            into[if up == *a { *b } else { *a }].push((row, up));
-        }
+        let flowing = ends.iter().zip(&self.vessels).enumerate();
+        let downstream = flowing.filter_map(|(row, (ends, vessel))| vessel.map(|(up, _)| (other(*ends, up), (row, up))));
+        let into = grouped(self.nodes.len(), downstream);
         let mut passed: Vec<Option<Vec<f64>>> = vec![None; self.nodes.len()];
         for node in &self.order {
             let Some(blood) = &self.nodes[*node] else { continue };
@@ -72,6 +74,22 @@ impl Transport {
             passed[*node] = Some(shares);
         }
         passed
+    }
+
+    /// The share of a source in some blood, and the mean time since entry of that share, s; of a node that is no source, zero.
+    pub fn of_source(&self, blood: &Blood, source: usize) -> (f64, f64) {
+        let at = self.sources.binary_search(&source);
+        at.map_or((0.0, f64::NAN), |at| (blood.supply[at], blood.mean_of_source[at]))
+    }
+
+    /// What leaves through a node, m³/s.
+    pub fn leaving(&self, node: usize) -> f64 {
+        self.exits.iter().find(|(exit, _)| *exit == node).map_or(0.0, |(_, flow)| *flow)
+    }
+
+    /// The blood at the upstream end of a vessel.
+    pub fn of_vessel(&self, row: usize) -> Option<&Blood> {
+        self.vessels[row].and_then(|(up, _)| self.nodes[up].as_ref())
     }
 }
 
@@ -100,10 +118,7 @@ impl Transports {
         let at_rest = Tube::at_rest(network, viscosity);
         let changed = perturbed(network, &at_rest, perturbations)?;
         let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-        let mut is_open = vec![false; network.node_count()];
-        for (node, _) in &boundary.conditions {
-            is_open[*node] = true;
-        }
+        let is_open = marked(network.node_count(), boundary.conditions.iter().map(|(node, _)| *node));
         let through = |state: &State, tubes: &[Tube]| {
             let flow: Vec<f64> = state.vessels.iter().map(|vessel| vessel.flow).collect();
             let volume: Vec<f64> = tubes.iter().map(|tube| tube.volume).collect();
@@ -111,6 +126,23 @@ impl Transports {
         };
         let perturbed = simulation.perturbed.as_ref().map(|state| through(state, &changed));
         Ok(Self { unperturbed: through(&simulation.unperturbed, &at_rest), perturbed })
+    }
+
+    /// Each state with how the names of its columns end.
+    pub fn states(&self) -> impl Iterator<Item = (&Transport, &'static str)> {
+        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, super::PERTURBED)))
+    }
+
+    /// The nodes through which blood enters in either state.
+    pub fn sources(&self) -> Vec<usize> {
+        let sources: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.sources.iter().copied()).collect();
+        sources.into_iter().collect()
+    }
+
+    /// The nodes through which blood leaves in either state.
+    pub fn exits(&self) -> Vec<usize> {
+        let exits: BTreeSet<usize> = self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)).collect();
+        exits.into_iter().collect()
     }
 }
 
@@ -193,46 +225,5 @@ impl Blood {
     pub fn territory(&self) -> (usize, f64) {
         let larger = |best: (usize, f64), one: (usize, &f64)| if *one.1 > best.1 + ROUNDING { (one.0, *one.1) } else { best };
         self.supply.iter().enumerate().fold((0, f64::NEG_INFINITY), larger)
-    }
-}
-
-impl Transports {
-    /// Each state with how the names of its columns end.
-    pub fn states(&self) -> impl Iterator<Item = (&Transport, &'static str)> {
-        std::iter::once((&self.unperturbed, "")).chain(self.perturbed.iter().map(|state| (state, super::PERTURBED)))
-    }
-
-    /// The nodes through which blood enters in either state.
-    pub fn sources(&self) -> Vec<usize> {
-        let mut sources: Vec<usize> = self.states().flat_map(|(state, _)| state.sources.iter().copied()).collect();
-        sources.sort_unstable();
-        sources.dedup();
-        sources
-    }
-
-    /// The nodes through which blood leaves in either state.
-    pub fn exits(&self) -> Vec<usize> {
-        let mut exits: Vec<usize> = self.states().flat_map(|(state, _)| state.exits.iter().map(|(node, _)| *node)).collect();
-        exits.sort_unstable();
-        exits.dedup();
-        exits
-    }
-}
-
-impl Transport {
-    /// The share of a source in some blood, and the mean time since entry of that share, s; of a node that is no source, zero.
-    pub fn of_source(&self, blood: &Blood, source: usize) -> (f64, f64) {
-        let at = self.sources.binary_search(&source);
-        at.map_or((0.0, f64::NAN), |at| (blood.supply[at], blood.mean_of_source[at]))
-    }
-
-    /// What leaves through a node, m³/s.
-    pub fn leaving(&self, node: usize) -> f64 {
-        self.exits.iter().find(|(exit, _)| *exit == node).map_or(0.0, |(_, flow)| *flow)
-    }
-
-    /// The blood at the upstream end of a vessel.
-    pub fn of_vessel(&self, row: usize) -> Option<&Blood> {
-        self.vessels[row].and_then(|(up, _)| self.nodes[up].as_ref())
     }
 }

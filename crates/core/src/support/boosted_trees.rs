@@ -1,6 +1,5 @@
 //! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
 
-use std::fmt;
 use std::str::FromStr;
 
 use ndarray::{Array2, Axis};
@@ -36,13 +35,11 @@ impl Boosted {
     /// A column beyond the last.
     pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
         let beyond = |tree: &RegressionTree| tree.last_column().filter(|column| *column >= columns);
-        match self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?))) {
-            None => Ok(()),
-            Some((at, column)) => {
-                let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
-                Err(Fault::item(place, format!("feature {column}"), accepted))
-            }
-        }
+        let wrong = self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?)));
+        wrong.map_or(Ok(()), |(at, column)| {
+            let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
+            Err(Fault::item(place, format!("feature {column}"), accepted))
+        })
     }
 }
 
@@ -137,22 +134,13 @@ fn subtree(nodes: &mut [TreeNode], at: usize, depth: usize) -> Option<usize> {
 }
 
 /// `3<0.25 -0.1 0.2`: below 0.25 in column 3 the value is -0.1, else 0.2.
-impl fmt::Display for RegressionTree {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (at, node) in self.nodes.iter().enumerate() {
-            let space = if at > 0 { " " } else { "" };
-            match node {
-                TreeNode::Split { column, least_right, .. } => write!(f, "{space}{column}<{least_right}")?,
-                TreeNode::Leaf(value) => write!(f, "{space}{value}")?,
-            }
-        }
-        Ok(())
-    }
-}
-
 impl From<RegressionTree> for String {
     fn from(tree: RegressionTree) -> Self {
-        tree.to_string()
+        let word = |node: &TreeNode| match node {
+            TreeNode::Split { column, least_right, .. } => format!("{column}<{least_right}"),
+            TreeNode::Leaf(value) => value.to_string(),
+        };
+        tree.nodes.iter().map(word).collect::<Vec<String>>().join(" ")
     }
 }
 
@@ -170,12 +158,9 @@ impl FromStr for RegressionTree {
     fn from_str(text: &str) -> Result<Self, String> {
         let number = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite());
         let node = |word: &str| {
+            let split = |(column, least_right)| TreeNode::Split { column, least_right, right: 0 };
             let read = match word.split_once('<') {
-                Some((column, least)) => column.parse().ok().zip(number(least)).map(|(column, least_right)| TreeNode::Split {
-                    column,
-                    least_right,
-                    right: 0,
-                }),
+                Some((column, least)) => column.parse().ok().zip(number(least)).map(split),
                 None => number(word).map(TreeNode::Leaf),
             };
             read.ok_or_else(|| format!("\"{word}\" in a tree"))

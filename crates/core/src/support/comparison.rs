@@ -5,6 +5,7 @@
 
 use rand::RngExt;
 
+use super::numbered::marked;
 use super::random::stream;
 use super::statistics::quantile;
 
@@ -170,11 +171,7 @@ fn permutation_test(imputations: &[Ranks], first: &[bool], delta: f64, seed: u64
         let mut chosen: Vec<usize> = (0..size).collect();
         let mut reached = 0;
         loop {
-            let mut divided = vec![false; first.len()];
-            for row in &chosen {
-                divided[*row] = true;
-            }
-            reached += usize::from(reaches(&divided));
+            reached += usize::from(reaches(&marked(first.len(), chosen.iter().copied())));
             // The next combination in lexical order.
             let Some(at) = (0..size).rev().find(|at| chosen[*at] < first.len() - size + at) else { break };
             chosen[at] += 1;

@@ -5,7 +5,9 @@ use std::path::Path;
 
 /// Memory that this process can still get, bytes: the least of what is free, of what its group may have and of its address space.
 pub fn memory() -> Option<u64> {
-    [free(), group(), address_space()].into_iter().flatten().min()
+    let used = figure("/proc/self/status", "VmSize");
+    let address_space = limit("Max address space").zip(used).map(|(most, used)| most.saturating_sub(used));
+    [figure("/proc/meminfo", "MemAvailable"), group(), address_space].into_iter().flatten().min()
 }
 
 /// The largest file that this process may write, bytes (`ulimit -f`).
@@ -24,14 +26,6 @@ fn figure(file: &str, name: &str) -> Option<u64> {
     let text = fs::read_to_string(file).ok()?;
     let value = text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix(':'))?;
     value.split_whitespace().next()?.parse::<u64>().ok()?.checked_mul(1024)
-}
-
-fn free() -> Option<u64> {
-    figure("/proc/meminfo", "MemAvailable")
-}
-
-fn address_space() -> Option<u64> {
-    Some(limit("Max address space")?.saturating_sub(figure("/proc/self/status", "VmSize")?))
 }
 
 /// What the control groups leave (version 2), the process's own and those around it: a container's limit.

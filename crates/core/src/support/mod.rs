@@ -1,5 +1,5 @@
 //! Tools for every other module: boosted trees, random streams, vector instructions, statistics, comparisons of groups, geometry, lengths along lines, elimination orders, suggestions,
-//! text that may be shown, endings of names, limits of the system.
+//! lists by number, text that may be shown, endings of names, limits of the system.
 
 pub mod arc_lengths;
 pub mod boosted_trees;
@@ -13,6 +13,7 @@ pub mod kappa;
 pub mod limits;
 pub mod model_provenance;
 pub mod normal_equations;
+pub mod numbered;
 pub mod parallel;
 pub mod printable;
 pub mod random;

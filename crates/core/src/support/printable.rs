@@ -1,33 +1,24 @@
 //! Text from files as it may be shown: nothing in it moves the cursor, colours, rings, begins a line or turns the reading direction.
 
 use std::borrow::Cow;
-use std::fmt::Write;
 
 /// The text with every character that a terminal acts on, or that hides or reorders others, as its escape: `\u{1b}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(acts) {
-        return Cow::Borrowed(text);
-    }
-    let shown = |c: char| if acts(c) { c.escape_default().to_string() } else { c.to_string() };
-    Cow::Owned(text.chars().map(shown).collect())
+    escaped(text, |c| c.escape_default().to_string())
 }
 
 /// JSON whose texts are [`printable()`] and mean the same.
 pub fn printable_json(json: &str) -> Cow<'_, str> {
-    if !json.contains(acts) {
-        return Cow::Borrowed(json);
+    escaped(json, |c| c.encode_utf16(&mut [0; 2]).iter().map(|unit| format!("\\u{unit:04x}")).collect::<Vec<_>>().concat())
+}
+
+fn escaped(text: &str, escape: impl Fn(char) -> String) -> Cow<'_, str> {
+    if !text.contains(acts) {
+        return Cow::Borrowed(text);
     }
-    let mut shown = String::with_capacity(json.len());
-    let mut units = [0; 2];
-    for c in json.chars() {
-        if acts(c) {
-            for unit in c.encode_utf16(&mut units) {
-                // Writing to a string cannot fail.
-                let _ = write!(shown, "\\u{unit:04x}");
-            }
-        } else {
-            shown.push(c);
-        }
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if acts(c) { shown += &escape(c) } else { shown.push(c) }
     }
     Cow::Owned(shown)
 }

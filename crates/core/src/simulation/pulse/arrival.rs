@@ -8,6 +8,7 @@ use super::fourier::{at, derivative, samples};
 use super::indices::behind;
 use super::setting::{Drive, Setting};
 use crate::network::paths::ShortestPaths;
+use crate::support::numbered::marked;
 
 /// Even times of a period among which rises are looked for.
 const TIMES: usize = 1000;
@@ -118,10 +119,7 @@ impl Arrivals {
             *foot = driven + late.min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap_or(0.0);
         }
         let first = starts.iter().map(|(_, foot)| *foot).fold(f64::NAN, f64::min);
-        let mut is_start = vec![false; places];
-        for (node, _) in &starts {
-            is_start[*node] = true;
-        }
+        let is_start = marked(places, starts.iter().map(|(node, _)| *node));
 
         let mut steps: Vec<Vec<(usize, f64)>> = vec![Vec::new(); places];
         for (row, [a, b]) in ends.iter().enumerate().filter(|(row, _)| middle[*row].is_some()) {

@@ -139,6 +139,24 @@ impl Pulse {
         };
         self.vessels[row].flow[1].iter().enumerate().map(at).collect()
     }
+
+    /// The figures of the flow in the middle of a vessel.
+    pub fn flow_indices(&self, row: usize) -> Indices {
+        self.flow_indices_beside(row, self.largest_flow())
+    }
+
+    /// As [`Pulse::flow_indices`], with the largest amplitude of all flows, m³/s.
+    pub fn flow_indices_beside(&self, row: usize, largest: f64) -> Indices {
+        let flow = &self.vessels[row].flow[1];
+        let found = Indices::of(flow, self.period, ROUNDING * largest);
+        let is_none = flow.iter().all(|c| c.norm() <= ROUNDING * largest);
+        if is_none { Indices { mean: 0.0, max: 0.0, min: 0.0, ..found } } else { found }
+    }
+
+    /// The figures of the pressure at a node.
+    pub fn node_indices(&self, node: usize) -> Option<Indices> {
+        self.pressure[node].as_ref().map(|pressure| Indices::of(pressure, self.period, 0.0))
+    }
 }
 
 /// What holds at a node at every harmonic but 0.
@@ -254,25 +272,5 @@ impl Pulses {
     /// A phase as the time behind that of the first inlet, s.
     pub fn delay(&self, phase: f64, period: f64) -> f64 {
         behind(phase, Indices::of(&self.first.coefficients, period, 0.0).phase, period)
-    }
-}
-
-impl Pulse {
-    /// The figures of the flow in the middle of a vessel.
-    pub fn flow_indices(&self, row: usize) -> Indices {
-        self.flow_indices_beside(row, self.largest_flow())
-    }
-
-    /// As [`Pulse::flow_indices`], with the largest amplitude of all flows, m³/s.
-    pub fn flow_indices_beside(&self, row: usize, largest: f64) -> Indices {
-        let flow = &self.vessels[row].flow[1];
-        let found = Indices::of(flow, self.period, ROUNDING * largest);
-        let is_none = flow.iter().all(|c| c.norm() <= ROUNDING * largest);
-        if is_none { Indices { mean: 0.0, max: 0.0, min: 0.0, ..found } } else { found }
-    }
-
-    /// The figures of the pressure at a node.
-    pub fn node_indices(&self, node: usize) -> Option<Indices> {
-        self.pressure[node].as_ref().map(|pressure| Indices::of(pressure, self.period, 0.0))
     }
 }

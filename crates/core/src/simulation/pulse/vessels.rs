@@ -6,6 +6,7 @@ use crate::flow::{Tube, WallLaw};
 use crate::network::Network;
 use crate::perturbation::stenosis::StretchPlace;
 use crate::simulation::{Change, Perturbation};
+use crate::support::numbered::grouped;
 
 /// A vessel with its wall.
 #[derive(Debug, Clone, PartialEq)]
@@ -39,10 +40,7 @@ pub fn walled(
     law: &WallLaw,
     fluid: &Fluid,
 ) -> Result<Vec<Walled>> {
-    let mut changes: Vec<Vec<&Change>> = vec![Vec::new(); network.vessel_count()];
-    for perturbation in perturbations {
-        changes[perturbation.vessel].push(&perturbation.change);
-    }
+    let changes = grouped(network.vessel_count(), perturbations.iter().map(|p| (p.vessel, &p.change)));
     let vessel = |row: usize| {
         let (vessel, tube) = (network.vessel(row), &tubes[row]);
         let (narrowest, volume) = (tube.radius, tube.volume);

@@ -1,5 +1,7 @@
 //! A graph whose nodes are removed one after another; the neighbours of a removed node are joined to one another.
 
+use crate::support::numbered::grouped;
+
 /// The graph of the nodes that remain.
 pub trait Remaining {
     /// How many neighbours a node has.
@@ -95,11 +97,8 @@ pub struct Lists {
 impl Lists {
     /// Links from a node to itself count for nothing.
     pub fn new(nodes: usize, links: &[[usize; 2]]) -> Self {
-        let mut neighbours = vec![Vec::new(); nodes];
-        for [a, b] in links.iter().filter(|[a, b]| a != b) {
-            neighbours[*a].push(*b);
-            neighbours[*b].push(*a);
-        }
+        let links = links.iter().filter(|[a, b]| a != b);
+        let mut neighbours = grouped(nodes, links.flat_map(|[a, b]| [(*a, *b), (*b, *a)]));
         for list in &mut neighbours {
             list.sort_unstable();
             list.dedup();

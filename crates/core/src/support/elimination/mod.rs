@@ -9,6 +9,8 @@ pub mod order;
 
 use std::ops::Deref;
 
+use super::numbered::{grouped, marked, placed};
+
 pub use order::{Star, least_degree};
 
 use order::{least_fill, low_degrees, reverse_cuthill_mckee};
@@ -113,13 +115,9 @@ impl Elimination {
     pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
         let (mut stars, left) = low_degrees(nodes, links, most);
         let eliminated = stars.len();
-        let mut gone = vec![false; nodes];
-        for star in &stars {
-            gone[star.center] = true;
-        }
+        let gone = marked(nodes, stars.iter().map(|star| star.center));
         let core = reverse_cuthill_mckee(&left, |node| !gone[node]);
-        let mut place = vec![0; nodes];
-        core.iter().enumerate().for_each(|(at, node)| place[*node] = at);
+        let place = placed(nodes, core.iter().copied());
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
         let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
@@ -135,8 +133,7 @@ impl Elimination {
         order: impl FnOnce(usize, &[[usize; 2]]) -> Option<Self>,
     ) -> Option<Self> {
         let admitted: Vec<usize> = (0..nodes).filter(|node| counts(*node)).collect();
-        let mut number = vec![usize::MAX; nodes];
-        admitted.iter().enumerate().for_each(|(at, node)| number[*node] = at);
+        let number = placed(nodes, admitted.iter().copied());
         let between = links.iter().filter(|[a, b]| a != b && counts(*a) && counts(*b));
         let compiled = order(admitted.len(), &between.map(|ends| ends.map(|node| number[node])).collect::<Vec<_>>())?;
         let mut place = vec![NOWHERE; nodes];
@@ -180,11 +177,7 @@ impl Elimination {
 
     /// Per ray the rows of the links that lie on it, in their order. A link is a row with two different places that are neighbours.
     pub fn rows_by_ray(&self, links: impl IntoIterator<Item = (u32, [u32; 2])>) -> Vec<Vec<u32>> {
-        let mut rows = vec![Vec::new(); self.rays()];
-        for (row, [a, b]) in links {
-            rows[self.ray_between(a, b) as usize].push(row);
-        }
-        rows
+        grouped(self.rays(), links.into_iter().map(|(row, [a, b])| (self.ray_between(a, b) as usize, row)))
     }
 }
 

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::graph::{BitMatrix, Lists, Remaining};
+use crate::support::numbered::{marked, placed};
 
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
@@ -46,15 +47,9 @@ pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<
 
 /// The stars of the nodes that `gone` leaves, whose neighbours that remain are given; in the same order as if nobody had stopped.
 fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option<Vec<Star>> {
-    let mut is_gone = vec![false; neighbours.len()];
-    for star in gone {
-        is_gone[star.center] = true;
-    }
+    let is_gone = marked(neighbours.len(), gone.iter().map(|star| star.center));
     let rest: Vec<usize> = (0..neighbours.len()).filter(|node| !is_gone[*node]).collect();
-    let mut place = vec![0; neighbours.len()];
-    for (at, node) in rest.iter().enumerate() {
-        place[*node] = at;
-    }
+    let place = placed(neighbours.len(), rest.iter().copied());
     let pairs = rest.iter().flat_map(|a| neighbours[*a].iter().filter(move |b| a < *b).map(move |b| [*a, *b]));
     let links: Vec<[usize; 2]> = pairs.map(|pair| pair.map(|node| place[node])).collect();
     let mut stars = if rest.len() <= MOST_IN_BITS {
@@ -64,9 +59,7 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
     }?;
     for star in &mut stars {
         star.center = rest[star.center];
-        for node in &mut star.neighbours {
-            *node = rest[*node];
-        }
+        star.neighbours.iter_mut().for_each(|node| *node = rest[*node]);
     }
     Some(stars)
 }
