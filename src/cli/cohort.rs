@@ -351,7 +351,7 @@ impl Each<'_> {
             return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
         }
         let mut all: Vec<_> = (0..total).map(|_| None).collect();
-        for (at, made) in ended.into_iter() {
+        for (at, made) in ended {
             all[at] = Some(made);
         }
         Ok(all)

@@ -147,7 +147,7 @@ fn called(network: &Network, names: &[String]) -> Result<Vec<bool>> {
     let mut called = vec![false; network.vessel_count()];
     for name in names {
         let rows = vessels_called(network, name).map_err(|why| Error::parameter("vessels", format!("\"{name}\""), why))?;
-        for row in rows.into_iter() {
+        for row in rows {
             called[row] = true;
         }
     }

@@ -239,7 +239,7 @@ pub fn named(inputs: &[PathBuf]) -> Vec<String> {
 /// The same where a person may have said what an input is called.
 fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
     let mut times: HashMap<String, usize> = HashMap::new();
-    for (path, _) in inputs.iter() {
+    for (path, _) in inputs {
         *times.entry(stem(path).to_lowercase()).or_default() += 1;
     }
     let word = |path: &Path| {

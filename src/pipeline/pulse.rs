@@ -286,7 +286,7 @@ impl WaveSource {
             (Some(PulseMean::Pressure(mean)), Quantity::Pressure) => c[0] = Complex64::new(mean, 0.0),
             (Some(PulseMean::Flow(mean)), Quantity::Flow) if c[0].re != 0.0 => {
                 let factor = mean / c[0].re;
-                for c in c.iter_mut() {
+                for c in &mut c {
                     *c *= factor;
                 }
             }

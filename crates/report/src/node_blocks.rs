@@ -36,7 +36,7 @@ pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
     // Of every fragment without an inlet the first node; nodes without an observed vessel are none.
     let parts = fragments(network, |_, vessel| vessel.origin == Origin::Observed);
     let mut seen = vec![false; parts.count];
-    for inlet in inlets.iter() {
+    for inlet in &inlets {
         seen[parts.of_node[*inlet]] = true;
     }
     let unfed: Vec<usize> = (0..count).filter(|node| !std::mem::replace(&mut seen[parts.of_node[*node]], true)).collect();

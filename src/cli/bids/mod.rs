@@ -167,7 +167,7 @@ impl BidsArgs {
         let mut rows = gather(&folders, &cohort, named, covariates, terminal)?;
         derivative.describe(dataset, &self.source)?;
         derivative.keep(dataset, participants.iter().filter(|(name, _)| people.contains(name)))?;
-        for row in rows.iter_mut() {
+        for row in &mut rows {
             row.input = dataset.place_of(Path::new(&row.input));
         }
         let names: Vec<(String, Option<String>)> = rows.iter().map(|row| of_run(&row.subject)).collect();

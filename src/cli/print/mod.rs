@@ -97,7 +97,7 @@ impl TextTerminal {
 
     /// Says what a person should know.
     pub fn notes(self, notes: &[String]) {
-        for note in notes.iter() {
+        for note in notes {
             self.say("note", note);
         }
     }

@@ -76,7 +76,7 @@ impl TrainArgs {
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
             fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
         })?;
-        for of in figures.iter() {
+        for of in &figures {
             say_figures(terminal, of);
         }
         let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };

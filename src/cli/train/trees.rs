@@ -54,7 +54,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
         let inner: Vec<&M::Seen<'_>> = examples.iter().filter(|e| !is_held_out(e.case())).collect();
         M::Seen::fit(&inner, &mut |step| output.say_after(&format!("fold {fold}"), step))
     })?;
-    for scores in figures.iter() {
+    for scores in &figures {
         terminal.say("held out", M::say_scores(scores));
     }
     M::Seen::record(&mut model).1.clone_from(&figures);

@@ -173,9 +173,12 @@ pub const SURE: f64 = 0.5;
 /// Slicer's names of the columns, for a file that does not state them.
 const FCSV_COLUMNS: &str = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
 
-/// What the comments at the top of an `.fcsv` file say: the frame, the line of the names of the columns, from 1, and the names. `None` for a
+/// The line of the names of columns, from 1, and the names.
+type NamesLine = (usize, String);
+
+/// What the comments at the top of an `.fcsv` file say: the frame, and the names of the columns. `None` for a
 /// file that is no `.fcsv`: one has a comment that names it, its columns or its coordinate system.
-fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, (usize, String))>, Fault> {
+fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, NamesLine)>, Fault> {
     // Slicer wrote RAS before it stated the coordinate system.
     let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
     for (row, line) in without_mark(bytes).split(|b| *b == b'\n').enumerate() {

@@ -26,7 +26,7 @@ pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
             run.iter().zip(&lowest[1..]).for_each(|(row, value)| squared[*row] = *value);
         }
     }
-    for value in squared.iter_mut() {
+    for value in &mut squared {
         *value = value.sqrt();
     }
     squared

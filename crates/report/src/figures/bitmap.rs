@@ -16,7 +16,7 @@ pub fn png(inches: [f64; 2], marks: &[Mark], dpi: u32) -> Result<Vec<u8>, String
     let [width, height] = inches.map(|length| (length * f64::from(dpi)).round() as u32);
     let mut page = page(width, height)?;
     let scale = f64::from(dpi) / POINTS_PER_INCH;
-    for mark in marks.iter() {
+    for mark in marks {
         draw(&mut page, mark, scale);
     }
     encoded(&page, Some((f64::from(dpi) / METRES_PER_INCH).round() as u32))

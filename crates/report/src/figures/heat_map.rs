@@ -102,7 +102,7 @@ impl LikelihoodMatrix<'_> {
 
 /// The positive cells of the upper triangle, sorted by value; those in one place add up.
 fn added(mut cells: Vec<Cell>) -> Vec<Cell> {
-    for (cell, _) in cells.iter_mut() {
+    for (cell, _) in &mut cells {
         cell.sort_unstable();
     }
     cells.sort_by_key(|cell| cell.0);

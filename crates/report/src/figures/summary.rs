@@ -72,7 +72,7 @@ pub struct Projection {
 /// darker where they are nearer; the others are coloured by probability, from 0 to 1, those that are left out thinner and paler. The first 30 rings
 /// are drawn, with their numbers. Radii and courses are smoothed along each vessel, for display only.
 pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rings: &[Ring], views: &[Projection; 2]) -> Figure {
-    for vessel in vessels.iter_mut() {
+    for vessel in &mut vessels {
         vessel.course = smoothed(&vessel.course);
     }
     let rings = &rings[..rings.len().min(MOST_RINGS)];
@@ -96,7 +96,7 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             let [x, y] = seen(p, view);
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
-        for one in pieces(&vessels, view, scale, place).into_iter() {
+        for one in pieces(&vessels, view, scale, place) {
             sheet.tube(one.path, one.width, one.rgb);
         }
         let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();

@@ -43,7 +43,7 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
     let place = |p: [f64; 3], radius: f64| [p[0], p[1], p[2], radius].map(millimetres);
     let mut widest = vec![0.0_f64; network.node_count()];
     let vessels = network.vessels().map(|(ends, vessel)| {
-        for node in ends.into_iter() {
+        for node in ends {
             widest[node] = widest[node].max(vessel.radius);
         }
         if vessel.path.len() < 2 {

@@ -219,7 +219,7 @@ pub(crate) fn is_wanted(name: &str) -> bool {
 /// The header and the rows of a file; of the rows only the columns that are read.
 fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let header = rows.header.to_vec();
+    let header = rows.header.clone();
     let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
     let mut records = Records::named(&header);
     while let Some(row) = rows.row()? {

@@ -20,7 +20,7 @@ fn is_structure(name: &str) -> bool {
 /// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
-    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header.to_vec());
+    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header);
     let (names, is_read): (_, fn(&str) -> bool) = match format {
         Format::GraphMl => (named(path, ("key", "attr.name"), "graph"), attributes::is_wanted),
         Format::Vtp => (named(path, ("DataArray", "Name"), "AppendedData"), |name| is_wanted(name, &ReadOptions::default())),

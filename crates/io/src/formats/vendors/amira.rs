@@ -244,16 +244,15 @@ impl AmiraHeader {
             let section = section.ok_or_else(wrong)?;
             let start = at + (end + 1).min(rest.len());
             let rest = &bytes[start..];
-            let length = match self.big {
-                None => rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1),
-                Some(_) => {
-                    let array = self.arrays.iter().find(|array| array.section == section);
-                    let array =
-                        array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
-                    match &array.packed {
-                        Some((_, length)) => *length,
-                        None => self.numbers(array)?.saturating_mul(array.size),
-                    }
+            let length = if self.big.is_none() {
+                rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1)
+            } else {
+                let array = self.arrays.iter().find(|array| array.section == section);
+                let array =
+                    array.ok_or_else(|| Fault::item("data", format!("section @{section}"), "expected one of the header"))?;
+                match &array.packed {
+                    Some((_, length)) => *length,
+                    None => self.numbers(array)?.saturating_mul(array.size),
                 }
             };
             let data = rest.get(..length).ok_or_else(|| {
