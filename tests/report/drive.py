@@ -24,10 +24,8 @@ from drive_review import check_access, review
 from drive_surface import check_cube, check_slices, check_surface
 from drive_words import check_classified, check_coarse, check_figures, check_names, check_print, check_simulated, check_walk
 
-# Pages are drawn in software, so at half of the resolution, which is a quarter of the pixels.
 FLAGS = """--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --disable-background-networking
---disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000
---force-device-scale-factor=0.5""".split()
+--disable-component-update --disable-sync --disable-dev-shm-usage --use-angle=swiftshader --enable-unsafe-swiftshader --window-size=1280,1000""".split()
 
 
 def browser(chromium, profile, *flags):
