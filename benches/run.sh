@@ -22,8 +22,10 @@ threads=$(nproc)
 skipped=()
 skip() { skipped+=("$1"); echo "skipped: $1" >&2; }
 
-cargo build --release --locked --quiet --bench sampling --bin willis
-bench=$(cargo build --release --locked --bench sampling --message-format json 2>/dev/null |
+# The stages are compiled with the bench, which is of the package that a release compiles fast.
+build=(cargo build --release --locked --config profile.release.package.willis.opt-level=3)
+"${build[@]}" --quiet --bench sampling --bin willis
+bench=$("${build[@]}" --bench sampling --message-format json 2>/dev/null |
     sed -n 's/.*"name":"sampling".*"executable":"\([^"]*\)".*/\1/p')
 
 mkdir -p target/bench
