@@ -11,7 +11,7 @@ use crate::formats::known::{Format, FormatTrait};
 use crate::formats::polylines::{between, is_straight, node_points};
 use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
 use crate::formats::tables::pairs::nodes_table_path;
-use crate::formats::vendors::voreen::has_whole_ids;
+use crate::formats::vendors::edge_tables::has_whole_ids;
 use willis_core::error::{Error, Result};
 use willis_core::flow::Unfed;
 use willis_core::network::path_places::length_of;

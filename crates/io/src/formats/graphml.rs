@@ -3,15 +3,10 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, BufRead, Write};
 
-use crate::formats::attributes::edge::vessels;
-use crate::formats::attributes::records::Records;
-use crate::formats::attributes::{has_lengths_without_unit, is_wanted, nodes, unit_note};
-use crate::formats::options::ReadOptions;
+use crate::formats::attributes::{Records, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
 use crate::formats::tables::graph::points;
-use crate::formats::tables::write::{Column, Values, check_rows};
-use crate::formats::xml::{Events, Tag, XmlStep, escape};
-use willis_core::error::Fault;
-use willis_core::network::{Frame, Network};
+use crate::formats::xml::{Events, Tag, XmlStep};
+use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, escape};
 
 /// The attribute of a graph that states the frame of its positions.
 const FRAME: &str = "frame";
@@ -48,12 +43,10 @@ pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Netwo
         if step != XmlStep::Start || events.depth == 1 {
             continue;
         }
+        graphs += usize::from(events.tag.name() == "graph");
         match events.tag.name() {
             "key" => graph.keys.declare(&mut events)?,
-            "graph" => {
-                graphs += 1;
-                if graphs == 1 { graph.read(&mut events)? } else { events.skip(|_| Ok(()))? }
-            }
+            "graph" if graphs == 1 => graph.read(&mut events)?,
             _ => events.skip(|_| Ok(()))?,
         }
     }
@@ -199,7 +192,7 @@ fn item(records: &mut Records, keys: &mut Keys, events: &mut Events<impl BufRead
 
 /// All attributes by their ids, in the order in which they were met.
 #[derive(Default)]
-pub(crate) struct Keys {
+struct Keys {
     number_of: BTreeMap<String, usize>,
     keys: Vec<Key>,
 }
@@ -218,7 +211,7 @@ struct Key {
 
 impl Keys {
     /// Reads a `<key>`, which has begun, up to its end.
-    pub(crate) fn declare(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
+    fn declare(&mut self, events: &mut Events<impl BufRead>) -> Result<(), Fault> {
         let (tag, line) = (&events.tag, events.tag.line);
         let id = tag.attribute("id")?.ok_or_else(|| Fault::line(line, "a <key> has no id", "expected an id"))?;
         let number = self.number(&id, line);
@@ -243,13 +236,13 @@ impl Keys {
     }
 
     /// Whether what a key names is read; that is known once it is declared.
-    pub(crate) fn is_wanted(&self, number: usize) -> bool {
+    fn is_wanted(&self, number: usize) -> bool {
         let key = &self.keys[number];
         !key.declared || key.name.as_deref().is_some_and(is_wanted)
     }
 
     /// The number of a key, which may be declared later.
-    pub(crate) fn number(&mut self, id: &str, line: usize) -> usize {
+    fn number(&mut self, id: &str, line: usize) -> usize {
         if let Some(number) = self.number_of.get(id) {
             return *number;
         }
@@ -265,7 +258,7 @@ impl Keys {
     }
 
     /// Gives the records of all nodes (`on` "node") or edges ("edge") the names and defaults.
-    pub(crate) fn name(&self, records: &mut Records, on: &str) -> Result<(), Fault> {
+    fn name(&self, records: &mut Records, on: &str) -> Result<(), Fault> {
         let undeclared = |(_, number): &(&String, &usize)| !self.keys[**number].declared;
         if let Some((id, number)) = self.number_of.iter().filter(undeclared).min_by_key(|(_, number)| **number) {
             let found = format!("key \"{id}\" is not declared");

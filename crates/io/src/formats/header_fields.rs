@@ -1,8 +1,7 @@
 //! The lines of a header that is text, and its fields, each with the line that it stands on.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::{collections::HashMap, str::FromStr};
 
 use crate::formats::input::{beside, bytes_beside};
 use willis_core::error::{Fault, Result};
@@ -71,33 +70,28 @@ pub(super) fn shown(text: &str) -> String {
 type Numbers<N> = Result<Option<Vec<N>>, Fault>;
 
 /// The fields by name.
+#[derive(Default)]
 pub(super) struct HeaderFields {
-    /// What counts of a name.
-    plain: fn(&str) -> String,
+    /// Whether blanks and capitals in a name do not count.
+    pub(super) is_loose: bool,
     fields: HashMap<String, (usize, String)>,
 }
 
-impl Default for HeaderFields {
-    /// None, of names of which everything counts.
-    fn default() -> Self {
-        Self::named(str::to_owned)
-    }
-}
-
 impl HeaderFields {
-    /// None, of names of which `plain` says what counts.
-    pub(super) fn named(plain: fn(&str) -> String) -> Self {
-        Self { plain, fields: HashMap::new() }
+    /// What counts of a name.
+    fn plain(&self, name: &str) -> String {
+        let counts = name.chars().filter(|c| !(self.is_loose && c.is_whitespace()));
+        counts.map(|c| if self.is_loose { c.to_ascii_lowercase() } else { c }).collect()
     }
 
     /// Adds a field in place of an earlier one of its name.
     pub(super) fn insert(&mut self, name: &str, line: usize, value: &str) {
-        self.fields.insert((self.plain)(name), (line, value.to_owned()));
+        self.fields.insert(self.plain(name), (line, value.to_owned()));
     }
 
     /// The line and the text of a field.
     pub(super) fn get(&self, name: &str) -> Option<(usize, &str)> {
-        self.fields.get(&(self.plain)(name)).map(|(line, value)| (*line, value.as_str()))
+        self.fields.get(&self.plain(name)).map(|(line, value)| (*line, value.as_str()))
     }
 
     /// The same of a field that must be there.

@@ -10,7 +10,6 @@ mod graphml;
 mod header_fields;
 mod images;
 pub(crate) mod input;
-mod itk;
 mod known;
 mod landmarks;
 mod numpy;
@@ -22,6 +21,7 @@ mod regular;
 mod solvers;
 mod swc;
 pub mod tables;
+mod tre;
 mod unit_check;
 mod vendors;
 mod vtk;
@@ -34,17 +34,15 @@ pub use format::{Document, Written, read_image, read_mask};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::nifti::{write_nifti, write_nifti_image};
 pub use input::{Checksummed, UnpackLimit, byte_count, bytes_of, checksum, checksum_of, checksum_of_file, regular_bytes_of};
-pub use itk::tubes::{read_tre, write_tre};
 pub use known::{Format, FormatTrait};
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, SURE, read_landmarks, write_landmarks};
-pub use numpy::array::read_arrays;
-pub use numpy::matrix::{NamedArray, write_arrays, write_npy, write_npz};
+pub use numpy::array::{NamedArray, read_arrays, write_arrays, write_npy, write_npz};
 pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
 pub use options::ReadOptions;
 pub use read::{read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
-pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
+pub use swc::{read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
@@ -58,14 +56,34 @@ pub use tables::reader::number;
 pub use tables::unread::unread_columns;
 pub use tables::waveform::read_waveform;
 pub use tables::write::{Column, Texts, Values, coordinate_columns, escape_formula, write_csv, write_stacked};
+pub use tre::{read_tre, write_tre};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
+pub use vendors::edge_tables::{
+    read_vesselvio_edges, read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, write_vesselvio, write_voreen,
+};
 pub use vendors::icafe::{ICAFE_ARTERIES, TracedVessel, name_stretches, read_traced_vessels};
 pub use vendors::slicer_markups::{read_markups, write_markups};
-pub use vendors::vesselvio::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
-pub use vendors::voreen::{read_voreen_edges, read_voreen_nodes, write_voreen};
 pub use vendors::vtrails::read_vtrails;
 pub use vtk::legacy::read_vtk;
 pub use vtk::vtp::read_vtp;
 pub use vtk::write::{write_vtk, write_vtp};
 pub use xml::escape;
+
+// What most readers and writers name.
+pub(crate) use binary::{NumberType, word};
+pub(crate) use polylines::{
+    add_straight, between, cells, centerlines, is_straight, node_points, parents_first, positions, radii_of_points, skeleton,
+    steps_from_inlets,
+};
+pub(crate) use tables::reader::{Row, TableReader, counted, is_missing, listed, plural};
+pub(crate) use tables::write::{check_rows, figures, real, write_table};
+pub(crate) use willis_core::error::{Fault, Result};
+pub(crate) use willis_core::network::walks::{other_end, vessels_at};
+pub(crate) use willis_core::network::{
+    Centerlines, Condition, Evidence, Frame, Labels, LengthUnit, Network, Node, Origin, PathPoint, RadiusRule, Role, Scale,
+    Vessel, WELD_TOLERANCE, Wall, Windkessel, is_radius, metres, millimetres,
+};
+pub(crate) use willis_core::support::geometry::{
+    Point, area_of, bounds, box_diagonal, cross, distance, dot, lerp, norm_squared, radius_of, sub,
+};

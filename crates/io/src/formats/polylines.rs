@@ -1,13 +1,12 @@
 //! A network as lines of points, and as one graph of points and links, for the formats that hold these.
 
-use std::collections::HashSet;
+use std::collections::{HashSet, VecDeque};
 use std::io;
 
 use petgraph::unionfind::UnionFind;
 
-use willis_core::network::{Centerlines, Network, Node, Origin, PathPoint, Vessel};
+use crate::formats::{Centerlines, Network, Node, Origin, PathPoint, Point, Role, Vessel, distance, other_end, vessels_at};
 use willis_core::support::arc_lengths::in_direction;
-use willis_core::support::geometry::{Point, distance};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
 pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
@@ -25,6 +24,40 @@ pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
         order[first..].reverse();
     }
     Ok(order)
+}
+
+/// A step of a walk over a network: the vessel and the node from which it is walked, none where a walk begins; the node that is reached, and
+/// whether for the first time.
+type WalkStep = (Option<(usize, usize)>, usize, bool);
+
+/// Walks every vessel once: from each inlet, then from the first node of every part without one; depth first or breadth first.
+pub(crate) fn steps_from_inlets(network: &Network, is_depth_first: bool) -> Vec<WalkStep> {
+    let vessels_at = vessels_at(network, |_| true);
+    let mut is_walked = vec![false; network.vessel_count()];
+    let mut is_reached = vec![false; network.node_count()];
+    let mut steps = Vec::with_capacity(network.vessel_count());
+    let inlets = (0..network.node_count()).filter(|node| network.node(*node).role == Some(Role::Inlet));
+    for root in inlets.chain(0..network.node_count()) {
+        if std::mem::replace(&mut is_reached[root], true) {
+            continue;
+        }
+        steps.push((None, root, true));
+        let mut open = VecDeque::from([root]);
+        while let Some(node) = if is_depth_first { open.pop_back() } else { open.pop_front() } {
+            for row in vessels_at[node].iter().copied() {
+                if std::mem::replace(&mut is_walked[row], true) {
+                    continue;
+                }
+                let to = other_end(network, row, node);
+                let is_new = !std::mem::replace(&mut is_reached[to], true);
+                steps.push((Some((row, node)), to, is_new));
+                if is_new {
+                    open.push_back(to);
+                }
+            }
+        }
+    }
+    steps
 }
 
 /// Each node as a point. A node without radius takes that of its widest vessel, or NaN without any vessel.

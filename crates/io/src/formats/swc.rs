@@ -1,15 +1,12 @@
 //! SWC: one centerline point a line, each linked to its parent; the type column holds the labels.
 
-use std::collections::hash_map::Entry;
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
-use crate::formats::polylines::{between, node_points, parents_first};
-use crate::formats::tables::reader::{is_missing, plural};
-use crate::formats::tables::write::figures;
-use willis_core::error::Fault;
-use willis_core::network::walks::{other_end, vessels_at};
-use willis_core::network::{Centerlines, Frame, Network, PathPoint, Role, Scale, cycles, is_radius, millimetres};
+use crate::formats::{
+    Centerlines, Fault, Frame, Network, PathPoint, Scale, between, figures, is_missing, is_radius, millimetres, node_points,
+    parents_first, plural, steps_from_inlets,
+};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -32,7 +29,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     let mut row_of = HashMap::new();
     let mut line_of = Vec::new();
     let mut wide = None;
-    let (mut types, mut names) = (Vec::new(), TypeNames::default());
+    let (mut types, mut names) = (Vec::new(), BTreeMap::new());
     let mut at = 0;
     for chunk in input.split(b'\n') {
         let chunk = chunk.map_err(|e| Fault::line(at + 1, format!("cannot be read: {e}"), "expected text"))?;
@@ -45,7 +42,7 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             let text = line.split('#').next().unwrap_or_default();
             let words: Vec<&str> = text.split_whitespace().collect();
             if words.is_empty() {
-                names.read(line);
+                names.extend(type_name(line));
                 lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
                 continue;
             }
@@ -70,10 +67,8 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
                 }
             };
             let radius = if is_missing(radius) { f64::NAN } else { scale.length(number(radius, at, 5)?) };
-            lines.ids.push(id);
             types.push(kind);
-            lines.points.push(scale.position(position));
-            lines.radii.push(if is_radius(radius) { radius } else { f64::NAN });
+            lines.add_point(scale.position(position), if is_radius(radius) { radius } else { f64::NAN }, id, 0);
             parents.push(index(parent, at, 6)?);
             line_of.push(at);
         }
@@ -96,7 +91,6 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
     })?;
     // The trees are numbered in the order of their first points.
     let mut trees = 0..;
-    lines.strand = vec![0; up.len()];
     for row in order {
         lines.strand[row] = up[row].map_or_else(|| trees.next().unwrap_or_default(), |parent| lines.strand[parent]);
     }
@@ -122,11 +116,6 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
     }
 }
 
-/// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
-pub fn is_forest(network: &Network) -> bool {
-    cycles(network) == 0
-}
-
 /// Writes a network as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres. Returns the id
 /// pairs of the links that close loops, which SWC cannot hold: none for a forest.
 ///
@@ -139,8 +128,7 @@ pub fn is_forest(network: &Network) -> bool {
 /// A node without position (`InvalidInput`), or the writer's own.
 pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64; 2]>> {
     let at = node_points(network)?;
-    let vessels_at = vessels_at(network, |_| true);
-    let types = TypeCodes::of(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
+    let types = type_codes(network.vessels().map(|(_, vessel)| vessel.label.as_str()));
     head(&mut out, network.frame, &types)?;
     let mut used = 0_u64;
     let mut write = |point: &PathPoint, kind: u64, parent: Option<u64>| -> io::Result<u64> {
@@ -149,37 +137,22 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         writeln!(out, "{used} {kind} {} {parent}", figures(point, "0").join(" "))?;
         Ok(used)
     };
-    let mut id_of = vec![None; network.node_count()];
-    let (mut done, mut loops) = (vec![false; network.vessel_count()], Vec::new());
-    let inlets = (0..network.node_count()).filter(|n| network.node(*n).role == Some(Role::Inlet));
-    for root in inlets.chain(0..network.node_count()) {
-        if id_of[root].is_some() {
+    let mut id_of = vec![0; network.node_count()];
+    let mut loops = Vec::new();
+    for (by, to, is_new) in steps_from_inlets(network, true) {
+        let Some((row, from)) = by else {
+            id_of[to] = write(&at[to], 0, None)?;
             continue;
+        };
+        let vessel = network.vessel(row);
+        let (kind, mut parent) = (type_of(&vessel.label, &types), id_of[from]);
+        for point in between(&vessel.path, at[from].position, at[to].position, network.ends(row)[0] == from) {
+            parent = write(&point, kind, Some(parent))?;
         }
-        let root_id = write(&at[root], 0, None)?;
-        id_of[root] = Some(root_id);
-        let mut open = vec![(root, root_id)];
-        while let Some((node, node_id)) = open.pop() {
-            for row in &vessels_at[node] {
-                if std::mem::replace(&mut done[*row], true) {
-                    continue;
-                }
-                let next = other_end(network, *row, node);
-                let inner =
-                    between(&network.vessel(*row).path, at[node].position, at[next].position, network.ends(*row)[0] == node);
-                let kind = types.code(&network.vessel(*row).label);
-                let mut parent = node_id;
-                for point in &inner {
-                    parent = write(point, kind, Some(parent))?;
-                }
-                if let Some(there) = id_of[next] {
-                    loops.push([parent, there]);
-                    continue;
-                }
-                parent = write(&at[next], kind, Some(parent))?;
-                id_of[next] = Some(parent);
-                open.push((next, parent));
-            }
+        if is_new {
+            id_of[to] = write(&at[to], kind, Some(parent))?;
+        } else {
+            loops.push([parent, id_of[to]]);
         }
     }
     out.flush()?;
@@ -205,12 +178,12 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
             loops.push([lines.ids[a], lines.ids[b]]);
         }
     }
-    let types = TypeCodes::of((0..lines.links.len()).map(|row| lines.labels.of(row)));
+    let types = type_codes((0..lines.links.len()).map(|row| lines.labels.of(row)));
     head(&mut out, lines.frame, &types)?;
     for (point, parent) in parent.iter().enumerate() {
         let [x, y, z] = lines.points[point].map(millimetres);
         let radius = Some(lines.radii[point]).filter(|r| is_radius(*r)).map_or(0.0, millimetres);
-        let kind = parent.map_or(0, |(_, row)| types.code(lines.labels.of(row)));
+        let kind = parent.map_or(0, |(_, row)| type_of(lines.labels.of(row), &types));
         let parent = parent.map_or("-1".to_owned(), |(parent, _)| lines.ids[parent].to_string());
         writeln!(out, "{} {kind} {x} {y} {z} {radius} {parent}", lines.ids[point])?;
     }
@@ -219,10 +192,10 @@ pub fn write_centerlines_swc(mut out: impl Write, lines: &Centerlines) -> io::Re
 }
 
 /// The comments at the top: the units, the frame where it is known, the label of each type in their order, the columns.
-fn head(mut out: impl Write, frame: Frame, types: &TypeCodes) -> io::Result<()> {
+fn head(mut out: impl Write, frame: Frame, types: &BTreeMap<String, u64>) -> io::Result<()> {
     let frame = frame.name().map_or(String::new(), |name| format!("; SPACE={name}"));
     writeln!(out, "# centerlines; coordinates and radii in mm{frame}")?;
-    let by_code: BTreeMap<u64, &String> = types.0.iter().map(|(label, code)| (*code, label)).collect();
+    let by_code: BTreeMap<u64, &String> = types.iter().map(|(label, code)| (*code, label)).collect();
     by_code.iter().try_for_each(|(code, label)| writeln!(out, "# label {code} {label}"))?;
     writeln!(out, "# id type x y z radius parent")
 }
@@ -232,36 +205,27 @@ const FIRST_FREE: u64 = 16;
 /// Whole numbers above are not exact in every reader.
 const LARGEST: f64 = 9e15;
 
-/// The labels that the comments of a file give to its types.
-#[derive(Debug, Default)]
-pub(crate) struct TypeNames(BTreeMap<u64, String>);
-
-impl TypeNames {
-    /// Reads a comment line `# label CODE NAME`; ignores others.
-    pub fn read(&mut self, line: &str) {
-        let Some(words) = line.trim().strip_prefix('#').and_then(|l| l.trim_start().strip_prefix("label ")) else { return };
-        if let Some((code, name)) = words.trim().split_once(char::is_whitespace)
-            && let Ok(code) = code.parse()
-        {
-            self.0.insert(code, name.trim().to_owned());
-        }
-    }
+/// The type and its label that a comment line `# label CODE NAME` gives it.
+fn type_name(line: &str) -> Option<(u64, String)> {
+    let words = line.trim().strip_prefix('#')?.trim_start().strip_prefix("label ")?;
+    let (code, name) = words.trim().split_once(char::is_whitespace)?;
+    Some((code.parse().ok()?, name.trim().to_owned()))
 }
 
 /// The label code in a type column; 0 for none.
-pub(crate) fn code(kind: f64) -> u64 {
+fn code(kind: f64) -> u64 {
     if kind.fract() == 0.0 && (1.0..LARGEST).contains(&kind) { kind as u64 } else { 0 }
 }
 
 /// Gives every link (parent, child) the label that the type of its child means.
-pub(crate) fn name_links(lines: &mut Centerlines, types: &[u64], names: &TypeNames) {
-    if names.0.is_empty() && !are_labels(lines, types) {
+fn name_links(lines: &mut Centerlines, types: &[u64], names: &BTreeMap<u64, String>) {
+    if names.is_empty() && !are_labels(lines, types) {
         return;
     }
     for row in 0..lines.links.len() {
         let code = types[lines.links[row][1] as usize];
         if code != 0 {
-            lines.labels.set(row, names.0.get(&code).unwrap_or(&code.to_string()));
+            lines.labels.set(row, names.get(&code).unwrap_or(&code.to_string()));
         }
     }
 }
@@ -283,35 +247,30 @@ fn are_labels(lines: &Centerlines, types: &[u64]) -> bool {
     inner.peek().is_none() || inner.any(|(_, code)| *code != 0)
 }
 
-/// The type numbers that stand for labels in a file.
-pub(crate) struct TypeCodes(BTreeMap<String, u64>);
-
-impl TypeCodes {
-    /// Codes for labels: whole numbers as they are, the others from 16 on in order of appearance.
-    pub fn of<'a>(labels: impl Iterator<Item = &'a str>) -> Self {
-        let mut codes: BTreeMap<String, u64> = BTreeMap::new();
-        let mut words = Vec::new();
-        for label in labels.map(single_line).filter(|label| !label.is_empty()) {
-            match label.parse::<u64>() {
-                Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
-                    codes.insert(label, whole);
-                }
-                _ => {
-                    if codes.insert(label.clone(), 0).is_none() {
-                        words.push(label);
-                    }
+/// The type numbers that stand for labels in a file: whole numbers as they are, the others from 16 on in order of appearance.
+fn type_codes<'a>(labels: impl Iterator<Item = &'a str>) -> BTreeMap<String, u64> {
+    let mut codes: BTreeMap<String, u64> = BTreeMap::new();
+    let mut words = Vec::new();
+    for label in labels.map(single_line).filter(|label| !label.is_empty()) {
+        match label.parse::<u64>() {
+            Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
+                codes.insert(label, whole);
+            }
+            _ => {
+                if codes.insert(label.clone(), 0).is_none() {
+                    words.push(label);
                 }
             }
         }
-        let taken: BTreeSet<u64> = codes.values().copied().collect();
-        codes.extend(words.into_iter().zip((FIRST_FREE..).filter(|code| !taken.contains(code))));
-        Self(codes)
     }
+    let taken: BTreeSet<u64> = codes.values().copied().collect();
+    codes.extend(words.into_iter().zip((FIRST_FREE..).filter(|code| !taken.contains(code))));
+    codes
+}
 
-    /// The type for a label; 0 for none.
-    pub fn code(&self, label: &str) -> u64 {
-        self.0.get(&single_line(label)).copied().unwrap_or(0)
-    }
+/// The type for a label; 0 for none.
+fn type_of(label: &str, codes: &BTreeMap<String, u64>) -> u64 {
+    codes.get(&single_line(label)).copied().unwrap_or(0)
 }
 
 /// A label on one line, without blanks around it.

@@ -3,10 +3,8 @@
 use std::borrow::Cow;
 use std::io::{self, BufRead, Read};
 
-use quick_xml::escape::resolve_xml_entity;
-use quick_xml::events::Event;
-use quick_xml::events::attributes::{Attribute, Attributes};
-use quick_xml::{Error, Reader, XmlVersion};
+use quick_xml::events::{Event, attributes::Attribute, attributes::Attributes};
+use quick_xml::{Error, Reader, XmlVersion, escape::resolve_xml_entity};
 
 use willis_core::error::Fault;
 
@@ -267,7 +265,6 @@ impl<R: BufRead> BufRead for CountedLines<R> {
 const MOST_ELEMENTS: usize = 1 << 18;
 
 /// An element with all that is in it.
-#[derive(Debug)]
 pub(super) struct Element {
     /// Its name without prefix.
     pub(super) name: String,
@@ -367,9 +364,7 @@ pub fn escape(text: &str) -> Cow<'_, str> {
             '<' => out.push_str("&lt;"),
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
-            '\t' => out.push_str("&#9;"),
-            '\n' => out.push_str("&#10;"),
-            '\r' => out.push_str("&#13;"),
+            '\t' | '\n' | '\r' => out.push_str(&format!("&#{};", u32::from(c))),
             '\0'..='\x1f' | '\u{fffe}' | '\u{ffff}' => out.push('\u{fffd}'),
             c => out.push(c),
         }

@@ -116,14 +116,11 @@ fn written_numbers(text: &[u8]) -> impl Read {
     })
 }
 
-/// The name of a field without spaces and capitals, which the format's own programs pass over.
-fn plain(name: &str) -> String {
-    name.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_lowercase()).collect()
-}
-
 impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
-        let (mut fields, mut keys) = (HeaderFields::named(plain), BTreeMap::new());
+        let (mut fields, mut keys) = (HeaderFields::default(), BTreeMap::new());
+        // The format's own programs pass over spaces and capitals in names.
+        fields.is_loose = true;
         let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
         let mut lines = HeaderLines::new(head);
         loop {

@@ -1,5 +1,4 @@
 //! NumPy files: the likelihood matrix, arrays by name, and skeleton graphs.
 
 pub(crate) mod array;
-pub(crate) mod matrix;
 pub(crate) mod skeleton;

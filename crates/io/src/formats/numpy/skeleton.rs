@@ -4,17 +4,13 @@ use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2};
 use ndarray_npy::WriteNpyExt;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipWriter};
+use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use super::array::{Archive, NumpyArray};
-use crate::formats::content::Content;
-use crate::formats::input::UnpackLimit;
-use crate::formats::options::ReadOptions;
-use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, radii_of_points, skeleton};
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, Frame, Network, Node, is_radius, millimetres};
-use willis_core::support::geometry::Point;
+use crate::formats::{
+    Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, add_straight, centerlines, is_radius,
+    is_straight, millimetres, positions, radii_of_points, skeleton,
+};
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
 const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
@@ -160,14 +156,14 @@ pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Resu
     let mut zip = ZipWriter::new(out);
     let names: Vec<&str> = if is_straight(network) {
         let links: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-        let radii = network.vessels().map(|(_, v)| v.radius);
-        write_graph(&mut zip, &positions(network)?, &links, radii)?;
+        let radii: Vec<f64> = network.vessels().map(|(_, v)| v.radius).collect();
+        write_graph(&mut zip, &positions(network)?, &links, &radii)?;
         write(&mut zip, "lengths", &network.vessels().map(|(_, v)| millimetres(v.length)).collect::<Array1<f64>>())?;
         network.vessels().map(|(_, v)| v.label.as_str()).collect()
     } else {
         let found = skeleton(network)?;
-        let points: Vec<Point> = found.points.iter().map(|p| p.position).collect();
-        write_graph(&mut zip, &points, &found.links, found.points.iter().map(|p| p.radius))?;
+        let (points, radii): (Vec<Point>, Vec<f64>) = found.points.iter().map(|p| (p.position, p.radius)).unzip();
+        write_graph(&mut zip, &points, &found.links, &radii)?;
         found.vessel.iter().map(|row| network.vessel(*row).label.as_str()).collect()
     };
     texts(&mut zip, "labels", &names)?;
@@ -176,15 +172,10 @@ pub fn write_skeleton_npz(out: impl Write + Seek, network: &Network) -> io::Resu
 }
 
 /// Writes the points, the links between them, and the radii of either.
-fn write_graph(
-    zip: &mut ZipWriter<impl Write + Seek>,
-    points: &[Point],
-    links: &[[usize; 2]],
-    radii: impl Iterator<Item = f64>,
-) -> io::Result<()> {
+fn write_graph(zip: &mut ZipWriter<impl Write + Seek>, points: &[Point], links: &[[usize; 2]], radii: &[f64]) -> io::Result<()> {
     write(zip, "coords", &Array2::from(points.iter().map(|p| p.map(millimetres)).collect::<Vec<_>>()))?;
     write(zip, "edges", &Array2::from(links.iter().map(|link| link.map(|row| row as i64)).collect::<Vec<_>>()))?;
-    write(zip, "radii", &radii.map(millimetres).collect::<Array1<f64>>())
+    write(zip, "radii", &radii.iter().map(|radius| millimetres(*radius)).collect::<Array1<f64>>())
 }
 
 fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {

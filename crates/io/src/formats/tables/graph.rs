@@ -3,9 +3,9 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use crate::formats::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
-use crate::formats::attributes::records::Records;
-use crate::formats::attributes::{self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, nodes};
+use crate::formats::attributes::{
+    self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, Records, SPEED, THICKNESS, YOUNG, nodes, vessels,
+};
 use crate::formats::input::checksum;
 use crate::formats::options::ReadOptions;
 use crate::formats::polylines::is_straight;

@@ -8,14 +8,10 @@ use std::io::{self, Read, Write};
 
 use flate2::read::ZlibDecoder;
 
-use crate::formats::binary::NumberType;
-use crate::formats::input::UnpackLimit;
-use crate::formats::options::ReadOptions;
-use crate::formats::polylines::{cells, centerlines};
-use crate::formats::tables::write::figures;
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
-use willis_core::support::geometry::{Point, distance, radius_of};
+use crate::formats::{
+    Centerlines, Fault, LengthUnit, Network, NumberType, Point, ReadOptions, Scale, UnpackLimit, Vessel, WELD_TOLERANCE, cells,
+    centerlines, distance, figures, is_radius, radius_of,
+};
 
 /// No header is longer.
 const MOST_HEADER: usize = 1 << 20;
@@ -214,8 +210,7 @@ impl AmiraHeader {
             notes.push("the file states no unit: took `units`".to_owned());
         }
         let is_identity = |matrix: &str| {
-            let numbers = matrix.split_whitespace().enumerate();
-            numbers.into_iter().all(|(n, word)| word.parse() == Ok(if n % 5 == 0 { 1.0 } else { 0.0 }))
+            matrix.split_whitespace().enumerate().all(|(n, word)| word.parse() == Ok(if n % 5 == 0 { 1.0 } else { 0.0 }))
         };
         if self.parameter(&[], "TransformationMatrix").is_some_and(|matrix| !is_identity(matrix)) {
             notes.push("the file's TransformationMatrix is not applied: in Amira, apply the transform before saving".to_owned());

@@ -3,15 +3,10 @@
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
-use crate::formats::content::Content;
 use crate::formats::input::{bytes_beside, content_beside, without_mark};
-use crate::formats::options::ReadOptions;
-use crate::formats::regular::is_there;
-use crate::formats::swc::read_swc;
-use crate::formats::tables::reader::TableReader;
-use willis_core::error::{Fault, Result};
-use willis_core::network::{Centerlines, Labels, LengthUnit, Scale};
-use willis_core::support::geometry::Point;
+use crate::formats::{
+    Centerlines, Content, Fault, Labels, LengthUnit, Point, ReadOptions, Result, Scale, TableReader, is_there, read_swc,
+};
 
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";

@@ -5,13 +5,8 @@ use std::io::{self, Write};
 use serde::Deserialize;
 use serde_json::Value;
 
-use crate::formats::options::ReadOptions;
 use crate::formats::polylines::polylines;
-use crate::formats::tables::reader::listed;
-use crate::formats::tables::write::figures;
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Scale, is_radius};
-use willis_core::support::geometry::Point;
+use crate::formats::{Centerlines, Fault, Frame, LengthUnit, Network, Point, ReadOptions, Scale, figures, is_radius, listed};
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];

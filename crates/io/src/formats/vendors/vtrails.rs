@@ -5,10 +5,7 @@ use std::collections::HashMap;
 use hdf5_reader::reference::read_object_references;
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
 
-use crate::formats::input::UnpackLimit;
-use crate::formats::options::ReadOptions;
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, Scale};
+use crate::formats::{Centerlines, Fault, ReadOptions, Scale, UnpackLimit};
 
 const STRUCT: &str = "GeodesicMSTs";
 const FIELD: &str = "CGPathContinuous";

@@ -1,12 +1,12 @@
-//! Reads a legacy VTK PolyData file, ASCII or binary, section by section.
+//! Reads a legacy VTK PolyData file from left to right, section by section, in ASCII or big-endian binary.
 
-use crate::formats::options::ReadOptions;
-use crate::formats::vtk::cursor::{VtkCursor, VtkType, unescape};
+use std::str::FromStr;
+
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, Frame};
+use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, word};
 
-pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
+const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
+const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array";
 
 /// Reads the polylines with the radius of each point, versions 2.0 to 5.1; returns also notes for the user.
 ///
@@ -18,16 +18,25 @@ pub(crate) const TYPES: &str = "expected bit, char, short, int, long, float or d
 /// Another data set than PolyData, arrays that end early or contradict each other, a point on a line without finite coordinates,
 /// no radius array, or a surface instead of lines.
 pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
-    let mut cursor = VtkCursor::new(bytes);
+    let mut cursor = VtkCursor { bytes, at: 0, binary: false, section: String::new() };
     let frame = head(&mut cursor)?;
     let mut reader = Reader { cursor, options, data: PolyData::default(), cells: [0; 4], group: None };
     while let Some(keyword) = reader.cursor.word() {
         reader.section(keyword)?;
     }
-    let (data, notes) = reader.finish()?;
-    let (mut lines, more) = centerlines(&[data], options)?;
-    lines.frame = frame;
-    Ok((lines, [notes, more].concat()))
+    let Reader { mut data, cells: [verts, lines, polygons, strips], .. } = reader;
+    let mut notes = check_cells(lines, verts, polygons + strips, "expected LINES")?;
+    // Cell data counts vertex cells before lines, wherever they stand in the file.
+    for array in &mut data.line_data {
+        match &mut array.values {
+            ArrayValues::Numbers(values) => *values = values.iter().skip(verts).take(lines).copied().collect(),
+            ArrayValues::Texts(values) => *values = values.iter().skip(verts).take(lines).cloned().collect(),
+            ArrayValues::Unread => {}
+        }
+    }
+    let (lines, more) = centerlines(&[data], options)?;
+    notes.extend(more);
+    Ok((Centerlines { frame, ..lines }, notes))
 }
 
 /// The four lines before the data; returns the frame that the title states as 3D Slicer does.
@@ -51,19 +60,18 @@ fn head(cursor: &mut VtkCursor) -> Result<Frame, Fault> {
 }
 
 /// What has been read of a file.
-#[derive(Debug)]
-pub(crate) struct Reader<'a> {
-    pub(crate) cursor: VtkCursor<'a>,
-    pub(crate) options: &'a ReadOptions,
-    pub(crate) data: PolyData,
+struct Reader<'a> {
+    cursor: VtkCursor<'a>,
+    options: &'a ReadOptions,
+    data: PolyData,
     /// How many vertex cells, lines, polygons and strips there are.
     cells: [usize; 4],
     /// Whether arrays belong to the points, or else to the cells, and how many values each has.
-    pub(crate) group: Option<(bool, usize)>,
+    group: Option<(bool, usize)>,
 }
 
 impl Reader<'_> {
-    pub(crate) fn section(&mut self, keyword: &str) -> Result<(), Fault> {
+    fn section(&mut self, keyword: &str) -> Result<(), Fault> {
         let keyword = keyword.to_ascii_uppercase();
         if keyword == "METADATA" {
             // It ends with a blank line.
@@ -84,54 +92,49 @@ impl Reader<'_> {
             "LINES" => self.connectivity(1),
             "POLYGONS" => self.connectivity(2),
             "TRIANGLE_STRIPS" => self.connectivity(3),
-            "POINT_DATA" | "CELL_DATA" => self.data_of(keyword == "POINT_DATA"),
+            "POINT_DATA" | "CELL_DATA" => {
+                let count = self.cursor.count("a number of values", LIMIT)?;
+                let of_points = keyword == "POINT_DATA";
+                let (expected, what) =
+                    if of_points { (self.data.points.len(), "points") } else { (self.cells.iter().sum(), "cells") };
+                if count != expected {
+                    let accepted = format!("expected {expected}, one for each of the {what}");
+                    return Err(self.cursor.fault(format!("{count} values"), accepted));
+                }
+                self.group = Some((of_points, count));
+                Ok(())
+            }
             _ => self.attribute(&keyword),
         }
-    }
-
-    fn data_of(&mut self, of_points: bool) -> Result<(), Fault> {
-        let count = self.cursor.count("a number of values", LIMIT)?;
-        let (expected, what) = if of_points { (self.data.points.len(), "points") } else { (self.cells.iter().sum(), "cells") };
-        if count != expected {
-            return Err(self.cursor.fault(format!("{count} values"), format!("expected {expected}, one for each of the {what}")));
-        }
-        self.group = Some((of_points, count));
-        Ok(())
     }
 
     /// Cells: since version 5.1 offsets, then points; before that each cell with its count and its points.
     fn connectivity(&mut self, which: usize) -> Result<(), Fault> {
         let first = self.cursor.count("a number of cells", LIMIT)?;
         let second = self.cursor.count("a number of entries", LIMIT)?;
-        if !self.cursor.is_next("OFFSETS") {
-            let entries = self.cursor.wholes(VtkType::INT, second)?;
-            return self.cells_with_counts(which, first, &entries);
-        }
-        let mut ends = self.part("OFFSETS", first)?;
-        let cells = self.part("CONNECTIVITY", second)?;
-        // The first offset is 0: a cell ends where the next one starts.
-        ends.drain(..ends.len().min(1));
-        self.keep(which, ends, cells);
-        Ok(())
-    }
-
-    fn part(&mut self, word: &str, count: usize) -> Result<Vec<i64>, Fault> {
-        let found = self.cursor.need(word)?;
-        if !found.eq_ignore_ascii_case(word) {
-            return Err(self.cursor.fault(format!("\"{}\"", found.escape_debug()), format!("expected {word}")));
-        }
-        let kind = self.kind()?;
-        self.cursor.wholes(kind, count)
-    }
-
-    fn keep(&mut self, which: usize, ends: Vec<i64>, cells: Vec<i64>) {
+        let (ends, cells) = if self.cursor.is_next("OFFSETS") {
+            let mut ends = self.part("OFFSETS", first)?;
+            // The first offset is 0: a cell ends where the next one starts.
+            ends.drain(..ends.len().min(1));
+            (ends, self.part("CONNECTIVITY", second)?)
+        } else {
+            let entries = self.cursor.wholes(INT, second)?;
+            self.cells_with_counts(first, &entries)?
+        };
         self.cells[which] = ends.len();
         if which == 1 {
             (self.data.ends, self.data.cells) = (ends, cells);
         }
+        Ok(())
     }
 
-    fn cells_with_counts(&mut self, which: usize, count: usize, entries: &[i64]) -> Result<(), Fault> {
+    fn part(&mut self, word: &str, count: usize) -> Result<Vec<i64>, Fault> {
+        self.cursor.expect(word)?;
+        let kind = self.kind()?;
+        self.cursor.wholes(kind, count)
+    }
+
+    fn cells_with_counts(&self, count: usize, entries: &[i64]) -> Result<(Vec<i64>, Vec<i64>), Fault> {
         let (mut ends, mut cells, mut at) = (Vec::new(), Vec::new(), 0);
         for n in 0..count {
             let cell = entries.get(at).and_then(|size| entries.get(at + 1..(at + 1).checked_add(usize::try_from(*size).ok()?)?));
@@ -143,35 +146,16 @@ impl Reader<'_> {
             at += 1 + cell.len();
             ends.push(cells.len() as i64);
         }
-        self.keep(which, ends, cells);
-        Ok(())
+        Ok((ends, cells))
     }
 
     fn kind(&mut self) -> Result<VtkType, Fault> {
         let name = self.cursor.need("a type")?;
-        VtkType::named(name).ok_or_else(|| self.cursor.fault(format!("type \"{name}\""), TYPES))
+        type_named(name).ok_or_else(|| self.cursor.fault(format!("type \"{name}\""), TYPES))
     }
 
-    fn finish(mut self) -> Result<(PolyData, Vec<String>), Fault> {
-        let [verts, lines, polygons, strips] = self.cells;
-        let notes = check_cells(lines, verts, polygons + strips, "expected LINES")?;
-        // Cell data counts vertex cells before lines, wherever they stand in the file.
-        for array in &mut self.data.line_data {
-            match &mut array.values {
-                ArrayValues::Numbers(values) => *values = values.iter().skip(verts).take(lines).copied().collect(),
-                ArrayValues::Texts(values) => *values = values.iter().skip(verts).take(lines).cloned().collect(),
-                ArrayValues::Unread => {}
-            }
-        }
-        Ok((self.data, notes))
-    }
-}
-
-const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array";
-
-impl Reader<'_> {
     /// An array of the points or cells, or of the whole file.
-    pub(crate) fn attribute(&mut self, keyword: &str) -> Result<(), Fault> {
+    fn attribute(&mut self, keyword: &str) -> Result<(), Fault> {
         let width = match keyword {
             "VECTORS" | "NORMALS" => 3,
             "TENSORS" => 9,
@@ -189,8 +173,7 @@ impl Reader<'_> {
         self.cursor.section = format!("{keyword} \"{name}\"");
         match keyword {
             "FIELD" => {
-                let arrays = self.cursor.count("a number of arrays", LIMIT)?;
-                for _ in 0..arrays {
+                for _ in 0..self.cursor.count("a number of arrays", LIMIT)? {
                     while self.cursor.is_next("METADATA") {
                         self.cursor.word();
                         self.section("METADATA")?;
@@ -201,11 +184,12 @@ impl Reader<'_> {
             }
             "COLOR_SCALARS" => {
                 let width = self.cursor.count("a number of components", LIMIT)?;
-                self.cursor.numbers(VtkType::BYTE, rows.saturating_mul(width)).map(drop)
+                self.cursor.numbers(BYTE, rows.saturating_mul(width)).map(drop)
             }
             "LOOKUP_TABLE" => {
                 let size = self.cursor.count("a size", LIMIT)?;
-                self.cursor.numbers(if self.cursor.binary { VtkType::BYTE } else { VtkType::REAL }, 4 * size).map(drop)
+                // As text they are real numbers: the type counts in binary alone.
+                self.cursor.numbers(BYTE, 4 * size).map(drop)
             }
             "SCALARS" => {
                 let kind = self.cursor.need("a type")?;
@@ -214,10 +198,7 @@ impl Reader<'_> {
                     "" => 1,
                     text => text.parse().map_err(|_| self.cursor.fault(format!("\"{text}\""), "expected 1 to 4 components"))?,
                 };
-                let table = self.cursor.need("LOOKUP_TABLE")?;
-                if !table.eq_ignore_ascii_case("LOOKUP_TABLE") {
-                    return Err(self.cursor.fault(format!("\"{}\"", table.escape_debug()), "expected LOOKUP_TABLE"));
-                }
+                self.cursor.expect("LOOKUP_TABLE")?;
                 self.cursor.need("a name")?;
                 self.values(&name, kind, width, rows)
             }
@@ -251,7 +232,7 @@ impl Reader<'_> {
         let values = if ["string", "utf8_string"].iter().any(|text| kind.eq_ignore_ascii_case(text)) {
             ArrayValues::Texts(self.cursor.texts(count)?)
         } else {
-            let kind = VtkType::named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
+            let kind = type_named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
             ArrayValues::Numbers(self.cursor.numbers(kind, count)?)
         };
         let name = name.trim().to_owned();
@@ -262,4 +243,179 @@ impl Reader<'_> {
         }
         Ok(())
     }
+}
+
+/// A type of number, and its bits in binary.
+type VtkType = (NumberType, usize);
+
+/// The whole numbers of the cells in files before version 5.1.
+const INT: VtkType = (NumberType::Signed, 32);
+/// Bytes.
+const BYTE: VtkType = (NumberType::Unsigned, 8);
+
+/// The type of this name, in any case.
+fn type_named(name: &str) -> Option<VtkType> {
+    use NumberType::{Real, Signed, Unsigned};
+    Some(match name.to_ascii_lowercase().as_str() {
+        "bit" => (Unsigned, 1),
+        "char" | "signed_char" | "vtktypeint8" => (Signed, 8),
+        "unsigned_char" | "vtktypeuint8" => BYTE,
+        "short" | "vtktypeint16" => (Signed, 16),
+        "unsigned_short" | "vtktypeuint16" => (Unsigned, 16),
+        // VTK writes its ids as int, however wide they are.
+        "int" | "vtkidtype" | "vtktypeint32" => INT,
+        "unsigned_int" | "vtktypeuint32" => (Unsigned, 32),
+        "long" | "long_long" | "vtktypeint64" => (Signed, 64),
+        "unsigned_long" | "unsigned_long_long" | "vtktypeuint64" => (Unsigned, 64),
+        "float" => (Real, 32),
+        "double" => (Real, 64),
+        _ => return None,
+    })
+}
+
+/// A place in the file.
+#[derive(Clone)]
+struct VtkCursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    /// Whether numbers and texts are binary.
+    binary: bool,
+    /// What is being read, for messages.
+    section: String,
+}
+
+impl<'a> VtkCursor<'a> {
+    /// A fault here: with the line in a file of digits, with the section in a binary one.
+    fn fault(&self, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
+        let section = if self.section.is_empty() { "the head of the file" } else { &self.section };
+        if self.binary {
+            return Fault::item(section, found.to_string(), accepted);
+        }
+        let before = &self.bytes[..self.at.min(self.bytes.len())];
+        let line = before.trim_ascii_end().split(|b| *b == b'\n').count();
+        Fault::line(line, format!("{section}: {found}"), accepted)
+    }
+
+    /// The rest of the line, without its end.
+    fn line(&mut self) -> Option<String> {
+        let rest = self.bytes.get(self.at..).filter(|rest| !rest.is_empty())?;
+        let end = rest.iter().position(|b| *b == b'\n');
+        self.at += end.map_or(rest.len(), |end| end + 1);
+        let line = &rest[..end.unwrap_or(rest.len())];
+        Some(String::from_utf8_lossy(line.strip_suffix(b"\r").unwrap_or(line)).into_owned())
+    }
+
+    /// The next word; `None` at the end of the file.
+    fn word(&mut self) -> Option<&'a str> {
+        let rest = self.bytes.get(self.at..)?;
+        let start = rest.iter().position(|b| !b.is_ascii_whitespace())?;
+        let word = rest[start..].split(u8::is_ascii_whitespace).next()?;
+        self.at += start + word.len();
+        Some(std::str::from_utf8(word).unwrap_or("\u{fffd}"))
+    }
+
+    /// Whether the next word is this one, in any case.
+    fn is_next(&self, word: &str) -> bool {
+        self.clone().word().is_some_and(|next| next.eq_ignore_ascii_case(word))
+    }
+
+    /// The next word, which must be there.
+    fn need(&mut self, what: &str) -> Result<&'a str, Fault> {
+        self.word().ok_or_else(|| self.fault("the file ends", format!("expected {what}")))
+    }
+
+    /// The next word, which must be this one, in any case.
+    fn expect(&mut self, word: &str) -> Result<(), Fault> {
+        let found = self.need(word)?;
+        let other = || self.fault(format!("\"{}\"", found.escape_debug()), format!("expected {word}"));
+        if found.eq_ignore_ascii_case(word) { Ok(()) } else { Err(other()) }
+    }
+
+    /// The next word as a count that a file can have.
+    fn count(&mut self, what: &str, most: usize) -> Result<usize, Fault> {
+        let word = self.need(what)?;
+        word.parse()
+            .ok()
+            .filter(|n| *n <= most)
+            .ok_or_else(|| self.fault(format!("\"{word}\""), format!("expected {what}, a count up to {most}")))
+    }
+
+    /// Whole numbers.
+    fn wholes(&mut self, kind: VtkType, count: usize) -> Result<Vec<i64>, Fault> {
+        if self.binary {
+            return Ok(self.numbers(kind, count)?.into_iter().map(|x| x as i64).collect());
+        }
+        self.entries(count, "expected a whole number")
+    }
+
+    /// Numbers of any type.
+    fn numbers(&mut self, (kind, bits): VtkType, count: usize) -> Result<Vec<f64>, Fault> {
+        if !self.binary {
+            return self.entries(count, "expected a number");
+        }
+        let bytes = self.bytes(count.saturating_mul(bits).div_ceil(8), true)?;
+        if bits == 1 {
+            return Ok((0..count).map(|n| f64::from(bytes[n / 8] >> (7 - n % 8) & 1)).collect());
+        }
+        Ok(bytes.chunks_exact(bits / 8).map(|bytes| kind.value(bytes, true)).collect())
+    }
+
+    /// Texts: a line each with escapes, or in binary their lengths before them.
+    fn texts(&mut self, count: usize) -> Result<Vec<String>, Fault> {
+        self.line();
+        let mut out = Vec::new();
+        for n in 0..count {
+            if !self.binary {
+                let line = self.line().ok_or_else(|| self.fault(format!("{n} texts"), format!("expected {count}")))?;
+                out.push(unescape(&line));
+                continue;
+            }
+            // The two upper bits of the first byte state how many bytes the length has: 8, 4, 2 or 1.
+            let first = self.bytes.get(self.at).copied().unwrap_or_default();
+            let size = [8, 4, 2, 1][usize::from(first >> 6)];
+            let head = self.bytes(size, false)?;
+            let length = word(head, true) & (u64::MAX >> (66 - 8 * size));
+            let text = self.bytes(usize::try_from(length).unwrap_or(usize::MAX), false)?;
+            out.push(String::from_utf8_lossy(text).into_owned());
+        }
+        Ok(out)
+    }
+
+    /// Numbers in digits.
+    fn entries<N: FromStr>(&mut self, count: usize, accepted: &str) -> Result<Vec<N>, Fault> {
+        let entry = |n: usize| {
+            let word = self.word().ok_or_else(|| self.fault(format!("{n} values"), format!("expected {count}")))?;
+            word.parse().map_err(|_| self.fault(format!("\"{word}\""), accepted))
+        };
+        (0..count).map(entry).collect()
+    }
+
+    /// The next bytes; those of an array begin on the next line.
+    fn bytes(&mut self, count: usize, next_line: bool) -> Result<&'a [u8], Fault> {
+        if next_line {
+            self.line();
+        }
+        let rest = self.bytes.get(self.at..).unwrap_or_default();
+        let bytes =
+            rest.get(..count).ok_or_else(|| self.fault(format!("{} bytes are left", rest.len()), format!("expected {count}")))?;
+        self.at += count;
+        Ok(bytes)
+    }
+}
+
+/// Replaces `%20` and the like by their characters; other text stays.
+fn unescape(text: &str) -> String {
+    let bytes = text.as_bytes();
+    let (mut out, mut at) = (Vec::new(), 0);
+    while at < bytes.len() {
+        let digits = text.get(at + 1..at + 3).filter(|_| bytes[at] == b'%');
+        if let Some(byte) = digits.and_then(|digits| u8::from_str_radix(digits, 16).ok()) {
+            out.push(byte);
+            at += 3;
+        } else {
+            out.push(bytes[at]);
+            at += 1;
+        }
+    }
+    String::from_utf8_lossy(&out).into_owned()
 }

@@ -3,8 +3,6 @@
 /// Where a file states the frame of its positions, as 3D Slicer has it: a field of VTP, a word in the title of a legacy file.
 const SPACE: &str = "SPACE";
 
-mod array;
-mod cursor;
 pub(crate) mod legacy;
 pub(crate) mod polydata;
 pub(crate) mod vtp;

@@ -3,17 +3,18 @@
 use std::fmt::Display;
 use std::io::{self, Write};
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::ZlibEncoder;
+use base64::{Engine, engine::general_purpose::STANDARD};
+use flate2::{Compression, write::ZlibEncoder};
 
-use crate::formats::polylines::cells;
-use crate::formats::tables::write::{Column, Values, check_rows, real};
 use crate::formats::vtk::SPACE;
 use crate::formats::xml;
-use willis_core::network::{Network, millimetres};
+use crate::formats::{Column, Network, Values, cells, check_rows, millimetres, real};
 
+/// The first lines of a VTP file.
+const HEAD: &str = r#"<?xml version="1.0"?>
+<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">
+  <PolyData>
+"#;
 /// Bytes compressed at a time, as VTK does.
 const BLOCK: usize = 1 << 15;
 
@@ -29,20 +30,12 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     check_rows(vessel_columns, network.vessel_count())?;
     let (points, cells) = cells(network)?;
     let connectivity: Vec<i64> = cells.iter().flatten().copied().collect();
-    let offsets: Vec<i64> = cells
-        .iter()
-        .scan(0, |end, cell| {
-            *end += cell.len() as i64;
-            Some(*end)
-        })
-        .collect();
-    writeln!(out, r#"<?xml version="1.0"?>"#)?;
-    writeln!(
-        out,
-        r#"<VTKFile type="PolyData" version="1.0" byte_order="LittleEndian" header_type="UInt64" compressor="vtkZLibDataCompressor">"#
-    )?;
+    let mut offsets: Vec<i64> = Vec::with_capacity(cells.len());
+    for cell in &cells {
+        offsets.push(offsets.last().unwrap_or(&0) + cell.len() as i64);
+    }
+    write!(out, "{HEAD}")?;
     let (n, lines) = (points.len(), offsets.len());
-    writeln!(out, "  <PolyData>")?;
     if let Some(name) = network.frame.name() {
         writeln!(out, "      <FieldData>")?;
         array(&mut out, &format!(r#"type="String" Name="{SPACE}" NumberOfTuples="1""#), format!("{name}\0").as_bytes())?;

@@ -2,7 +2,6 @@
 
 mod data;
 mod overlap;
-pub(crate) mod radius;
 mod tracts;
 
 use std::collections::HashMap;
@@ -12,13 +11,11 @@ use petgraph::unionfind::UnionFind;
 pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
 use data::{PolyLine, PolyLines};
 
-use crate::formats::options::ReadOptions;
-use willis_core::error::Fault;
-use willis_core::network::Centerlines;
+use crate::formats::{Centerlines, Fault, ReadOptions};
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
-    radius::is_wanted(name, options) || NAMES.contains(&letters_only(name).as_str()) || tracts::IDS.contains(&name)
+    data::is_of_radii(name, options) || NAMES.contains(&letters_only(name).as_str()) || tracts::IDS.contains(&name)
 }
 
 /// Whether the radii are called as `vmtkcenterlines` calls them, which traces every line from a source to a target.
@@ -49,7 +46,7 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
     let mut ids = Vec::new();
     for piece in pieces {
         let cells = cells(piece)?;
-        let (radii, found) = radius::radii(piece, &cells, options)?;
+        let (radii, found) = data::radii(piece, &cells, options)?;
         notes.extend(found.into_iter().filter(|note| !notes.contains(note)).collect::<Vec<_>>());
         let first = all.at.len();
         all.at.extend(piece.points.iter().map(|p| options.scale.position(*p)));

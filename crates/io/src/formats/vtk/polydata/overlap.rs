@@ -26,8 +26,7 @@
 use std::collections::HashMap;
 
 use super::data::{PolyLine, PolyLines};
-use willis_core::network::{is_radius, millimetres};
-use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
+use crate::formats::{Point, distance, dot, is_radius, lerp, millimetres, norm_squared, sub};
 
 /// More lines than a source has outlets: such a file holds pieces of a network, each of them once.
 const MOST: usize = 4096;
@@ -40,7 +39,7 @@ pub(crate) fn merge(all: &mut PolyLines) -> Option<String> {
         return None;
     }
     let radii = without_gaps(all);
-    let mut tree = Tree::new(&all.at, &radii);
+    let mut tree = Tree { at: &all.at, radii: &radii, links_at: vec![Vec::new(); all.at.len()], ..Tree::default() };
     let mut kept: Vec<Option<PolyLine>> = vec![None; all.each.len()];
     let mut all_merged = Vec::new();
     let (mut merged, mut length) = (0, 0.0);
@@ -190,8 +189,10 @@ const MOST_BETWEEN: f64 = 16.0;
 const MOST_STEPS: usize = 10_000;
 
 /// The lines merged so far, as links between points.
+#[derive(Default)]
 struct Tree<'a> {
     at: &'a [Point],
+    /// Without gaps, zero on a line that has none.
     radii: &'a [f64],
     links: Vec<[u32; 2]>,
     /// Per point its links.
@@ -204,28 +205,27 @@ struct Tree<'a> {
 }
 
 /// The stretch that a line has in common with the tree, from its first point on.
-#[derive(Debug, Clone, Copy)]
+#[derive(Clone, Copy)]
 struct Shared {
     /// The last point of the line that is still on the tree, counted from its first.
-    pub(crate) last: usize,
+    last: usize,
     /// The point of the tree where it leaves.
-    pub(crate) from: u32,
+    from: u32,
 }
 
+/// A place on the tree that is near another one.
 struct Foot {
     link: u32,
     gap: f64,
-    share: f64,
+    /// The radius there.
+    radius: f64,
+    /// The nearer end of the link.
+    end: u32,
 }
 
-impl<'a> Tree<'a> {
-    /// No lines yet; radii without gaps, zero on a line that has none.
-    pub(crate) fn new(at: &'a [Point], radii: &'a [f64]) -> Self {
-        Self { at, radii, links: Vec::new(), links_at: vec![Vec::new(); at.len()], ends: Vec::new(), seen: Vec::new(), now: 0 }
-    }
-
+impl Tree<'_> {
     /// Adds a line.
-    pub(crate) fn add(&mut self, line: &[u32]) {
+    fn add(&mut self, line: &[u32]) {
         for pair in line.windows(2).filter(|pair| pair[0] != pair[1]) {
             for end in pair {
                 self.links_at[*end as usize].push(self.links.len() as u32);
@@ -237,7 +237,7 @@ impl<'a> Tree<'a> {
 
     /// The stretch that a line has in common with the tree, if it begins where a line of the tree begins or ends; and for each of
     /// its points there the point of the tree that replaces it.
-    pub(crate) fn follow(&mut self, line: &[u32]) -> Option<(Shared, Vec<u32>)> {
+    fn follow(&mut self, line: &[u32]) -> Option<(Shared, Vec<u32>)> {
         let (first, start) = (*line.first()?, self.at[*line.first()? as usize]);
         let reach = COMMON_END * self.radii[first as usize];
         let common = self.ends.iter().filter(|end| distance(self.at[**end as usize], start) <= reach);
@@ -252,7 +252,7 @@ impl<'a> Tree<'a> {
             let step = distance(before, here);
             before = here;
             let Some(foot) = self.foot(&on, here, step + LOST * own) else { break };
-            let radius = own.min(self.radius(&foot));
+            let radius = own.min(foot.radius);
             let gap = foot.gap / radius;
             // Not a number where there is no radius.
             if gap.is_nan() || gap > LOST {
@@ -265,15 +265,14 @@ impl<'a> Tree<'a> {
                 }
             } else {
                 away = 0.0;
-                let from = self.nearer_end(&foot);
-                shared = n.map(|last| Shared { last, from }).or(shared);
-                if let Some(n) = n {
-                    replacements.resize(n + 1, from);
+                if let Some(last) = n {
+                    shared = Some(Shared { last, from: foot.end });
+                    replacements.resize(last + 1, foot.end);
                 }
             }
             on = vec![foot.link];
             (sum, length) = (sum + gap * step, length + step);
-            if n == Some(same) && distance(here, self.at[self.nearer_end(&foot) as usize]) <= SAME * radius {
+            if n == Some(same) && distance(here, self.at[foot.end as usize]) <= SAME * radius {
                 same += 1;
             }
             is_one |= same >= SAME_POINTS && length > 0.0;
@@ -317,7 +316,8 @@ impl<'a> Tree<'a> {
                 if std::mem::replace(&mut self.seen[link as usize], self.now) == self.now {
                     continue;
                 }
-                let [a, b] = self.links[link as usize].map(|end| self.at[end as usize]);
+                let ends = self.links[link as usize];
+                let ([a, b], [from, to]) = (ends.map(|end| self.at[end as usize]), ends.map(|end| self.radii[end as usize]));
                 let along = sub(b, a);
                 let share = if norm_squared(along) > 0.0 { dot(sub(p, a), along) / norm_squared(along) } else { 0.0 };
                 let share = share.clamp(0.0, 1.0);
@@ -325,22 +325,13 @@ impl<'a> Tree<'a> {
                 if gap <= reach {
                     open.push(link);
                     if best.as_ref().is_none_or(|best| gap < best.gap) {
-                        best = Some(Foot { link, gap, share });
+                        best = Some(Foot { link, gap, radius: from + share * (to - from), end: ends[usize::from(share > 0.5)] });
                     }
                 }
             }
             let Some(link) = open.pop() else { return best };
             next.extend(self.links[link as usize].iter().flat_map(|end| &self.links_at[*end as usize]));
         }
-    }
-
-    fn radius(&self, foot: &Foot) -> f64 {
-        let [a, b] = self.links[foot.link as usize].map(|end| self.radii[end as usize]);
-        a + foot.share * (b - a)
-    }
-
-    fn nearer_end(&self, foot: &Foot) -> u32 {
-        self.links[foot.link as usize][usize::from(foot.share > 0.5)]
     }
 
     /// The nearest junction along the tree, where one is near; else the point itself.

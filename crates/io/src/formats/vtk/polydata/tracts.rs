@@ -12,9 +12,7 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 
 use super::data::{PolyData, PolyLine, PolyLines, numbers};
 use super::overlap::{COMMON_END, ONE_JUNCTION, arc, without_gaps};
-use crate::formats::tables::reader::plural;
-use willis_core::network::millimetres;
-use willis_core::support::geometry::{Point, box_diagonal, distance};
+use crate::formats::{Point, box_diagonal, distance, millimetres, plural};
 
 const CENTERLINE: &str = "CenterlineIds";
 const TRACT: &str = "TractIds";
@@ -53,12 +51,9 @@ pub(super) fn tracts_of_lines(piece: &PolyData, from: usize) -> Vec<Tract> {
 pub(super) fn common_start(all: &PolyLines, starts: Vec<u32>) -> Vec<u32> {
     let radii = without_gaps(all);
     let at = |point: u32| all.at[point as usize];
-    let is_one = |first: u32| {
-        starts
-            .iter()
-            .all(|point| distance(at(first), at(*point)) <= COMMON_END * radii[first as usize].max(radii[*point as usize]))
-    };
-    if starts.first().is_some_and(|first| is_one(*first)) { starts } else { Vec::new() }
+    let Some(first) = starts.first().copied() else { return starts };
+    let is_near = |point: &u32| distance(at(first), at(*point)) <= COMMON_END * radii[first as usize].max(radii[*point as usize]);
+    if starts.iter().all(is_near) { starts } else { Vec::new() }
 }
 
 /// Where the lines start of which the file has pieces, if that is one place.
@@ -95,7 +90,7 @@ pub(super) fn join(all: &mut PolyLines, mut tracts: Vec<Tract>) -> Option<String
     let pieces = lines.iter().flatten();
     let closed: Vec<f64> = pieces.clone().filter(|p| p.follows && p.gap > touch).map(|p| p.gap).collect();
     let mut said = vec![format!("{} pieces are {} lines by their {CENTERLINE} and {TRACT}", pieces.count(), lines.len())];
-    let mut groups = Groups::new(&all.at, &radii, touch);
+    let mut groups = Groups { at: &all.at, radii: &radii, touch, ..Groups::default() };
     for line in lines {
         groups.add(line);
     }
@@ -177,6 +172,7 @@ fn reverse(line: &mut PolyLine) {
 type GroupVessel = (i64, usize);
 
 /// The vessels found so far, by group, and how they are connected.
+#[derive(Default)]
 struct Groups<'a> {
     at: &'a [Point],
     radii: &'a [f64],
@@ -194,13 +190,7 @@ struct Groups<'a> {
     shared: f64,
 }
 
-impl<'a> Groups<'a> {
-    fn new(at: &'a [Point], radii: &'a [f64], touch: f64) -> Self {
-        let (points, junctions, linked) = Default::default();
-        let (open, each, merged) = Default::default();
-        Self { at, radii, touch, points, junctions, linked, open, each, merged, shared: 0.0 }
-    }
-
+impl Groups<'_> {
     /// Adds a line, piece after piece.
     fn add(&mut self, pieces: Vec<Piece>) {
         // The vessel of the piece before, its last point, and whether it is of this line.
