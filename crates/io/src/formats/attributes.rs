@@ -1,17 +1,11 @@
 //! Reads the attributes of nodes and edges, whichever format stores them: makes the nodes, and of each edge one vessel, never merged or reordered.
 
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::fmt::Display;
 
 use crate::formats::tables::conditions::VENOUS;
-use crate::formats::{
-    Condition, Evidence, Fault, Network, Node, Origin, PathPoint, Point, RadiusRule, ReadOptions, Role, Scale, Vessel, Wall,
-    Windkessel, counted, distance, is_missing, is_radius, metres, number, plural, radius_of,
-};
-use willis_core::network::path_places::length_of;
-use willis_core::network::units::{
-    cubic_metres_per_pascal, cubic_metres_per_second, megapascals, pascal_seconds_per_cubic_metre, pascals,
-};
+use crate::formats::{Fault, Point, ReadOptions, Scale, counted, distance, is_missing, is_radius, number, plural};
+use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
+use willis_core::network::{metres, path_places::length_of, units};
 
 /// The attributes that may give the radius where none has "radius" in its name.
 const SIZES: [&str; 5] = [AREA, "diameter", "r", "d", RESISTANCE];
@@ -116,11 +110,11 @@ fn condition(item: &Item, role: Option<Role>, has_roles: bool) -> Result<Option<
     Ok(match (resistance, flow, pressure) {
         (Some(_), Some(_), _) => return Err(item.fault(format!("{RESISTANCE} and {FLOW}"), "expected one condition")),
         (Some(resistance), None, _) => Some(Condition::Resistance {
-            resistance: pascal_seconds_per_cubic_metre(resistance),
-            venous: pascals(venous.unwrap_or(0.0)),
+            resistance: units::pascal_seconds_per_cubic_metre(resistance),
+            venous: units::pascals(venous.unwrap_or(0.0)),
         }),
-        (None, Some(flow), _) => Some(Condition::Flow(cubic_metres_per_second(flow))),
-        (None, None, Some(pressure)) => Some(Condition::Pressure(pascals(pressure))),
+        (None, Some(flow), _) => Some(Condition::Flow(units::cubic_metres_per_second(flow))),
+        (None, None, Some(pressure)) => Some(Condition::Pressure(units::pascals(pressure))),
         (None, None, None) => match role {
             Some(Role::Inlet) => Some(Condition::INLET),
             Some(Role::Outlet) => Some(Condition::GROUND),
@@ -143,8 +137,8 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
             return Err(item.fault(format!("{PROXIMAL} {r}"), accepted));
         }
     }
-    let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?;
-    Ok(Windkessel { proximal: proximal.map(pascal_seconds_per_cubic_metre), compliance: compliance.map(cubic_metres_per_pascal) })
+    let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?.map(units::cubic_metres_per_pascal);
+    Ok(Windkessel { proximal: proximal.map(units::pascal_seconds_per_cubic_metre), compliance })
 }
 
 /// The attributes of an edge, besides its length and radius.
@@ -211,7 +205,7 @@ pub(crate) fn vessels(
         let vessel = Vessel {
             length,
             radius,
-            resistance: item.positive(RESISTANCE)?.map(pascal_seconds_per_cubic_metre),
+            resistance: item.positive(RESISTANCE)?.map(units::pascal_seconds_per_cubic_metre),
             label: item.text("label").unwrap_or_default().to_owned(),
             origin: origin.unwrap_or(Origin::Candidate),
             prior: item.share("prior")?.unwrap_or(1.0),
@@ -264,7 +258,7 @@ fn gap(item: &Item, nodes: [&Node; 2], ends: [usize; 2]) -> Result<f64, Fault> {
 fn wall(item: &Item) -> Result<Option<Wall>, Fault> {
     match (item.positive(SPEED)?, item.positive(YOUNG)?, item.positive(THICKNESS)?) {
         (Some(speed), None, None) => Ok(Some(Wall::Speed(speed))),
-        (None, Some(young), Some(mm)) => Ok(Some(Wall::Elastic { young: megapascals(young), thickness: metres(mm) })),
+        (None, Some(young), Some(mm)) => Ok(Some(Wall::Elastic { young: units::megapascals(young), thickness: metres(mm) })),
         (None, None, None) => Ok(None),
         (Some(_), ..) => Err(item.fault(format!("{SPEED} and {YOUNG} or {THICKNESS}"), "expected one statement of the wall")),
         (None, ..) => Err(item.fault(format!("{YOUNG} or {THICKNESS} alone"), "expected both, or neither")),
@@ -431,7 +425,7 @@ impl<'a> Item<'a> {
         self.record.text(key)
     }
 
-    fn fault(&self, found: impl Display, accepted: impl Into<String>) -> Fault {
+    fn fault(&self, found: impl std::fmt::Display, accepted: impl Into<String>) -> Fault {
         let found = match self.name {
             Name::Node(id) => format!("node {id}: {found}"),
             Name::Edge(row, [a, b]) => format!("edge {row} ({a} - {b}): {found}"),
@@ -500,7 +494,7 @@ impl<'a> Item<'a> {
             return Ok(Some(radius));
         }
         if let Some(area) = self.real(AREA)?.filter(|area| is_radius(*area)) {
-            return Ok(Some((AREA, scale.length(radius_of(area)))));
+            return Ok(Some((AREA, scale.length(willis_core::support::geometry::radius_of(area)))));
         }
         for (key, share) in [("radius_avg", 1.0), ("avgRadiusAvg", 1.0), ("diameter", 0.5)] {
             if let Some(size) = self.real(key)? {

@@ -4,7 +4,6 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::io::{self, BufRead, Write};
 
 use crate::formats::attributes::{Records, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
-use crate::formats::tables::graph::points;
 use crate::formats::xml::{Events, Tag, XmlStep};
 use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, escape};
 
@@ -311,7 +310,7 @@ pub fn write_graphml(mut out: impl Write, network: &Network, of_nodes: &[Column]
         writeln!(out, r#"    <edge source="{a}" target="{b}">"#)?;
         data(&mut out, "edge", of_vessels, row)?;
         if with_points && !vessel.path.is_empty() {
-            writeln!(out, r#"      <data key="points">{}</data>"#, points(&vessel.path))?;
+            writeln!(out, r#"      <data key="points">{}</data>"#, super::tables::graph::points(&vessel.path))?;
         }
         writeln!(out, "    </edge>")?;
     }

@@ -1,9 +1,7 @@
 //! The lines of a header that is text, and its fields, each with the line that it stands on.
 
 use std::path::{Path, PathBuf};
-use std::{collections::HashMap, str::FromStr};
 
-use crate::formats::input::{beside, bytes_beside};
 use willis_core::error::{Fault, Result};
 
 /// How many characters of a wrong line an error shows.
@@ -74,7 +72,7 @@ type Numbers<N> = Result<Option<Vec<N>>, Fault>;
 pub(super) struct HeaderFields {
     /// Whether blanks and capitals in a name do not count.
     pub(super) is_loose: bool,
-    fields: HashMap<String, (usize, String)>,
+    fields: std::collections::HashMap<String, (usize, String)>,
 }
 
 impl HeaderFields {
@@ -103,13 +101,13 @@ impl HeaderFields {
     pub(super) fn file(&self, path: &Path, name: &str) -> Option<PathBuf> {
         let (_, file) = self.get(name)?;
         let is_list = file.starts_with("LIST") || file.starts_with("SKIPLIST") || file.contains('%');
-        beside(path, file).filter(|_| !is_list)
+        super::input::beside(path, file).filter(|_| !is_list)
     }
 
     /// The same of a field that has to name one, and its bytes, at most so many; `accepted` describes the field for the error.
     pub(super) fn file_bytes(&self, path: &Path, name: &str, most: u64, accepted: &str) -> Result<(PathBuf, Vec<u8>)> {
         let file = self.file(path, name).ok_or_else(|| self.wrong(name, accepted).in_file(path))?;
-        let bytes = bytes_beside(&file, most)?;
+        let bytes = super::input::bytes_beside(&file, most)?;
         Ok((file, bytes))
     }
 
@@ -138,7 +136,13 @@ impl HeaderFields {
     }
 
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
-    pub(super) fn numbers<N: FromStr>(&self, name: &str, count: usize, accepted: &str, admits: fn(&N) -> bool) -> Numbers<N> {
+    pub(super) fn numbers<N: std::str::FromStr>(
+        &self,
+        name: &str,
+        count: usize,
+        accepted: &str,
+        admits: fn(&N) -> bool,
+    ) -> Numbers<N> {
         let Some((_, value)) = self.get(name) else { return Ok(None) };
         let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
         let wrong = || self.wrong(name, format!("expected {count} {accepted}"));

@@ -42,7 +42,7 @@ pub use options::ReadOptions;
 pub use read::{read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
-pub use swc::{read_swc, write_centerlines_swc, write_swc};
+pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
 pub use tables::decisions::{ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
@@ -59,9 +59,8 @@ pub use tables::write::{Column, Texts, Values, coordinate_columns, escape_formul
 pub use tre::{read_tre, write_tre};
 pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
-pub use vendors::edge_tables::{
-    read_vesselvio_edges, read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, write_vesselvio, write_voreen,
-};
+pub use vendors::edge_tables::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
+pub use vendors::edge_tables::{read_voreen_edges, read_voreen_nodes, write_voreen};
 pub use vendors::icafe::{ICAFE_ARTERIES, TracedVessel, name_stretches, read_traced_vessels};
 pub use vendors::slicer_markups::{read_markups, write_markups};
 pub use vendors::vtrails::read_vtrails;
@@ -72,18 +71,10 @@ pub use xml::escape;
 
 // What most readers and writers name.
 pub(crate) use binary::{NumberType, word};
-pub(crate) use polylines::{
-    add_straight, between, cells, centerlines, is_straight, node_points, parents_first, positions, radii_of_points, skeleton,
-    steps_from_inlets,
-};
-pub(crate) use tables::reader::{Row, TableReader, counted, is_missing, listed, plural};
-pub(crate) use tables::write::{check_rows, figures, real, write_table};
+pub(crate) use polylines::{cells, centerlines, parents_first, parts_of, steps_from_inlets};
+pub(crate) use tables::reader::{TableReader, counted, is_missing, listed, plural};
+pub(crate) use tables::write::{check_rows, figures, real};
 pub(crate) use willis_core::error::{Fault, Result};
 pub(crate) use willis_core::network::walks::{other_end, vessels_at};
-pub(crate) use willis_core::network::{
-    Centerlines, Condition, Evidence, Frame, Labels, LengthUnit, Network, Node, Origin, PathPoint, RadiusRule, Role, Scale,
-    Vessel, WELD_TOLERANCE, Wall, Windkessel, is_radius, metres, millimetres,
-};
-pub(crate) use willis_core::support::geometry::{
-    Point, area_of, bounds, box_diagonal, cross, distance, dot, lerp, norm_squared, radius_of, sub,
-};
+pub(crate) use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Node, PathPoint, Scale, is_radius, millimetres};
+pub(crate) use willis_core::support::geometry::{Point, box_diagonal, distance, dot, lerp, norm_squared, radius_of, sub};

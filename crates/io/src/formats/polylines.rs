@@ -1,12 +1,9 @@
 //! A network as lines of points, and as one graph of points and links, for the formats that hold these.
 
-use std::collections::{HashSet, VecDeque};
 use std::io;
 
-use petgraph::unionfind::UnionFind;
-
-use crate::formats::{Centerlines, Network, Node, Origin, PathPoint, Point, Role, Vessel, distance, other_end, vessels_at};
-use willis_core::support::arc_lengths::in_direction;
+use crate::formats::{Centerlines, Network, Node, PathPoint, Point, distance, other_end, vessels_at};
+use willis_core::network::{Origin, Role, Vessel};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
 pub(crate) fn parents_first(up: &[Option<usize>]) -> Result<Vec<usize>, usize> {
@@ -42,7 +39,7 @@ pub(crate) fn steps_from_inlets(network: &Network, is_depth_first: bool) -> Vec<
             continue;
         }
         steps.push((None, root, true));
-        let mut open = VecDeque::from([root]);
+        let mut open = std::collections::VecDeque::from([root]);
         while let Some(node) = if is_depth_first { open.pop_back() } else { open.pop_front() } {
             for row in vessels_at[node].iter().copied() {
                 if std::mem::replace(&mut is_walked[row], true) {
@@ -106,7 +103,7 @@ pub(crate) fn cells(network: &Network) -> io::Result<(Vec<PathPoint>, Vec<Vec<i6
 
 /// The points of a path between its two nodes, without the nodes themselves; from the last to the first unless `forward`.
 pub(crate) fn between(path: &[PathPoint], from: Point, to: Point, forward: bool) -> Vec<PathPoint> {
-    let mut points = in_direction(path.to_vec(), forward);
+    let mut points = willis_core::support::arc_lengths::in_direction(path.to_vec(), forward);
     if points.last().is_some_and(|p| distance(p.position, to) <= 0.0) {
         points.pop();
     }
@@ -138,7 +135,7 @@ pub(crate) fn is_straight(network: &Network) -> bool {
 pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
     let (points, lines) = cells(network)?;
     let mut out = PointLinks { points, links: Vec::new(), vessel: Vec::new() };
-    let mut joined = HashSet::new();
+    let mut joined = std::collections::HashSet::new();
     for (row, line) in lines.iter().enumerate() {
         let [a, b] = network.ends(row);
         let inner = line.len() - 2;
@@ -156,18 +153,24 @@ pub(crate) fn skeleton(network: &Network) -> io::Result<PointLinks> {
 /// Makes centerlines of points (m), radii (m; NaN where missing) and links with their labels. Each connected part is one strand,
 /// so that coincident points are merged only where they belong to different parts.
 pub(crate) fn centerlines(points: &[Point], radii: &[f64], links: &[[u32; 2]], label: impl Fn(usize) -> String) -> Centerlines {
-    let mut parts = UnionFind::<u32>::new(points.len());
-    for [a, b] in links {
-        parts.union(*a, *b);
-    }
     let mut lines = Centerlines::default();
     for (row, (point, radius)) in points.iter().zip(radii).enumerate() {
-        lines.add_point(*point, *radius, row as u64, parts.find(row as u32));
+        lines.add_point(*point, *radius, row as u64, 0);
     }
+    lines.strand = parts_of(points.len(), links);
     for (row, link) in links.iter().enumerate().filter(|(_, [a, b])| a != b) {
         lines.add_link(*link, &label(row));
     }
     lines
+}
+
+/// The connected part of each point, by one of its points.
+pub(crate) fn parts_of(points: usize, links: &[[u32; 2]]) -> Vec<u32> {
+    let mut parts = petgraph::unionfind::UnionFind::<u32>::new(points);
+    for [a, b] in links {
+        parts.union(*a, *b);
+    }
+    parts.into_labeling()
 }
 
 /// The radius of each point from those of its links: their mean over length, which keeps ∫ r dz over the whole skeleton.

@@ -6,10 +6,9 @@ use std::{borrow::Cow, f64::consts::PI, iter::successors};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Condition, Network, Node, Origin, Role, Vessel, Wall, Windkessel, other_end, plural, vessels_at};
+use crate::formats::{Network, Node, other_end, plural, vessels_at};
 use willis_core::flow::{Tube, WallLaw, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY, unfed::fed};
-use willis_core::network::waveform::{Quantity, Waveform};
-use willis_core::support::numbered::grouped;
+use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 
 /// What a simulation adds to a network for a solver in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +72,7 @@ pub(crate) fn without_loops(network: &Network) -> Option<(Network, String)> {
 /// widest vessels at the first two places, joined by vessels as wide as the widest there and as long as its radius.
 pub(crate) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Network, String)> {
     let sides = network.vessels().enumerate().flat_map(|(row, (ends, _))| [0, 1].map(|side| (ends[side], (row, side))));
-    let mut at = grouped(network.node_count(), sides);
+    let mut at = willis_core::support::numbered::grouped(network.node_count(), sides);
     let crowded: Vec<usize> = (0..network.node_count()).filter(|node| at[*node].len() > most).collect();
     if crowded.is_empty() {
         return None;

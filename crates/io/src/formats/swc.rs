@@ -3,10 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet, HashMap, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
-use crate::formats::{
-    Centerlines, Fault, Frame, Network, PathPoint, Scale, between, figures, is_missing, is_radius, millimetres, node_points,
-    parents_first, plural, steps_from_inlets,
-};
+use crate::formats::polylines::{between, node_points, parents_first, steps_from_inlets};
+use crate::formats::{Centerlines, Fault, Frame, Network, PathPoint, Scale, figures, is_missing, is_radius, millimetres, plural};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -114,6 +112,11 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
         Ok(x) if x.fract() == 0.0 && x.abs() < 9e15 => Ok((x >= 0.0).then_some(x as u64)),
         _ => Err(Fault::line(line, format!("{} \"{word}\"", COLUMNS[column]), "expected a whole number")),
     }
+}
+
+/// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
+pub fn is_forest(network: &Network) -> bool {
+    willis_core::network::cycles(network) == 0
 }
 
 /// Writes a network as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres. Returns the id

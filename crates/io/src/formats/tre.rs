@@ -5,12 +5,9 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
-use crate::formats::polylines::{polylines, steps_from_inlets};
-use crate::formats::swc::single_line;
-use crate::formats::{
-    Centerlines, Fault, Frame, LengthUnit, Network, NumberType, PathPoint, Point, ReadOptions, Scale, bounds, cross, distance,
-    dot, figures, is_radius, listed, parents_first, sub,
-};
+use crate::formats::{Fault, NumberType, ReadOptions, figures, listed, parents_first, steps_from_inlets};
+use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Scale, is_radius};
+use willis_core::support::geometry::{Point, bounds, cross, distance, dot, sub};
 
 /// Reads the tubes of an ITK scene; returns also notes for the user.
 ///
@@ -471,13 +468,13 @@ type TubeParent = (usize, bool);
 pub fn write_tre(mut out: impl Write, network: &Network) -> io::Result<()> {
     let network = &*network.in_frame(Frame::Lps);
     let orientation = if network.frame.is_known() { "AnatomicalOrientation = RAI\n" } else { "" };
-    let mut tubes = polylines(network)?;
+    let mut tubes = super::polylines::polylines(network)?;
     let parents = orient_and_link(network, &mut tubes);
     writeln!(out, "ObjectType = Scene\nNDims = 3\nNObjects = {}", tubes.len() + 1)?;
     writeln!(out, "ObjectType = Group\nNDims = 3\nID = 0\nBinaryData = False\n{IDENTITY}\nEndGroup = ")?;
     for (row, tube) in tubes.iter().enumerate() {
         writeln!(out, "ObjectType = Tube\nNDims = 3")?;
-        let name = single_line(&network.vessel(row).label);
+        let name = super::swc::single_line(&network.vessel(row).label);
         if !name.is_empty() {
             writeln!(out, "Name = {name}")?;
         }

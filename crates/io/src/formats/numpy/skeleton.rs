@@ -3,14 +3,10 @@
 use std::io::{self, Seek, Write};
 
 use ndarray::{Array1, Array2};
-use ndarray_npy::WriteNpyExt;
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use super::array::{Archive, NumpyArray};
-use crate::formats::{
-    Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, add_straight, centerlines, is_radius,
-    is_straight, millimetres, positions, radii_of_points, skeleton,
-};
+use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, radii_of_points, skeleton};
+use crate::formats::{Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, millimetres};
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
 const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
@@ -39,7 +35,7 @@ const ACCEPTED: &str = "expected a skeleton graph: coords (N, 3), edges (M, 2) a
 pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content, Vec<String>), Fault> {
     let (scale, radius_optional) = (&options.scale, options.is_radius_optional());
     let room = UnpackLimit::of(bytes.len(), options.max_input);
-    let mut archive = Archive::open(bytes, &room)?;
+    let mut archive = super::array::Archive::open(bytes, &room)?;
     if archive.has("indptr") || (archive.has("row") && archive.has("col")) {
         return Err(Fault::file("a sparse matrix of scipy.sparse, such as likelihood.npz", ACCEPTED));
     }
@@ -116,7 +112,7 @@ fn vessels(
     }
     for (row, ends) in links.iter().enumerate() {
         let item = |found: &str, accepted: &str| Fault::item(format!("edge {row}"), found, accepted);
-        let radius = Some(radii[row]).filter(|r| is_radius(*r));
+        let radius = Some(radii[row]).filter(|r| crate::formats::is_radius(*r));
         if radius.is_none() && !radius_optional {
             return Err(item("no valid radius", "expected a positive radius, or give `default_radius`"));
         }
@@ -127,7 +123,7 @@ fn vessels(
 }
 
 /// The rows of `edges`, all of which must be points.
-fn links(edges: &NumpyArray, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
+fn links(edges: &super::array::NumpyArray, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
     if !edges.is_whole() {
         return Err(edges.fault("values that are not whole numbers", "expected an integer type"));
     }
@@ -183,7 +179,7 @@ fn start(zip: &mut ZipWriter<impl Write + Seek>, name: &str) -> io::Result<()> {
     zip.start_file(format!("{name}.npy"), options).map_err(io::Error::other)
 }
 
-fn write(zip: &mut ZipWriter<impl Write + Seek>, name: &str, array: &impl WriteNpyExt) -> io::Result<()> {
+fn write(zip: &mut ZipWriter<impl Write + Seek>, name: &str, array: &impl ndarray_npy::WriteNpyExt) -> io::Result<()> {
     start(zip, name)?;
     array.write_npy(zip).map_err(io::Error::other)
 }

@@ -8,10 +8,8 @@ use std::io::{self, Read, Write};
 
 use flate2::read::ZlibDecoder;
 
-use crate::formats::{
-    Centerlines, Fault, LengthUnit, Network, NumberType, Point, ReadOptions, Scale, UnpackLimit, Vessel, WELD_TOLERANCE, cells,
-    centerlines, distance, figures, is_radius, radius_of,
-};
+use crate::formats::{Fault, NumberType, Point, ReadOptions, UnpackLimit, cells, centerlines, distance, figures, radius_of};
+use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
 
 /// No header is longer.
 const MOST_HEADER: usize = 1 << 20;

@@ -2,14 +2,12 @@
 //! semicolons, as VesselGraph distributes them.
 
 use std::io::{self, Write};
-use std::{collections::HashMap, f64::consts::TAU};
 
-use crate::formats::tables::graph::NodeTable;
-use crate::formats::{
-    Column, Content, Fault, Network, Node, Point, ReadOptions, Row, Scale, TableReader, add_straight, area_of, centerlines,
-    coordinate_columns, counted, distance, is_radius, is_straight, millimetres, plural, positions, radius_of, skeleton,
-    write_csv, write_table,
-};
+use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, skeleton};
+use crate::formats::tables::write::{Column, coordinate_columns, write_csv, write_table};
+use crate::formats::tables::{graph::NodeTable, reader::Row};
+use crate::formats::{Content, Fault, Network, Node, ReadOptions, Scale, TableReader, counted, is_radius, millimetres, plural};
+use willis_core::support::geometry::{Point, area_of, distance, radius_of};
 
 /// The columns of positions that are written.
 const PLACE: [&str; 3] = ["X", "Y", "Z"];
@@ -152,7 +150,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
         Column::real("length", vessels().map(|(l, _)| l)),
         Column::real("tortuosity", links.iter().zip(vessels().map(|(l, _)| l)).map(tortuosity)),
         Column::real("volume", vessels().map(|(l, r)| area_of(r) * l)),
-        Column::real("surface_area", vessels().map(|(l, r)| TAU * r * l)),
+        Column::real("surface_area", vessels().map(|(l, r)| std::f64::consts::TAU * r * l)),
     ]);
     table.extend(labelled.then(|| Column::text("label", network.vessels().map(|(_, v)| v.label.clone()))));
     write_csv(edges, &table)
@@ -166,7 +164,7 @@ pub fn write_vesselvio(vertices: impl Write, edges: impl Write, network: &Networ
 pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
     let mut rows = TableReader::open(bytes)?;
     let [id, place @ ..] = rows.columns([&["id"], &["pos_x"], &["pos_y"], &["pos_z"]], "Voreen's table of nodes")?;
-    let mut table = NodeTable { nodes: Vec::new(), row_of: HashMap::new(), has_lengths_without_unit: true };
+    let mut table = NodeTable { nodes: Vec::new(), row_of: std::collections::HashMap::new(), has_lengths_without_unit: true };
     while let Some(row) = rows.row()? {
         let id = row.text(id).to_owned();
         if id.is_empty() {

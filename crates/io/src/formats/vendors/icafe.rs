@@ -1,12 +1,9 @@
 //! iCafe: labels the branches of a traced SWC file with the arteries that Feature_Vessel.csv in the same folder names.
 
-use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
 use crate::formats::input::{bytes_beside, content_beside, without_mark};
-use crate::formats::{
-    Centerlines, Content, Fault, Labels, LengthUnit, Point, ReadOptions, Result, Scale, TableReader, is_there, read_swc,
-};
+use crate::formats::{Centerlines, Content, Fault, LengthUnit, Point, ReadOptions, Result, Scale, TableReader, read_swc};
 
 /// iCafe's table of vessels.
 pub(crate) const TABLE_OF_VESSELS: &str = "Feature_Vessel.csv";
@@ -111,7 +108,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         rows.sort_unstable();
         rows
     };
-    let mut labels = Labels::default();
+    let mut labels = willis_core::network::Labels::default();
     let mut taken = vec![false; lines.links.len()];
     let mut named = 0;
     for vessel in vessels {
@@ -203,13 +200,13 @@ fn spacing_note(tracing: &Path, scale: &Scale) -> Result<Option<String>> {
 
 /// A file of iCafe's in the folder of a tracing or its table of vessels: [`TABLE_OF_VESSELS`], or [`IMAGE`].
 pub(crate) fn find(tracing: &Path, name: &str) -> Option<PathBuf> {
-    Some(tracing.with_file_name(name)).filter(|path| is_there(path))
+    Some(tracing.with_file_name(name)).filter(|path| crate::formats::is_there(path))
 }
 
 /// The one tracing in the folder of a table of vessels.
 pub(crate) fn find_tracing(table: &Path) -> Result<PathBuf, Fault> {
     let folder = table.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let files = read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    let files = std::fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
     let mut found: Vec<PathBuf> = files.filter(|path| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("swc"))).collect();
     found.sort();
     match found.len() {

@@ -2,23 +2,21 @@
 
 use std::io::{self, Write};
 
-use serde::Deserialize;
 use serde_json::Value;
 
-use crate::formats::polylines::polylines;
 use crate::formats::{Centerlines, Fault, Frame, LengthUnit, Network, Point, ReadOptions, Scale, figures, is_radius, listed};
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
 const CURVES: &str = "expected markups of type Curve, ClosedCurve or Line";
 
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 struct MarkupsFile {
     markups: Option<Vec<Markup>>,
 }
 
 /// One markup: a curve, a line, a list of points.
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(in crate::formats) struct Markup {
     /// Its type.
@@ -35,7 +33,7 @@ pub(in crate::formats) struct Markup {
 }
 
 /// A point of a markup.
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 #[serde(rename_all = "camelCase")]
 pub(in crate::formats) struct ControlPoint {
     label: Option<String>,
@@ -104,7 +102,7 @@ pub(in crate::formats) fn markups_of(bytes: &[u8]) -> Result<Vec<Markup>, Fault>
     file.markups.ok_or_else(|| Fault::file("JSON without \"markups\"", "expected 3D Slicer markups"))
 }
 
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 #[serde(rename_all = "camelCase")]
 struct MarkupsMeasurement {
     #[serde(default)]
@@ -233,7 +231,7 @@ pub(in crate::formats) const SCHEMA: &str = "https://raw.githubusercontent.com/s
 pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
     writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [")?;
     let network = &*network.in_frame(Frame::Lps);
-    for (row, points) in polylines(network)?.into_iter().enumerate() {
+    for (row, points) in crate::formats::polylines::polylines(network)?.into_iter().enumerate() {
         let before = if row > 0 { ",\n" } else { "" };
         let name = serde_json::to_string(&network.vessel(row).label)?;
         writeln!(

@@ -1,9 +1,6 @@
 //! The geodesic trees of VTrails: `*_GeodesicMSTs.mat`, which MATLAB 7.3 writes as HDF5. The only file that knows HDF5.
 
-use std::collections::HashMap;
-
-use hdf5_reader::reference::read_object_references;
-use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions};
+use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions, reference::read_object_references};
 
 use crate::formats::{Centerlines, Fault, ReadOptions, Scale, UnpackLimit};
 
@@ -52,7 +49,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
         room.take(usize::try_from(count).unwrap_or(usize::MAX)).map_err(too_many)?;
         let references = paths.read_raw_bytes().and_then(|raw| read_object_references(&raw, 8)).map_err(broken)?;
         let all = file.group("#refs#").and_then(|group| group.datasets()).map_err(broken)?;
-        let at: HashMap<u64, &Dataset> = all.iter().map(|array| (array.address(), array)).collect();
+        let at: std::collections::HashMap<u64, &Dataset> = all.iter().map(|array| (array.address(), array)).collect();
         for (row, reference) in references.iter().enumerate() {
             let missing = || Fault::item(format!("{STRUCT}({})", row + 1), "refers to nothing", "expected a whole file");
             let path = at.get(reference).ok_or_else(missing)?;

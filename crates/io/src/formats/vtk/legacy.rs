@@ -1,7 +1,5 @@
 //! Reads a legacy VTK PolyData file from left to right, section by section, in ASCII or big-endian binary.
 
-use std::str::FromStr;
-
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, word};
 
@@ -382,7 +380,7 @@ impl<'a> VtkCursor<'a> {
     }
 
     /// Numbers in digits.
-    fn entries<N: FromStr>(&mut self, count: usize, accepted: &str) -> Result<Vec<N>, Fault> {
+    fn entries<N: std::str::FromStr>(&mut self, count: usize, accepted: &str) -> Result<Vec<N>, Fault> {
         let entry = |n: usize| {
             let word = self.word().ok_or_else(|| self.fault(format!("{n} values"), format!("expected {count}")))?;
             word.parse().map_err(|_| self.fault(format!("\"{word}\""), accepted))

@@ -2,10 +2,8 @@
 
 use std::{borrow::Cow, io::Read};
 
-use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
-use base64::{Engine, alphabet::STANDARD};
+use base64::engine::{DecodePaddingMode, Engine, GeneralPurpose, GeneralPurposeConfig};
 
-use crate::formats::vtk::SPACE;
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use crate::formats::xml::{self, Element};
 use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, UnpackLimit, word};
@@ -59,7 +57,7 @@ pub fn read_vtp(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
 /// The frame that the field data state as 3D Slicer does, in an array of texts called `SPACE`.
 fn frame(polydata: &Element, arrays: &Arrays) -> Result<Frame, Fault> {
     let mut fields = polydata.named("FieldData").flat_map(|fields| fields.children.iter().filter(|child| is_array(child)));
-    match fields.find(|field| field.attribute("Name").trim() == SPACE && field.attribute("type") == "String") {
+    match fields.find(|field| field.attribute("Name").trim() == super::SPACE && field.attribute("type") == "String") {
         Some(field) => Ok(arrays.texts(field, 1)?.first().map_or(Frame::Unknown, |word| Frame::of_word(word))),
         None => Ok(Frame::Unknown),
     }
@@ -316,7 +314,7 @@ fn fault(array: &Element, found: impl std::fmt::Display, accepted: impl Into<Str
 }
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
-    &STANDARD,
+    &base64::alphabet::STANDARD,
     GeneralPurposeConfig::new().with_decode_padding_mode(DecodePaddingMode::Indifferent).with_decode_allow_trailing_bits(true),
 );
 

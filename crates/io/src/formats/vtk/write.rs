@@ -1,13 +1,10 @@
 //! Writes a network as VTP and as legacy VTK: one polyline a vessel, for ParaView, VMTK and 3D Slicer.
 
-use std::fmt::Display;
 use std::io::{self, Write};
 
 use base64::{Engine, engine::general_purpose::STANDARD};
-use flate2::{Compression, write::ZlibEncoder};
 
 use crate::formats::vtk::SPACE;
-use crate::formats::xml;
 use crate::formats::{Column, Network, Values, cells, check_rows, millimetres, real};
 
 /// The first lines of a VTP file.
@@ -52,7 +49,7 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
     array(&mut out, r#"type="Float64" Name="MaximumInscribedSphereRadius""#, &radius)?;
     writeln!(out, "      </PointData>\n      <CellData>")?;
     for column in vessel_columns {
-        let name = xml::escape(&column.name);
+        let name = crate::formats::escape(&column.name);
         match &column.values {
             Values::Real(values) => {
                 array(&mut out, &format!(r#"type="Float64" Name="{name}""#), &reals(&mut values.iter().copied()))?;
@@ -80,7 +77,7 @@ fn array(out: &mut impl Write, attributes: &str, bytes: &[u8]) -> io::Result<()>
     let mut header = vec![bytes.len().div_ceil(BLOCK) as u64, BLOCK as u64, (bytes.len() % BLOCK) as u64];
     let mut packed = Vec::new();
     for block in bytes.chunks(BLOCK) {
-        let mut zlib = ZlibEncoder::new(Vec::new(), Compression::default());
+        let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::default());
         zlib.write_all(block)?;
         let block = zlib.finish()?;
         header.push(block.len() as u64);
@@ -145,7 +142,7 @@ fn reals(out: &mut impl Write, values: &[f64]) -> io::Result<()> {
     words(out, values.iter().map(|x| if x.is_nan() { "nan".to_owned() } else { real(*x) }))
 }
 
-fn words(out: &mut impl Write, words: impl Iterator<Item = impl Display>) -> io::Result<()> {
+fn words(out: &mut impl Write, words: impl Iterator<Item = impl std::fmt::Display>) -> io::Result<()> {
     for (n, word) in words.enumerate() {
         write!(out, "{}{word}", if n > 0 { " " } else { "" })?;
     }

@@ -1,8 +1,7 @@
 //! The polylines and named arrays of a VTK file, as they are read and while they are joined; which array holds the radius.
 
 use crate::formats::{Fault, Point, ReadOptions, is_radius};
-use willis_core::support::numbered::marked;
-use willis_core::support::suggestions::did_you_mean;
+use willis_core::support::{numbered::marked, suggestions::did_you_mean};
 
 /// The most points, cells or indices of a file: one that announces more is broken.
 pub(crate) const LIMIT: usize = 1 << 26;
@@ -57,8 +56,6 @@ pub(crate) struct PolyLine {
     pub(super) points: Vec<u32>,
     /// Per link the row of its label; 0 for none.
     pub(super) names: Vec<u32>,
-    /// Its number in the file.
-    pub(super) strand: u32,
 }
 
 /// The lines of all pieces together, in m.
@@ -66,7 +63,7 @@ pub(crate) struct PolyLine {
 pub(crate) struct PolyLines {
     pub(super) at: Vec<Point>,
     pub(super) radii: Vec<f64>,
-    /// The labels of links; the first one is empty.
+    /// The labels of links, those of each line that has one; the first one is empty.
     pub(super) names: Vec<String>,
     pub(super) each: Vec<PolyLine>,
     /// Points that were merged away, each with the one that replaces it.

@@ -4,14 +4,10 @@ mod data;
 mod overlap;
 mod tracts;
 
-use std::collections::HashMap;
-
-use petgraph::unionfind::UnionFind;
-
 pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
 use data::{PolyLine, PolyLines};
 
-use crate::formats::{Centerlines, Fault, ReadOptions};
+use crate::formats::{Centerlines, Fault, ReadOptions, parts_of};
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -52,14 +48,14 @@ pub(crate) fn centerlines(pieces: &[PolyData], options: &ReadOptions) -> Result<
         all.at.extend(piece.points.iter().map(|p| options.scale.position(*p)));
         all.radii.extend(radii.into_iter().map(|r| options.scale.length(r)));
         ids.extend((0..piece.points.len()).map(|point| (piece.before[0] + point) as u64));
-        let names = labels_of_lines(piece, &mut all.names);
-        let from = all.each.len();
+        let (labels, from) = (labels_of_lines(piece), all.each.len());
         for (line, cell) in cells.iter().enumerate() {
             let points: Vec<u32> = cell.iter().map(|p| (first + p) as u32).collect();
             let links = points.len().saturating_sub(1);
-            let strand = (piece.before[1] + line) as u32;
-            all.each.push(PolyLine { points, names: vec![names.get(line).copied().unwrap_or_default(); links], strand });
+            let name = labels.get(line).map_or(0, |_| all.names.len() + line) as u32;
+            all.each.push(PolyLine { points, names: vec![name; links] });
         }
+        all.names.extend(labels);
         cut.extend(tracts::tracts_of_lines(piece, from));
     }
     if !cut.is_empty() {
@@ -104,23 +100,19 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
 
 fn build(all: &PolyLines, ids: &[u64]) -> Centerlines {
     let mut out = Centerlines::default();
-    let mut row_of: HashMap<u32, u32> = HashMap::new();
+    let mut row_of = std::collections::HashMap::<u32, u32>::new();
     for line in &all.each {
         let mut before = None;
         for (n, point) in line.points.iter().enumerate() {
             let p = *point as usize;
-            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], line.strand));
+            let row = *row_of.entry(*point).or_insert_with(|| out.add_point(all.at[p], all.radii[p], ids[p], 0));
             if let Some(before) = before.replace(row).filter(|before| *before != row) {
-                out.add_link([before, row], &all.names[line.names[n - 1] as usize]);
+                out.add_link([before, row], all.names[line.names[n - 1] as usize].trim());
             }
         }
     }
     // Lines that share points are one tree, as it is in SWC.
-    let mut trees = UnionFind::<u32>::new(out.points.len());
-    for [a, b] in &out.links {
-        trees.union(*a, *b);
-    }
-    out.strand = trees.into_labeling();
+    out.strand = parts_of(out.points.len(), &out.links);
     let merged = all.merged.iter().filter_map(|[gone, stays]| Some((ids[*gone as usize], *row_of.get(stays)?)));
     out.merged = merged.filter(|(id, row)| out.ids[*row as usize] != *id).collect();
     out.sources = all.sources.iter().map(|point| ids[*point as usize]).collect();
@@ -145,22 +137,15 @@ fn letters_only(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// Per line the row of its label among `names`, to which new ones are added; empty without labels. Whole numbers become text.
-fn labels_of_lines(piece: &PolyData, names: &mut Vec<String>) -> Vec<u32> {
+/// The labels of the lines; none without an array of them. Whole numbers become text.
+fn labels_of_lines(piece: &PolyData) -> Vec<String> {
     let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
     let circle = CIRCLE_RADII.iter().any(|name| has(name));
-    let texts = NAMES.iter().find_map(|usual| {
+    let labels = NAMES.iter().find_map(|usual| {
         let mut arrays = piece.line_data.iter().filter(|array| letters_only(&array.name) == *usual);
         arrays.find_map(|array| texts(array, circle))
     });
-    let mut row_of: HashMap<String, u32> = names.iter().cloned().zip(0..).collect();
-    let mut row = |text: String| {
-        *row_of.entry(text).or_insert_with_key(|text| {
-            names.push(text.clone());
-            names.len() as u32 - 1
-        })
-    };
-    texts.into_iter().flatten().map(|text| row(text.trim().to_owned())).collect()
+    labels.unwrap_or_default()
 }
 
 fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {

@@ -135,7 +135,7 @@ fn rest(all: &PolyLines, radii: &[f64], line: &PolyLine, front: Option<Shared>, 
         return None;
     }
     let names = line.names[first - usize::from(front.is_some())..last - usize::from(back.is_none())].to_vec();
-    Some(PolyLine { points, names, strand: line.strand })
+    Some(PolyLine { points, names })
 }
 
 /// The length of a line.

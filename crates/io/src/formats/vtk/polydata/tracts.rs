@@ -58,8 +58,7 @@ pub(super) fn common_start(all: &PolyLines, starts: Vec<u32>) -> Vec<u32> {
 
 /// Where the lines start of which the file has pieces, if that is one place.
 pub(super) fn source(all: &PolyLines, tracts: &[Tract]) -> Vec<u32> {
-    let lines: HashSet<i64> = tracts.iter().map(|tract| tract.centerline).collect();
-    if lines.len() < 2 {
+    if tracts.iter().all(|tract| tract.centerline == tracts[0].centerline) {
         return Vec::new();
     }
     let first = tracts.iter().filter(|tract| tract.order == 0);
@@ -207,7 +206,7 @@ impl Groups<'_> {
                 self.open.remove(&pair);
                 if !is_own {
                     let start = self.hang(from, first, false);
-                    self.each.push(PolyLine { points: vec![start], names: Vec::new(), strand: line.strand });
+                    self.each.push(PolyLine { points: vec![start], names: Vec::new() });
                 }
                 if is_new {
                     // Where the two touch, the point of the piece before stands for both.
@@ -217,7 +216,7 @@ impl Groups<'_> {
                     }
                 } else {
                     let to = self.hang(vessel, end, true);
-                    self.go_on(PolyLine { points: vec![to], names: Vec::new(), strand: line.strand });
+                    self.go_on(PolyLine { points: vec![to], names: Vec::new() });
                 }
             } else if is_new {
                 self.each.push(line);
