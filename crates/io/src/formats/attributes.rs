@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use crate::formats::tables::conditions::VENOUS;
-use crate::formats::{Fault, Point, ReadOptions, Scale, counted, distance, is_missing, is_radius, number, plural};
+use crate::formats::{Fault, Point, ReadOptions, Scale, counted, distance, ensure, is_missing, is_radius, number, plural};
 use willis_core::network::{Condition, Evidence, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel, Wall, Windkessel};
 use willis_core::network::{metres, path_places::length_of, units};
 
@@ -51,9 +51,7 @@ pub(crate) fn nodes(ids: &[impl AsRef<str>], records: &Records, scale: &Scale) -
     let mut seen = HashSet::new();
     let mut nodes = Vec::with_capacity(ids.len());
     for (id, item) in items() {
-        if !seen.insert(id) {
-            return Err(item.fault("the id comes twice", "expected every node id once"));
-        }
+        ensure(seen.insert(id), || item.fault("the id comes twice", "expected every node id once"))?;
         let role = item.word("role", [Role::Inlet, Role::Outlet, Role::Inner].map(|role| (role.name(), role)))?;
         nodes.push(Node {
             id: id.to_owned(),
@@ -132,10 +130,8 @@ fn windkessel(item: &Item) -> Result<Windkessel, Fault> {
     let proximal = item.checked(PROXIMAL, |r| r >= 0.0, "expected zero or a positive number")?;
     if let (Some(r), Some(total)) = (proximal, item.real(RESISTANCE)?) {
         // Where both are printed with a few digits they may be equal but for the last one.
-        if r > total * (1.0 + 1e-9) {
-            let accepted = format!("expected at most {RESISTANCE} {total}, which it is part of");
-            return Err(item.fault(format!("{PROXIMAL} {r}"), accepted));
-        }
+        let accepted = || format!("expected at most {RESISTANCE} {total}, which it is part of");
+        ensure(r <= total * (1.0 + 1e-9), || item.fault(format!("{PROXIMAL} {r}"), accepted()))?;
     }
     let compliance = item.checked(COMPLIANCE, |c| c > 0.0, POSITIVE)?.map(units::cubic_metres_per_pascal);
     Ok(Windkessel { proximal: proximal.map(units::pascal_seconds_per_cubic_metre), compliance })
@@ -294,9 +290,7 @@ fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
             *figure = words.next().and_then(|word| word.parse().ok()).filter(|x: &f64| x.is_finite()).ok_or_else(wrong)?;
         }
         let [x, y, z, radius] = figures.map(metres);
-        if words.next().is_some() || !is_radius(radius) {
-            return Err(wrong());
-        }
+        ensure(words.next().is_none() && is_radius(radius), wrong)?;
         path.push(PathPoint { position: [x, y, z], radius, id: None });
     }
     let length = length_of(&path);

@@ -5,7 +5,7 @@ use std::io::{self, BufRead, Write};
 
 use crate::formats::attributes::{Records, has_lengths_without_unit, is_wanted, nodes, unit_note, vessels};
 use crate::formats::xml::{Events, Tag, XmlStep};
-use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, escape};
+use crate::formats::{Column, Fault, Frame, Network, ReadOptions, Values, check_rows, ensure, escape};
 
 /// The attribute of a graph that states the frame of its positions.
 const FRAME: &str = "frame";
@@ -50,9 +50,7 @@ pub fn read_graphml(input: impl BufRead, options: &ReadOptions) -> Result<(Netwo
         }
     }
     drop(events);
-    if graphs != 1 {
-        return Err(Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"));
-    }
+    ensure(graphs == 1, || Fault::file(format!("{graphs} graphs"), "expected one <graph> in <graphml>"))?;
     graph.network(options)
 }
 
@@ -105,9 +103,7 @@ impl Graph {
     }
 
     fn network(mut self, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
-        if self.ids.is_empty() {
-            return Err(Fault::file("the graph has no nodes", "expected <node> elements"));
-        }
+        ensure(!self.ids.is_empty(), || Fault::file("the graph has no nodes", "expected <node> elements"))?;
         self.keys.name(&mut self.nodes, "node")?;
         self.keys.name(&mut self.edges, "edge")?;
         if let Some(ids) = self.own_ids() {
@@ -214,9 +210,8 @@ impl Keys {
         let (tag, line) = (&events.tag, events.tag.line);
         let id = tag.attribute("id")?.ok_or_else(|| Fault::line(line, "a <key> has no id", "expected an id"))?;
         let number = self.number(&id, line);
-        if self.keys[number].declared {
-            return Err(Fault::line(line, format!("key \"{id}\" is declared twice"), "expected every key once"));
-        }
+        let wrong = || Fault::line(line, format!("key \"{id}\" is declared twice"), "expected every key once");
+        ensure(!self.keys[number].declared, wrong)?;
         let on = tag.attribute("for")?.map_or_else(|| "all".to_owned(), Into::into);
         let name = tag.attribute("attr.name")?.map(Into::into);
         let is_real = tag.attribute("attr.type")?.is_some_and(|kind| kind == "double" || kind == "float");

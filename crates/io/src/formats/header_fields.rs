@@ -1,6 +1,7 @@
 //! The lines of a header that is text, and its fields, each with the line that it stands on.
 
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 use willis_core::error::{Fault, Result};
 
@@ -136,13 +137,7 @@ impl HeaderFields {
     }
 
     /// As many numbers as are asked for that `admits` takes, which `accepted` describes for the error; `None` where the field is absent.
-    pub(super) fn numbers<N: std::str::FromStr>(
-        &self,
-        name: &str,
-        count: usize,
-        accepted: &str,
-        admits: fn(&N) -> bool,
-    ) -> Numbers<N> {
+    pub(super) fn numbers<N: FromStr>(&self, name: &str, count: usize, accepted: &str, admits: fn(&N) -> bool) -> Numbers<N> {
         let Some((_, value)) = self.get(name) else { return Ok(None) };
         let numbers: Option<Vec<N>> = value.split_whitespace().map(|word| word.parse().ok().filter(admits)).collect();
         let wrong = || self.wrong(name, format!("expected {count} {accepted}"));

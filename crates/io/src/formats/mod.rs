@@ -78,3 +78,8 @@ pub(crate) use willis_core::error::{Fault, Result};
 pub(crate) use willis_core::network::walks::{other_end, vessels_at};
 pub(crate) use willis_core::network::{Centerlines, Frame, LengthUnit, Network, Node, PathPoint, Scale, is_radius, millimetres};
 pub(crate) use willis_core::support::geometry::{Point, box_diagonal, distance, dot, lerp, norm_squared, radius_of, sub};
+
+/// Goes on where something is as it has to be; else the fault.
+pub(crate) fn ensure(is_right: bool, fault: impl FnOnce() -> Fault) -> Result<(), Fault> {
+    if is_right { Ok(()) } else { Err(fault()) }
+}

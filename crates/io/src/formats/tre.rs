@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
-use crate::formats::{Fault, NumberType, ReadOptions, figures, listed, parents_first, steps_from_inlets};
+use crate::formats::{Fault, NumberType, ReadOptions, ensure, figures, listed, parents_first, steps_from_inlets};
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Scale, is_radius};
 use willis_core::support::geometry::{Point, bounds, cross, distance, dot, sub};
 
@@ -60,10 +60,8 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
             let [x, y, z, radius, id] = *point;
             let own = [x * spacing[0], y * spacing[1], z * spacing[2]];
             let position = scale.position(to_scene[row].map_or(own, |transform| transform.apply(own)));
-            if position.iter().any(|x| !x.is_finite()) {
-                let found = format!("{}: a point that is not finite", object.name());
-                return Err(Fault::line(object.line, found, "expected finite numbers"));
-            }
+            let found = || format!("{}: a point that is not finite", object.name());
+            ensure(position.iter().all(|x| x.is_finite()), || Fault::line(object.line, found(), "expected finite numbers"))?;
             let radius = scale.length(radius * spacing[0] * stretch);
             let at = lines.add_point(position, if is_radius(radius) { radius } else { f64::NAN }, 0, row as u32);
             ids.push(id);
@@ -73,9 +71,7 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
         }
         span[row] = first..lines.points.len();
     }
-    if lines.points.is_empty() {
-        return Err(Fault::file("no points in any tube", "expected objects of type Tube with points"));
-    }
+    ensure(!lines.points.is_empty(), || Fault::file("no points in any tube", "expected objects of type Tube with points"))?;
     number(&mut lines, &ids);
     let (mut lost, mut sorted) = (0, SortedTubes::new());
     for (row, object) in objects.iter().enumerate().filter(|(row, _)| !span[*row].is_empty()) {
@@ -268,10 +264,8 @@ impl Columns {
         for (value, column) in self.read.iter().enumerate() {
             let Some(column) = column else { continue };
             point[value] = number(*column)?;
-            if value < 3 && !point[value].is_finite() {
-                let found = format!("{} {}", ["x", "y", "z"][value], point[value]);
-                return Err(Fault::line(line, found, "expected a finite number"));
-            }
+            let found = || format!("{} {}", ["x", "y", "z"][value], point[value]);
+            ensure(value >= 3 || point[value].is_finite(), || Fault::line(line, found(), "expected a finite number"))?;
         }
         Ok(point)
     }
@@ -285,10 +279,8 @@ fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -> Re
         return read_text(object, cursor, line, count);
     }
     let columns = Columns::of(object)?;
-    if object.fields.is_true("CompressedData") {
-        let found = format!("{}: CompressedData = True", object.name());
-        return Err(Fault::line(line, found, "expected points without compression"));
-    }
+    let found = || format!("{}: CompressedData = True", object.name());
+    ensure(!object.fields.is_true("CompressedData"), || Fault::line(line, found(), "expected points without compression"))?;
     let size = match object.fields.get("ElementType") {
         None | Some((_, "MET_FLOAT")) => 4,
         Some((_, "MET_DOUBLE")) => 8,
@@ -320,20 +312,16 @@ fn read_text(object: &Object, cursor: &mut HeaderLines<'_>, line: usize, count: 
         if !named && points.is_empty() {
             columns.width = words.len().max(4);
         }
-        if words.len() != columns.width {
-            let accepted = if named { format!("expected {}, as in PointDim", columns.width) } else { "expected x y z r".into() };
-            return Err(Fault::line(at, format!("{} columns", words.len()), accepted));
-        }
+        let accepted = || if named { format!("expected {}, as in PointDim", columns.width) } else { "expected x y z r".into() };
+        ensure(words.len() == columns.width, || Fault::line(at, format!("{} columns", words.len()), accepted()))?;
         let number = |column: usize| {
             let word = words[column];
             word.parse().map_err(|_| Fault::line(at, format!("\"{word}\""), "expected a number"))
         };
         points.push(columns.point(number, at)?);
     }
-    if points.len() < count {
-        let found = format!("{}: {} points, NPoints says {count}", object.name(), points.len());
-        return Err(Fault::line(line, found, "expected them all; is the file cut off?"));
-    }
+    let found = || format!("{}: {} points, NPoints says {count}", object.name(), points.len());
+    ensure(points.len() >= count, || Fault::line(line, found(), "expected them all; is the file cut off?"))?;
     Ok(points)
 }
 
@@ -354,9 +342,7 @@ fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
     let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
     let mut spacing = [1.0; 3];
     for (axis, x) in object.numbers(&["ElementSpacing"], if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
-        if x <= 0.0 {
-            return Err(object.fields.wrong("ElementSpacing", "expected positive numbers"));
-        }
+        ensure(x > 0.0, || object.fields.wrong("ElementSpacing", "expected positive numbers"))?;
         spacing[axis] = x;
     }
     Ok(spacing)

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read};
 use quick_xml::events::{Event, attributes::Attribute, attributes::Attributes};
 use quick_xml::{Error, Reader, XmlVersion, escape::resolve_xml_entity};
 
-use willis_core::error::Fault;
+use crate::formats::{Fault, ensure};
 
 /// The deepest nesting of elements.
 const MOST_DEPTH: usize = 256;
@@ -122,17 +122,14 @@ impl<R: BufRead> Events<R> {
     /// Checks the element that begins.
     fn start(&mut self) -> Result<(), Fault> {
         let fault = |what: String, accepted: &str| Fault::line(self.tag.line, what, accepted);
-        if self.depth == 0 && self.rooted {
-            return Err(fault("not well-formed XML: a second root element".to_owned(), ACCEPTED));
-        }
+        let wrong = || fault("not well-formed XML: a second root element".to_owned(), ACCEPTED);
+        ensure(self.depth > 0 || !self.rooted, wrong)?;
         (self.depth, self.rooted) = (self.depth + 1, true);
-        if self.depth > MOST_DEPTH {
-            return Err(fault(format!("more than {MOST_DEPTH} elements within one another"), "expected fewer"));
-        }
+        let wrong = || fault(format!("more than {MOST_DEPTH} elements within one another"), "expected fewer");
+        ensure(self.depth <= MOST_DEPTH, wrong)?;
         for (count, attribute) in Attributes::new(&self.tag.content, self.tag.name_length).enumerate() {
-            if count == MOST_ATTRIBUTES {
-                return Err(fault(format!("an element with more than {MOST_ATTRIBUTES} attributes"), "expected fewer"));
-            }
+            let wrong = || fault(format!("an element with more than {MOST_ATTRIBUTES} attributes"), "expected fewer");
+            ensure(count < MOST_ATTRIBUTES, wrong)?;
             attribute.map_err(|error| fault(format!("not well-formed XML: {error}"), ACCEPTED))?;
         }
         Ok(())
@@ -292,9 +289,8 @@ impl Element {
                 XmlStep::Start => {
                     let tag = &events.tag;
                     count += 1;
-                    if count > MOST_ELEMENTS {
-                        return Err(Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer"));
-                    }
+                    let wrong = || Fault::line(tag.line, format!("more than {MOST_ELEMENTS} elements"), "expected fewer");
+                    ensure(count <= MOST_ELEMENTS, wrong)?;
                     let within = open.last().map(|parent| parent.name.clone()).unwrap_or_default();
                     let (name, attributes) = (tag.name().to_owned(), tag.attributes()?);
                     open.push(Self { name, within, text: String::new(), attributes, children: Vec::new() });

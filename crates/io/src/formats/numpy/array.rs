@@ -9,7 +9,7 @@ use py_literal::Value;
 use zip::{CompressionMethod, ZipArchive, write::SimpleFileOptions};
 
 use crate::formats::input::MAX_INPUT;
-use crate::formats::{Fault, NumberType, UnpackLimit, word};
+use crate::formats::{Fault, NumberType, UnpackLimit, ensure, word};
 
 /// Values of one array at the most: 1 GiB of float64.
 const MOST_VALUES: usize = 1 << 27;
@@ -87,9 +87,7 @@ impl NumpyArray {
         let short = |found: usize| {
             fault(format!("shape {} needs {bytes} bytes, the file has {found}", tuple(&shape)), "expected a whole file")
         };
-        if bytes as u64 > stored.saturating_mul(MOST_INFLATION) {
-            return Err(short(stored as usize));
-        }
+        ensure(bytes as u64 <= stored.saturating_mul(MOST_INFLATION), || short(stored as usize))?;
         // Texts of no length take room too, once they are read.
         let texts = matches!(kind, ElementKind::Utf32 | ElementKind::Ascii);
         let least = if texts { shape.iter().product::<usize>().saturating_mul(size_of::<String>()) } else { 0 };
@@ -97,9 +95,7 @@ impl NumpyArray {
         let mut data = Vec::new();
         let whole = member.take(bytes as u64 + 1).read_to_end(&mut data);
         whole.map_err(|e| fault(format!("cannot be read: {e}"), "expected a whole file"))?;
-        if data.len() != bytes {
-            return Err(short(data.len()));
-        }
+        ensure(data.len() == bytes, || short(data.len()))?;
         Ok(Self { name: name.to_owned(), shape, kind, size, big: order == Some(">"), fortran, data })
     }
 
@@ -130,9 +126,7 @@ impl NumpyArray {
 
     /// All values as numbers, in the order of the file.
     pub(crate) fn reals(&self) -> Result<Vec<f64>, Fault> {
-        if self.kind == ElementKind::Truth {
-            return Err(self.fault("values of type |b1", ACCEPTED));
-        }
+        ensure(self.kind != ElementKind::Truth, || self.fault("values of type |b1", ACCEPTED))?;
         let (kind, size, big) = self.numbers()?;
         Ok(self.data.chunks_exact(size).map(|bytes| kind.value(bytes, big)).collect())
     }
@@ -275,10 +269,8 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
 /// Another shape or type, or a file that is cut.
 pub fn read_npy_matrix(bytes: &[u8], n: usize) -> Result<Array2<f64>, Fault> {
     let array = NumpyArray::read("A", bytes, bytes.len() as u64, &UnpackLimit::of(bytes.len(), MAX_INPUT))?;
-    if array.shape != [n, n] {
-        let accepted = format!("expected ({n}, {n}): a row and a column for every node of the graph");
-        return Err(Fault::file(format!("shape {}", tuple(&array.shape)), accepted));
-    }
+    let accepted = || format!("expected ({n}, {n}): a row and a column for every node of the graph");
+    ensure(array.shape == [n, n], || Fault::file(format!("shape {}", tuple(&array.shape)), accepted()))?;
     array.table(n, n)
 }
 

@@ -6,7 +6,7 @@ use ndarray::{Array1, Array2};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, radii_of_points, skeleton};
-use crate::formats::{Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, millimetres};
+use crate::formats::{Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, ensure, millimetres};
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
 const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
@@ -42,10 +42,8 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     let coords = archive.first(&COORDS)?.ok_or_else(|| archive.lacks("coords"))?;
     let edges = archive.first(&["edges"])?.ok_or_else(|| archive.lacks("edges"))?;
     let radii = archive.first(&RADII)?;
-    if radii.is_none() && !radius_optional {
-        let found = format!("no array radii among {}", archive.names.join(", "));
-        return Err(Fault::file(found, "expected radii, or give `default_radius`"));
-    }
+    let found = || format!("no array radii among {}", archive.names.join(", "));
+    ensure(radii.is_some() || radius_optional, || Fault::file(found(), "expected radii, or give `default_radius`"))?;
     let labels = archive.first(&["labels"])?.map(|labels| labels.texts().map(|texts| (labels, texts))).transpose()?;
     let lengths = archive.first(&["lengths"])?;
     // An array of another program that happens to have this name says nothing.
@@ -53,16 +51,13 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     let frame = words.first().map_or(Frame::Unknown, |word| Frame::of_word(word));
     let mut points: Vec<Point> = Vec::new();
     for (row, position) in coords.rows::<3>()?.into_iter().enumerate() {
-        if position.iter().any(|x| !x.is_finite()) {
-            return Err(coords.fault(format!("row {row} is {position:?}"), "expected finite numbers"));
-        }
+        let wrong = || coords.fault(format!("row {row} is {position:?}"), "expected finite numbers");
+        ensure(position.iter().all(|x| x.is_finite()), wrong)?;
         points.push(scale.position(position));
     }
     let links = links(&edges, points.len())?;
     let (n, m) = (points.len(), links.len());
-    if m == 0 {
-        return Err(edges.fault("no edges", "expected a row for every edge"));
-    }
+    ensure(m > 0, || edges.fault("no edges", "expected a row for every edge"))?;
     let label = |link: usize| match &labels {
         None => String::new(),
         Some((_, names)) if names.len() == m => names[link].clone(),
@@ -83,9 +78,7 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
     }
     if let Some(array) = lengths.filter(|_| sizes.len() == m) {
         let lengths = array.reals()?;
-        if lengths.len() != m {
-            return Err(array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")));
-        }
+        ensure(lengths.len() == m, || array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")))?;
         let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.length(x)).collect();
         let mut network = vessels(&points, &links, &sizes, &lengths, (label, radius_optional))?;
         network.frame = frame;
@@ -113,9 +106,8 @@ fn vessels(
     for (row, ends) in links.iter().enumerate() {
         let item = |found: &str, accepted: &str| Fault::item(format!("edge {row}"), found, accepted);
         let radius = Some(radii[row]).filter(|r| crate::formats::is_radius(*r));
-        if radius.is_none() && !radius_optional {
-            return Err(item("no valid radius", "expected a positive radius, or give `default_radius`"));
-        }
+        let wrong = || item("no valid radius", "expected a positive radius, or give `default_radius`");
+        ensure(radius.is_some() || radius_optional, wrong)?;
         add_straight(&mut network, ends.map(|end| end as usize), lengths[row], radius.unwrap_or(f64::NAN), &label(row))
             .ok_or_else(|| item("no positive length", "expected a positive length"))?;
     }
@@ -124,9 +116,7 @@ fn vessels(
 
 /// The rows of `edges`, all of which must be points.
 fn links(edges: &super::array::NumpyArray, points: usize) -> Result<Vec<[u32; 2]>, Fault> {
-    if !edges.is_whole() {
-        return Err(edges.fault("values that are not whole numbers", "expected an integer type"));
-    }
+    ensure(edges.is_whole(), || edges.fault("values that are not whole numbers", "expected an integer type"))?;
     let mut links = Vec::new();
     for (row, ends) in edges.rows::<2>()?.into_iter().enumerate() {
         if let Some(end) = ends.iter().find(|end| !(**end >= 0.0 && **end < points as f64)) {

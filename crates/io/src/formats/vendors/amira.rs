@@ -8,6 +8,7 @@ use std::io::{self, Read, Write};
 
 use flate2::read::ZlibDecoder;
 
+use crate::formats::ensure;
 use crate::formats::{Fault, NumberType, Point, ReadOptions, UnpackLimit, cells, centerlines, distance, figures, radius_of};
 use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
 
@@ -66,9 +67,7 @@ struct AmiraHeader {
 pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec<String>), Fault> {
     let header = AmiraHeader::read(bytes)?;
     let kind = header.parameter(&[], "ContentType").unwrap_or("HxSpatialGraph");
-    if kind != "HxSpatialGraph" {
-        return Err(Fault::file(format!("an Amira file of {kind}"), ACCEPTED));
-    }
+    ensure(kind == "HxSpatialGraph", || Fault::file(format!("an Amira file of {kind}"), ACCEPTED))?;
     let scale = header.scale(&options.scale)?;
     let data = header.sections(bytes)?;
     let array = |of: &str, name: &str, row: usize| -> Result<Vec<f64>, Fault> {
@@ -82,9 +81,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     };
     let places = |name: &str, values: &[f64]| -> Result<Vec<Point>, Fault> {
         let place = |(row, place): (usize, &[f64])| {
-            if place.iter().any(|x| !x.is_finite()) {
-                return Err(Fault::item(name, format!("row {row} is {place:?}"), "expected finite numbers"));
-            }
+            let wrong = || Fault::item(name, format!("row {row} is {place:?}"), "expected finite numbers");
+            ensure(place.iter().all(|x| x.is_finite()), wrong)?;
             Ok(scale.position([place[0], place[1], place[2]]))
         };
         values.chunks_exact(3).enumerate().map(place).collect()
@@ -99,9 +97,7 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         let accepted = format!("expected as many as there are points, {}", course.len());
         return Err(Fault::item("NumEdgePoints", format!("{total} in all"), accepted));
     }
-    if counts.is_empty() {
-        return Err(Fault::file("no edges", "expected a SpatialGraph with edges"));
-    }
+    ensure(!counts.is_empty(), || Fault::file("no edges", "expected a SpatialGraph with edges"))?;
     let sizes = header
         .radii(&data, options, &counts)?
         .map_or(vec![f64::NAN; course.len()], |all| all.into_iter().map(|radius| scale.length(radius)).collect());
@@ -252,9 +248,8 @@ impl AmiraHeader {
                 let found = format!("{} of {length} bytes", rest.len());
                 Fault::item(format!("section @{section}"), found, "expected all of them; is the file cut off?")
             })?;
-            if found.insert(section, data).is_some() {
-                return Err(Fault::item("data", format!("section @{section} twice"), "expected it once"));
-            }
+            let wrong = || Fault::item("data", format!("section @{section} twice"), "expected it once");
+            ensure(found.insert(section, data).is_none(), wrong)?;
             at = start + length;
             at += bytes[at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
         }
@@ -289,9 +284,7 @@ impl AmiraHeader {
                 unpacked.as_slice()
             }
         };
-        if bytes.len() < size {
-            return Err(cut(bytes.len() / array.size));
-        }
+        ensure(bytes.len() >= size, || cut(bytes.len() / array.size))?;
         Ok(bytes[..size].chunks_exact(array.size).map(|stored| array.kind.value(stored, big)).collect())
     }
 

@@ -3,6 +3,7 @@
 
 use std::io::{self, Write};
 
+use crate::formats::ensure;
 use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, skeleton};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv, write_table};
 use crate::formats::tables::{graph::NodeTable, reader::Row};
@@ -33,9 +34,8 @@ pub fn read_vesselvio_vertices(bytes: &[u8], scale: &Scale) -> Result<VertexTabl
         positions.push(scale.position(row.position(place)?));
         radii.push(scale.length(radius.map_or(Ok(f64::NAN), |radius| row.real(radius))?));
     }
-    if u32::try_from(positions.len()).is_err() {
-        return Err(Fault::file(format!("{} vertices", positions.len()), "expected fewer than 2^32"));
-    }
+    let wrong = || Fault::file(format!("{} vertices", positions.len()), "expected fewer than 2^32");
+    ensure(u32::try_from(positions.len()).is_ok(), wrong)?;
     Ok(VertexTable { positions, radii: radius.map(|_| radii) })
 }
 
@@ -66,9 +66,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
             links.push(linked(&row, ends, vertices.positions.len())?);
             labels.push(name(&row));
         }
-        if links.is_empty() {
-            return Err(none());
-        }
+        ensure(!links.is_empty(), none)?;
         let radii = vertices.radii.unwrap_or_else(|| vec![f64::NAN; vertices.positions.len()]);
         let lines = centerlines(&vertices.positions, &radii, &links, |row| labels[row].clone());
         return Ok((Content::Centerlines(lines), vec!["edges link the vertices by row, as VesselVio's do".to_owned()]));
@@ -92,9 +90,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         add_straight(&mut network, ends, options.scale.length(length), size, &name(&row))
             .ok_or_else(|| fault("no positive length".to_owned(), "expected a positive length or different places"))?;
     }
-    if network.vessel_count() == 0 {
-        return Err(none());
-    }
+    ensure(network.vessel_count() > 0, none)?;
     let mut notes = vec!["edges refer to vertices by row, as VesselVio's do".to_owned()];
     notes.extend(counted(straight, "edge", "without length: took the distance between the vertices"));
     Ok((Content::Vessels(network), notes))
@@ -167,12 +163,9 @@ pub fn read_voreen_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault
     let mut table = NodeTable { nodes: Vec::new(), row_of: std::collections::HashMap::new(), has_lengths_without_unit: true };
     while let Some(row) = rows.row()? {
         let id = row.text(id).to_owned();
-        if id.is_empty() {
-            return Err(Fault::line(row.line, "no id", "expected the id of a node"));
-        }
-        if table.row_of.insert(id.clone(), row.number).is_some() {
-            return Err(Fault::line(row.line, format!("id {id} comes twice"), "expected every node once"));
-        }
+        ensure(!id.is_empty(), || Fault::line(row.line, "no id", "expected the id of a node"))?;
+        let wrong = || Fault::line(row.line, format!("id {id} comes twice"), "expected every node once");
+        ensure(table.row_of.insert(id.clone(), row.number).is_none(), wrong)?;
         let position = Some(scale.position(row.position(place)?));
         table.nodes.push(Node { id, position, ..Node::default() });
     }
@@ -216,18 +209,14 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         from_area += usize::from(area.is_some());
         from_radius += usize::from(area.is_none() && radius.is_some());
         let radius = area.or(radius).map_or(f64::NAN, |radius| options.scale.length(radius));
-        if radius.is_nan() && !options.is_radius_optional() {
-            let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
-            return Err(fault("no valid radius".to_owned(), accepted));
-        }
+        let accepted = "expected a positive avgCrossSection or avgRadiusAvg, or give `default_radius`";
+        ensure(!radius.is_nan() || options.is_radius_optional(), || fault("no valid radius".to_owned(), accepted))?;
         let length = valid(Some(length))?.map_or(f64::NAN, |length| options.scale.length(length));
         straight += usize::from(length.is_nan());
         add_straight(&mut network, at, length, radius, label.map_or("", |label| row.text(label)))
             .ok_or_else(|| fault("no valid length, and both nodes in one place".to_owned(), "expected a positive length"))?;
     }
-    if network.vessel_count() == 0 {
-        return Err(Fault::file("no edges", "expected a row for every edge"));
-    }
+    ensure(network.vessel_count() > 0, || Fault::file("no edges", "expected a row for every edge"))?;
     let radii = [(from_area, "sqrt(avgCrossSection/π)"), (from_radius, "avgRadiusAvg, since the cross-section is missing")];
     let radii = radii.into_iter().filter(|(edges, _)| *edges > 0);
     let mut notes: Vec<String> =

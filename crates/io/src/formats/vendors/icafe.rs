@@ -74,9 +74,8 @@ pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVess
         }
         let ends = [row.position(ends[0])?, row.position(ends[1])?];
         let kind = row.real(kind)?;
-        if !(kind >= 0.0 && kind.fract() == 0.0) {
-            return Err(Fault::line(row.line, format!("VesselType {kind}"), "expected a whole number from 0 on"));
-        }
+        let wrong = || Fault::line(row.line, format!("VesselType {kind}"), "expected a whole number from 0 on");
+        crate::formats::ensure(kind >= 0.0 && kind.fract() == 0.0, wrong)?;
         vessels.push(TracedVessel {
             label: ICAFE_ARTERIES.get(kind as usize).map_or_else(|| kind.to_string(), |name| (*name).to_owned()),
             ends: ends.map(|end| scale.position(end)),

@@ -168,9 +168,7 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
             if others.is_empty() { "no markups".into() } else { format!("markups of type {}{landmarks}", others.join(", ")) };
         return Err(Fault::file(found.escape_debug().to_string(), CURVES));
     }
-    if lines.points.is_empty() {
-        return Err(Fault::file("curves without points", "expected control points"));
-    }
+    crate::formats::ensure(!lines.points.is_empty(), || Fault::file("curves without points", "expected control points"))?;
     let notes = listed([
         (flipped, "markups in RAS, whose x and y changed sign because positions are kept in LPS"),
         (undefined, "control points without a defined position, left out"),

@@ -2,7 +2,7 @@
 
 use hdf5_reader::{Dataset, Datatype, Hdf5File, OpenOptions, reference::read_object_references};
 
-use crate::formats::{Centerlines, Fault, ReadOptions, Scale, UnpackLimit};
+use crate::formats::{Centerlines, Fault, ReadOptions, Scale, UnpackLimit, ensure};
 
 const STRUCT: &str = "GeodesicMSTs";
 const FIELD: &str = "CGPathContinuous";
@@ -38,9 +38,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
     }
     let fields = file.group(STRUCT).map_err(broken)?;
     let paths = fields.dataset(FIELD).map_err(|_| Fault::item(STRUCT, format!("no {FIELD}"), "expected a file of VTrails"))?;
-    if !read.is_radius_optional() {
-        return Err(Fault::file("VTrails' trees have no radii", "give `default_radius`"));
-    }
+    ensure(read.is_radius_optional(), || Fault::file("VTrails' trees have no radii", "give `default_radius`"))?;
     let mut lines = Centerlines::default();
     let mut void = 0;
     if matches!(paths.dtype(), Datatype::Reference { .. }) {
@@ -63,9 +61,7 @@ pub fn read_vtrails(bytes: &[u8], read: &ReadOptions) -> Result<(Centerlines, Ve
         // A struct of one element holds its field itself.
         add(&mut lines, &paths, 0, &read.scale, room)?;
     }
-    if lines.links.is_empty() {
-        return Err(Fault::item(STRUCT, "no paths", "expected paths of two or more points"));
-    }
+    ensure(!lines.links.is_empty(), || Fault::item(STRUCT, "no paths", "expected paths of two or more points"))?;
     let units = "VTrails saves voxels of its grid, the image's second axis first, unless it ran with Paraview: see `units=voxel`";
     let mut notes = vec![units.to_owned()];
     if void > 0 {
@@ -91,9 +87,8 @@ fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room:
     for point in 0..n {
         let axis = |which: usize| values.get(which * n + point).copied().unwrap_or(f64::NAN);
         let position = [axis(0), axis(1), axis(2)];
-        if position.iter().any(|x| !x.is_finite()) {
-            return Err(fault(format!("point {} is {position:?}", point + 1), "expected finite numbers"));
-        }
+        let wrong = || fault(format!("point {} is {position:?}", point + 1), "expected finite numbers");
+        ensure(position.iter().all(|x| x.is_finite()), wrong)?;
         let id = lines.points.len() as u64;
         let at = lines.add_point(scale.position(position), f64::NAN, id, row as u32);
         if point > 0 {

@@ -1,7 +1,7 @@
 //! Reads a legacy VTK PolyData file from left to right, section by section, in ASCII or big-endian binary.
 
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
-use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, word};
+use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, ensure, word};
 
 const TYPES: &str = "expected bit, char, short, int, long, float or double, or string";
 const SECTIONS: &str = "expected POINTS, VERTICES, LINES, POLYGONS, TRIANGLE_STRIPS, POINT_DATA, CELL_DATA or an array";
@@ -40,15 +40,13 @@ pub fn read_vtk(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
 /// The four lines before the data; returns the frame that the title states as 3D Slicer does.
 fn head(cursor: &mut VtkCursor) -> Result<Frame, Fault> {
     let version = cursor.line().unwrap_or_default();
-    if !version.starts_with("# vtk DataFile") {
-        return Err(Fault::line(1, format!("\"{}\"", version.trim()), "expected # vtk DataFile Version 2.0 to 5.1"));
-    }
+    let wrong = || Fault::line(1, format!("\"{}\"", version.trim()), "expected # vtk DataFile Version 2.0 to 5.1");
+    ensure(version.starts_with("# vtk DataFile"), wrong)?;
     let title = cursor.line().unwrap_or_default();
     let encoding = cursor.need("ASCII or BINARY")?;
     let is_binary = encoding.eq_ignore_ascii_case("BINARY");
-    if !is_binary && !encoding.eq_ignore_ascii_case("ASCII") {
-        return Err(cursor.fault(format!("\"{encoding}\""), "expected ASCII or BINARY"));
-    }
+    let wrong = || cursor.fault(format!("\"{encoding}\""), "expected ASCII or BINARY");
+    ensure(is_binary || encoding.eq_ignore_ascii_case("ASCII"), wrong)?;
     let (keyword, kind) = (cursor.need("DATASET POLYDATA")?, cursor.need("DATASET POLYDATA")?);
     if !keyword.eq_ignore_ascii_case("DATASET") || !kind.eq_ignore_ascii_case("POLYDATA") {
         return Err(cursor.fault(format!("{keyword} {kind}"), "expected DATASET POLYDATA"));
@@ -95,10 +93,8 @@ impl Reader<'_> {
                 let of_points = keyword == "POINT_DATA";
                 let (expected, what) =
                     if of_points { (self.data.points.len(), "points") } else { (self.cells.iter().sum(), "cells") };
-                if count != expected {
-                    let accepted = format!("expected {expected}, one for each of the {what}");
-                    return Err(self.cursor.fault(format!("{count} values"), accepted));
-                }
+                let accepted = || format!("expected {expected}, one for each of the {what}");
+                ensure(count == expected, || self.cursor.fault(format!("{count} values"), accepted()))?;
                 self.group = Some((of_points, count));
                 Ok(())
             }

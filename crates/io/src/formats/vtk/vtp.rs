@@ -6,7 +6,7 @@ use base64::engine::{DecodePaddingMode, Engine, GeneralPurpose, GeneralPurposeCo
 
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
 use crate::formats::xml::{self, Element};
-use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, UnpackLimit, word};
+use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, UnpackLimit, ensure, word};
 
 /// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
@@ -182,9 +182,8 @@ impl Arrays<'_> {
     /// The first `count` indices of an array.
     fn indices(&self, array: &Element, count: usize) -> Result<Vec<i64>, Fault> {
         let found = self.reals(array, count)?;
-        if number_type(array)?.0 == NumberType::Real {
-            return Err(fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers"));
-        }
+        let wrong = || fault(array, format!("type {}", array.attribute("type")), "expected a type of whole numbers");
+        ensure(number_type(array)?.0 != NumberType::Real, wrong)?;
         Ok(found.into_iter().map(|x| x as i64).collect())
     }
 
@@ -203,9 +202,7 @@ impl Arrays<'_> {
         let mut texts: Vec<String> = bytes.split(|b| *b == 0).map(|text| String::from_utf8_lossy(text).into_owned()).collect();
         // What follows the last zero byte is nothing.
         texts.pop();
-        if texts.len() < count {
-            return Err(fault(array, format!("{} texts", texts.len()), accepted()));
-        }
+        ensure(texts.len() >= count, || fault(array, format!("{} texts", texts.len()), accepted()))?;
         texts.truncate(count);
         Ok(texts)
     }

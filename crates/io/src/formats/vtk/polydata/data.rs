@@ -171,12 +171,10 @@ fn find(piece: &PolyData, cells: &[Vec<usize>], name: &str) -> Option<Found> {
 
 fn missing(piece: &PolyData, name: Option<&str>) -> Fault {
     let names = |arrays: &[NamedValues]| arrays.iter().map(|a| format!("\"{}\"", a.name)).collect::<Vec<_>>().join(", ");
-    let has = match (names(&piece.point_data), names(&piece.line_data)) {
-        (points, lines) if points.is_empty() && lines.is_empty() => "there are none".to_owned(),
-        (points, lines) if lines.is_empty() => format!("there are {points}"),
-        (points, lines) if points.is_empty() => format!("there are the cell arrays {lines}"),
-        (points, lines) => format!("there are {points} and the cell arrays {lines}"),
-    };
+    let (points, lines) = (names(&piece.point_data), names(&piece.line_data));
+    let lines = if lines.is_empty() { lines } else { format!("the cell arrays {lines}") };
+    let all = [points, lines].into_iter().filter(|names| !names.is_empty()).collect::<Vec<_>>().join(" and ");
+    let has = if all.is_empty() { "there are none".to_owned() } else { format!("there are {all}") };
     match name {
         Some(name) => {
             let known = piece.point_data.iter().chain(&piece.line_data).map(|a| a.name.as_str());
