@@ -294,9 +294,8 @@ fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
         path.push(PathPoint { position: [x, y, z], radius, id: None });
     }
     let length = length_of(&path);
-    if !(length > 0.0 && length.is_finite()) {
-        return Err(item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r"));
-    }
+    let wrong = || item.fault(format!("points \"{text}\""), "expected two or more different points x y z r;x y z r");
+    ensure(length > 0.0 && length.is_finite(), wrong)?;
     if let ([Some(a), Some(b)], Some(first), Some(last)) = (nodes.map(|n| n.position), path.first(), path.last()) {
         let stay = distance(first.position, a) + distance(last.position, b);
         if distance(first.position, b) + distance(last.position, a) < stay {

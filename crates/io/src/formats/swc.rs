@@ -71,9 +71,8 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             line_of.push(at);
         }
     }
-    if lines.points.is_empty() {
-        return Err(Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)"));
-    }
+    let wrong = || Fault::file("no points", "expected lines of 7 columns (id type x y z radius parent)");
+    crate::formats::ensure(!lines.points.is_empty(), wrong)?;
     let mut up = Vec::with_capacity(parents.len());
     for (row, id) in parents.into_iter().enumerate() {
         let parent = id.and_then(|id| row_of.get(&id).copied());

@@ -43,14 +43,11 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
-        if !options.is_radius_optional()
-            && !object.points.is_empty()
-            && object.points.iter().all(|[.., radius, _]| radius.is_nan())
-        {
-            let (line, _) = object.fields.get("PointDim").unwrap_or((object.line, ""));
-            let found = format!("{} has no radius", object.name());
-            return Err(Fault::line(line, found, "expected a column r in PointDim, or give `default_radius`"));
-        }
+        let has_radius = object.points.is_empty() || object.points.iter().any(|[.., radius, _]| !radius.is_nan());
+        let (line, _) = object.fields.get("PointDim").unwrap_or((object.line, ""));
+        let found = || format!("{} has no radius", object.name());
+        let wrong = || Fault::line(line, found(), "expected a column r in PointDim, or give `default_radius`");
+        ensure(has_radius || options.is_radius_optional(), wrong)?;
         let spacing = spacing(object)?;
         let scale = unit(object, &options.scale)?;
         let stretch = to_scene[row].map_or(1.0, |transform| transform.stretch());
@@ -251,10 +248,9 @@ impl Columns {
         let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
         let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
         let read = [at(&["x", "X"]), at(&["y", "Y"]), at(&["z", "Z"]), at(&RADIUS), at(&["id"])];
-        if read[..if flat { 2 } else { 3 }].contains(&None) {
-            let found = format!("PointDim \"{}\"", names.join(" "));
-            return Err(Fault::line(line, found, "expected the names of the columns, x, y, z and r among them"));
-        }
+        let found = || format!("PointDim \"{}\"", names.join(" "));
+        let wrong = || Fault::line(line, found(), "expected the names of the columns, x, y, z and r among them");
+        ensure(!read[..if flat { 2 } else { 3 }].contains(&None), wrong)?;
         Ok(Self { width: names.len(), read })
     }
 
@@ -412,10 +408,9 @@ impl TubeTransform {
         for (axis, x) in object.numbers(&["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
             affine.offset[axis] = x;
         }
-        if affine.determinant().abs() <= 0.0 || !affine.determinant().is_finite() {
-            let (line, matrix) = object.fields.get("TransformMatrix").unwrap_or((object.line, ""));
-            return Err(Fault::line(line, format!("TransformMatrix \"{matrix}\""), "expected one that can be inverted"));
-        }
+        let (line, matrix) = object.fields.get("TransformMatrix").unwrap_or((object.line, ""));
+        let wrong = || Fault::line(line, format!("TransformMatrix \"{matrix}\""), "expected one that can be inverted");
+        ensure(affine.determinant().abs() > 0.0 && affine.determinant().is_finite(), wrong)?;
         Ok((affine.matrix != identity || affine.offset != [0.0; 3]).then_some(affine))
     }
 }

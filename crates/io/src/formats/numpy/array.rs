@@ -106,9 +106,8 @@ impl NumpyArray {
 
     /// The rows of a table of `N` columns as numbers.
     pub(crate) fn rows<const N: usize>(&self) -> Result<Vec<[f64; N]>, Fault> {
-        if self.shape.len() != 2 || self.shape[1] != N {
-            return Err(self.fault(format!("shape {}", tuple(&self.shape)), format!("expected a row of {N} for each")));
-        }
+        let wrong = || self.fault(format!("shape {}", tuple(&self.shape)), format!("expected a row of {N} for each"));
+        ensure(self.shape.len() == 2 && self.shape[1] == N, wrong)?;
         let rows = self.table(self.shape[0], N)?;
         Ok(rows.outer_iter().map(|row| std::array::from_fn(|column| row[column])).collect())
     }
@@ -254,9 +253,8 @@ pub fn read_arrays(bytes: &[u8]) -> Result<Vec<NamedArray>, Fault> {
         let name = member.name().trim_end_matches(".npy").to_owned();
         let stored = member.compressed_size();
         let array = NumpyArray::read(&name, member, stored, &room)?;
-        if array.fortran && array.shape.len() > 1 {
-            return Err(Fault::item(format!("array {name}"), "in Fortran order", "expected C order"));
-        }
+        let wrong = || Fault::item(format!("array {name}"), "in Fortran order", "expected C order");
+        ensure(!array.fortran || array.shape.len() < 2, wrong)?;
         arrays.push(NamedArray { name, values: array.reals()?, shape: array.shape });
     }
     Ok(arrays)

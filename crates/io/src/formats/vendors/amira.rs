@@ -73,10 +73,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     let array = |of: &str, name: &str, row: usize| -> Result<Vec<f64>, Fault> {
         let declared = header.arrays.iter().find(|array| array.of == of && array.name == name);
         let declared = declared.ok_or_else(|| Fault::file(format!("no {name} of {of}"), ACCEPTED))?;
-        if declared.row != row {
-            let accepted = format!("expected {row} numbers each");
-            return Err(Fault::line(declared.line, format!("{name} has {} numbers each", declared.row), accepted));
-        }
+        let found = || format!("{name} has {} numbers each", declared.row);
+        ensure(declared.row == row, || Fault::line(declared.line, found(), format!("expected {row} numbers each")))?;
         header.values(declared, &data, options.max_input)
     };
     let places = |name: &str, values: &[f64]| -> Result<Vec<Point>, Fault> {

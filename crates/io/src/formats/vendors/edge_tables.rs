@@ -53,10 +53,9 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
     let what = "VesselVio's table of edges";
     let ends = rows.columns([&["Source ID", "source"], &["Target ID", "target"]], what)?;
     let radius = rows.find(&["radius_avg", "radius"]);
-    if radius.is_none() && vertices.radii.is_none() && !options.is_radius_optional() {
-        let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
-        return Err(Fault::line(rows.header_line, "no radius", accepted));
-    }
+    let accepted = "expected radius_avg here or radius with the vertices, or give `default_radius`";
+    let wrong = || Fault::line(rows.header_line, "no radius", accepted);
+    ensure(radius.is_some() || vertices.radii.is_some() || options.is_radius_optional(), wrong)?;
     let (length, label) = (rows.find(&["length"]), rows.find(&["label"]));
     let name = |row: &Row| label.map_or("", |label| row.text(label)).to_owned();
     let none = || Fault::file("no edges", "expected a row for every edge");
@@ -80,10 +79,9 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let ends = linked(&row, ends, vertices.positions.len())?;
         let fault = |found: String, accepted: &str| Fault::line(row.line, format!("edge {}: {found}", row.number), accepted);
         let size = Some(options.scale.length(row.real(radius)?)).filter(|size| is_radius(*size));
-        if size.is_none() && !options.is_radius_optional() {
-            let found = format!("{} \"{}\"", row.header[radius], row.text(radius));
-            return Err(fault(found, "expected a positive number, or give `default_radius`"));
-        }
+        let found = || format!("{} \"{}\"", row.header[radius], row.text(radius));
+        let wrong = || fault(found(), "expected a positive number, or give `default_radius`");
+        ensure(size.is_some() || options.is_radius_optional(), wrong)?;
         let length = length.map_or(Ok(f64::NAN), |length| row.real(length))?;
         straight += usize::from(length.is_nan());
         let (ends, size) = (ends.map(|end| end as usize), size.unwrap_or(f64::NAN));

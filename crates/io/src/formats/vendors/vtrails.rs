@@ -77,9 +77,8 @@ fn add(lines: &mut Centerlines, path: &Dataset, row: usize, scale: &Scale, room:
         let shape: Vec<String> = path.shape().iter().rev().map(u64::to_string).collect();
         return Err(fault(format!("an array of {}", shape.join(" x ")), "expected points x 3"));
     };
-    if n.saturating_add(lines.points.len() as u64) > MOST_POINTS {
-        return Err(fault(format!("{n} points"), "expected fewer than 2^26 in all"));
-    }
+    let wrong = || fault(format!("{n} points"), "expected fewer than 2^26 in all");
+    ensure(n.saturating_add(lines.points.len() as u64) <= MOST_POINTS, wrong)?;
     room.take(24 * n as usize).map_err(|(found, accepted)| fault(found, accepted))?;
     let values = path.read_array::<f64>().map_err(|e| fault(format!("cannot be read: {e}"), "expected numbers"))?;
     let values = values.as_slice().unwrap_or_default();

@@ -48,9 +48,8 @@ fn head(cursor: &mut VtkCursor) -> Result<Frame, Fault> {
     let wrong = || cursor.fault(format!("\"{encoding}\""), "expected ASCII or BINARY");
     ensure(is_binary || encoding.eq_ignore_ascii_case("ASCII"), wrong)?;
     let (keyword, kind) = (cursor.need("DATASET POLYDATA")?, cursor.need("DATASET POLYDATA")?);
-    if !keyword.eq_ignore_ascii_case("DATASET") || !kind.eq_ignore_ascii_case("POLYDATA") {
-        return Err(cursor.fault(format!("{keyword} {kind}"), "expected DATASET POLYDATA"));
-    }
+    let wrong = || cursor.fault(format!("{keyword} {kind}"), "expected DATASET POLYDATA");
+    ensure(keyword.eq_ignore_ascii_case("DATASET") && kind.eq_ignore_ascii_case("POLYDATA"), wrong)?;
     cursor.binary = is_binary;
     Ok(Frame::of_header(&title))
 }

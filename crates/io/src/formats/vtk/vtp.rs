@@ -209,11 +209,10 @@ impl Arrays<'_> {
 
     /// The first `limit` bytes of an array that is not written in digits.
     fn bytes(&self, array: &Element, limit: usize, accepted: String) -> Result<Vec<u8>, Fault> {
-        if !["", ZLIB].contains(&self.compressor) {
-            let accepted =
-                "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
-            return Err(Fault::file(format!("compressor {}", self.compressor), accepted));
-        }
+        let accepted_compressors =
+            "expected vtkZLibDataCompressor or none: save it with SetCompressorTypeToZLib() in VTK, or ZLib in ParaView";
+        let wrong = || Fault::file(format!("compressor {}", self.compressor), accepted_compressors);
+        ensure(["", ZLIB].contains(&self.compressor), wrong)?;
         let own;
         let source = match array.attribute("format") {
             "binary" => {

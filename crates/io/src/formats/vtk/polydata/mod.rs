@@ -7,7 +7,7 @@ mod tracts;
 pub(crate) use data::{ArrayValues, LIMIT, NamedValues, PolyData};
 use data::{PolyLine, PolyLines};
 
-use crate::formats::{Centerlines, Fault, ReadOptions, parts_of};
+use crate::formats::{Centerlines, Fault, ReadOptions, ensure, parts_of};
 
 /// Whether an array is read: it may hold radii, areas or labels, or tells how VMTK cut a line into pieces.
 pub(crate) fn is_wanted(name: &str, options: &ReadOptions) -> bool {
@@ -87,11 +87,9 @@ fn cells(piece: &PolyData) -> Result<Vec<Vec<usize>>, Fault> {
                 Fault::item(name(), format!("point {point}"), format!("expected a point from 0 to {}", count.saturating_sub(1)))
             })?;
             let [x, y, z] = piece.points[row];
-            if ![x, y, z].into_iter().all(f64::is_finite) {
-                let (point, found) = (piece.before[0] + row, format!("coordinates {x} {y} {z}"));
-                return Err(Fault::item(format!("point {point}"), found, "expected finite numbers"));
-            }
-            Ok(row)
+            let place = || format!("point {}", piece.before[0] + row);
+            let wrong = || Fault::item(place(), format!("coordinates {x} {y} {z}"), "expected finite numbers");
+            ensure([x, y, z].into_iter().all(f64::is_finite), wrong).map(|()| row)
         };
         out.push(cell.iter().map(check).collect::<Result<_, _>>()?);
     }
