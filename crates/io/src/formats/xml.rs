@@ -202,9 +202,8 @@ impl Tag {
 
     fn value<'a>(&self, attribute: &Attribute<'a>) -> Result<Cow<'a, str>, Fault> {
         let name = attribute.key.into_inner();
-        let value = attribute
-            .normalized_value(XmlVersion::Implicit1_0)
-            .map_err(|error| Fault::line(self.line, format!("attribute {name}: {error}"), NO_ENTITIES))?;
+        let value = attribute.normalized_value(XmlVersion::Implicit1_0);
+        let value = value.map_err(|error| Fault::line(self.line, format!("attribute {name}: {error}"), NO_ENTITIES))?;
         match value.bytes().find(|b| is_forbidden(*b)) {
             None => Ok(value),
             Some(byte) => Err(Fault::line(self.line, format!("attribute {name}: character {byte}"), ACCEPTED)),

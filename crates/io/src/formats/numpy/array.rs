@@ -81,9 +81,8 @@ impl NumpyArray {
             _ => return Err(fault(format!("values of type {dtype}"), ACCEPTED)),
         };
         let values = shape.iter().try_fold(1_usize, |all, n| all.checked_mul(*n)).filter(|n| *n <= MOST_VALUES);
-        let bytes = values
-            .and_then(|values| values.checked_mul(size))
-            .ok_or_else(|| fault(format!("shape {}", tuple(&shape)), &format!("expected at most {MOST_VALUES} values")))?;
+        let many = || fault(format!("shape {}", tuple(&shape)), &format!("expected at most {MOST_VALUES} values"));
+        let bytes = values.and_then(|values| values.checked_mul(size)).ok_or_else(many)?;
         let short = |found: usize| {
             fault(format!("shape {} needs {bytes} bytes, the file has {found}", tuple(&shape)), "expected a whole file")
         };

@@ -96,9 +96,8 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         return Err(Fault::item("NumEdgePoints", format!("{total} in all"), accepted));
     }
     ensure(!counts.is_empty(), || Fault::file("no edges", "expected a SpatialGraph with edges"))?;
-    let sizes = header
-        .radii(&data, options, &counts)?
-        .map_or(vec![f64::NAN; course.len()], |all| all.into_iter().map(|radius| scale.length(radius)).collect());
+    let sizes = header.radii(&data, options, &counts)?.unwrap_or_else(|| vec![f64::NAN; course.len()]);
+    let sizes: Vec<f64> = sizes.into_iter().map(|radius| scale.length(radius)).collect();
     let names = header.labels(&data, options.max_input)?;
     let mut radii = vec![f64::NAN; vertices];
     let mut at_vertex = vec![(0.0, 0.0); vertices];
@@ -478,11 +477,9 @@ pub fn write_amira(mut out: impl Write, network: &Network) -> io::Result<()> {
         writeln!(out, "        Id 0\n    }}")?;
     }
     writeln!(out, "    ContentType \"HxSpatialGraph\"\n}}\n")?;
-    writeln!(
-        out,
-        "VERTEX {{ float[3] VertexCoordinates }} @1\nEDGE {{ int[2] EdgeConnectivity }} @2\nEDGE {{ int NumEdgePoints }} @3"
-    )?;
-    writeln!(out, "POINT {{ float[3] EdgePointCoordinates }} @4\nPOINT {{ float thickness }} @5")?;
+    writeln!(out, "VERTEX {{ float[3] VertexCoordinates }} @1\nEDGE {{ int[2] EdgeConnectivity }} @2")?;
+    writeln!(out, "EDGE {{ int NumEdgePoints }} @3\nPOINT {{ float[3] EdgePointCoordinates }} @4")?;
+    writeln!(out, "POINT {{ float thickness }} @5")?;
     if !numbers.is_empty() {
         writeln!(out, "EDGE {{ int {LABELS} }} @6")?;
     }

@@ -58,10 +58,8 @@ pub(crate) fn image_spacing(tracing: &Path) -> Result<Option<f64>> {
 pub fn read_traced_vessels(bytes: &[u8], scale: &Scale) -> Result<Vec<TracedVessel>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
     let line = rows.header_line;
-    let column = |name: &str| {
-        rows.find(&[name])
-            .ok_or_else(|| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE_OF_VESSELS}")))
-    };
+    let missing = |name: &str| Fault::line(line, format!("no column {name}"), format!("expected iCafe's {TABLE_OF_VESSELS}"));
+    let column = |name: &str| rows.find(&[name]).ok_or_else(|| missing(name));
     let kind = column("VesselType")?;
     let axis = |end: &str, axis: char| column(&format!("{end}PointPosition{axis}"));
     let end = |end: &str| -> Result<[usize; 3], Fault> { Ok([axis(end, 'X')?, axis(end, 'Y')?, axis(end, 'Z')?]) };

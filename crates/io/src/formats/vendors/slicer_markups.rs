@@ -232,11 +232,8 @@ pub fn write_markups(mut out: impl Write, network: &Network) -> io::Result<()> {
     for (row, points) in crate::formats::polylines::polylines(network)?.into_iter().enumerate() {
         let before = if row > 0 { ",\n" } else { "" };
         let name = serde_json::to_string(&network.vessel(row).label)?;
-        writeln!(
-            out,
-            "{before}{{\"type\": \"Curve\", \"name\": {name}, \"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\","
-        )?;
-        writeln!(out, "\"controlPoints\": [")?;
+        write!(out, "{before}{{\"type\": \"Curve\", \"name\": {name}, \"coordinateSystem\": \"LPS\", ")?;
+        writeln!(out, "\"coordinateUnits\": \"mm\",\n\"controlPoints\": [")?;
         let figures: Vec<[String; 4]> = points.iter().map(|point| figures(point, "0")).collect();
         for (at, [x, y, z, _]) in figures.iter().enumerate() {
             let comma = if at + 1 < points.len() { "," } else { "" };

@@ -327,10 +327,8 @@ impl<'a> VtkCursor<'a> {
     /// The next word as a count that a file can have.
     fn count(&mut self, what: &str, most: usize) -> Result<usize, Fault> {
         let word = self.need(what)?;
-        word.parse()
-            .ok()
-            .filter(|n| *n <= most)
-            .ok_or_else(|| self.fault(format!("\"{word}\""), format!("expected {what}, a count up to {most}")))
+        let count = word.parse().ok().filter(|n| *n <= most);
+        count.ok_or_else(|| self.fault(format!("\"{word}\""), format!("expected {what}, a count up to {most}")))
     }
 
     /// Whole numbers.

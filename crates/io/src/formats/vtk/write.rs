@@ -38,10 +38,8 @@ pub fn write_vtp(mut out: impl Write, network: &Network, vessel_columns: &[Colum
         array(&mut out, &format!(r#"type="String" Name="{SPACE}" NumberOfTuples="1""#), format!("{name}\0").as_bytes())?;
         writeln!(out, "      </FieldData>")?;
     }
-    writeln!(
-        out,
-        r#"    <Piece NumberOfPoints="{n}" NumberOfVerts="0" NumberOfLines="{lines}" NumberOfStrips="0" NumberOfPolys="0">"#
-    )?;
+    write!(out, r#"    <Piece NumberOfPoints="{n}" NumberOfVerts="0" NumberOfLines="{lines}""#)?;
+    writeln!(out, r#" NumberOfStrips="0" NumberOfPolys="0">"#)?;
     writeln!(out, r#"      <PointData Scalars="MaximumInscribedSphereRadius">"#)?;
     let reals = |values: &mut dyn Iterator<Item = f64>| values.flat_map(f64::to_le_bytes).collect::<Vec<u8>>();
     let wholes = |values: &[i64]| values.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
