@@ -1,24 +1,18 @@
 //! Where contacts of observed vessels are opened: by which model, with which mask.
 
-use std::fmt;
-use std::path::{Path, PathBuf};
-use std::str::FromStr;
-use std::sync::Arc;
+use std::{fmt, path::Path, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::progress::{Follow, Step};
-use super::source_file::{ModelSource, SourceFile, ending, of_word};
-use willis_core::error::{Error, Result};
-use willis_core::network::Network;
+use super::{Follow, ModelSource, SourceFile, Step, of_word, source_file::ending};
+use crate::{Error, Network, ReadOptions, Result};
 use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::{ReadOptions, read_mask};
+use willis_io::formats::read_mask;
 use willis_io::masks::{Field, Foreground, Scene};
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::contacts::model::ContactModel;
-use willis_models::contacts::pairings::Pairings;
 use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
-use willis_models::contacts::with_contacts;
+use willis_models::{
+    candidates::kind::CenterlineKind, contacts::model::ContactModel, contacts::pairings::Pairings, contacts::with_contacts,
+};
 
 /// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -91,7 +85,7 @@ impl Cuts {
     /// # Errors
     ///
     /// A model or a mask that cannot be read.
-    pub(crate) fn load(
+    pub fn load(
         cut: &Cut,
         mask: Option<&Path>,
         network: &Network,
@@ -121,12 +115,7 @@ impl Cuts {
 
     /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
     /// them what to tell a person where P of contacts may be off.
-    pub(crate) fn open(
-        &self,
-        graph: Network,
-        scene: Option<&Scene>,
-        follow: &mut dyn Follow,
-    ) -> (Network, Contacts, Option<String>) {
+    pub fn open(&self, graph: Network, scene: Option<&Scene>, follow: &mut dyn Follow) -> (Network, Contacts, Option<String>) {
         let (opened, note) = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
         if self.record.only_suggested {
             let suggested = suggested_cuts(&graph, &opened);

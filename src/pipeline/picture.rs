@@ -2,15 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::InferOptions;
-use super::prior::LoadedPrior;
-use super::source_file::SourceFile;
-use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Network, Origin};
-use willis_core::support::geometry::{Point, distance};
-use willis_io::formats::{ReadOptions, read_image};
-use willis_io::masks::cubes::ImageCube;
-use willis_io::masks::{Appearance, Scene, Unseen, View};
+use super::{InferOptions, SourceFile, prior::LoadedPrior};
+use crate::{Appearance, Error, Network, ReadOptions, Result};
+use willis_core::{error::Fault, network::Origin, support::geometry::Point, support::geometry::distance};
+use willis_io::masks::{Scene, Unseen, View};
+use willis_io::{formats::read_image, masks::cubes::ImageCube};
 use willis_report::ImagePlace;
 
 /// Vessels whose probability is at least so far from 0 and 1 are looked at, ...
@@ -74,13 +70,12 @@ impl ImageRecord {
         };
         let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
         let ready = "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
-        let other =
-            "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
+        let why = "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
         if !is_fragments {
             return refused(ready);
         }
         if prior.noise_of_images().is_none() {
-            return refused(other);
+            return refused(why);
         }
         let (image, sha256) = read_image(path, input)?;
         let probabilities = options.probability.is_some();
@@ -95,16 +90,13 @@ impl ImageRecord {
     pub(crate) fn remarks(&self, unseen: Option<Unseen>, scene: Option<&Scene>, prior: &LoadedPrior) -> Vec<String> {
         let path = self.source.path.display();
         let why = unseen.map(|why| format!("{path} does not show the vessels: {why}; candidates are judged without it"));
-        why.into_iter().chain(scene.and_then(|scene| self.unusual(scene, prior))).collect()
-    }
-
-    /// That the image is noisier than those that the model was fitted to, which makes its probabilities less sure. One with less noise is only
-    /// clearer.
-    fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
-        let noise = scene.noise_share;
-        let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
-        let (path, known) = (self.source.path.display(), format!("which the model knows from {least:.2} to {most:.2}"));
-        Some(format!("{path}: the noise is {noise:.2} of the contrast of vessels, {known}; its probabilities are less sure here"))
+        // One with less noise than those that the model was fitted to is only clearer.
+        let noisy = |noise: f64| {
+            let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
+            let contrast = format!("{noise:.2} of the contrast of vessels, which the model knows from {least:.2} to {most:.2}");
+            Some(format!("{path}: the noise is {contrast}; its probabilities are less sure here"))
+        };
+        why.into_iter().chain(scene.and_then(|scene| noisy(scene.noise_share))).collect()
     }
 
     /// The same with why the image was not used.

@@ -1,25 +1,19 @@
 //! The prior: how probable each candidate is before any flow, and the over-connected graph that follows from it.
 
-use std::fmt;
-use std::path::PathBuf;
-use std::str::FromStr;
-use std::sync::Arc;
+use std::{fmt, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::source_file::{ModelSource, SourceFile, ending, of_word};
-use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
-use willis_core::error::{Error, Result};
-use willis_core::flow::Given;
-use willis_core::network::{Network, Origin, Role};
-use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::{read_prior_csv, read_prior_npy};
-use willis_io::masks::View;
+use super::{ModelSource, SourceFile, of_word, source_file::ending};
+use crate::{CandidateOptions, Error, Keep, Network, Result};
+use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
+use willis_core::{flow::Given, network::Origin, network::Role, support::suggestions::did_you_mean};
+use willis_io::{formats::read_prior_csv, formats::read_prior_npy, masks::View};
 use willis_models::candidates::joins::model::JoinModel;
 use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::model::Weights;
 use willis_models::candidates::search::SearchOptions;
-use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
+use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
 /// or the path of a file.

@@ -2,11 +2,10 @@
 
 use std::path::{Path, PathBuf};
 
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, IntoDeserializer};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned, de::IntoDeserializer, de::value::StrDeserializer};
 
-use willis_core::error::{Fault, Result};
+use crate::Result;
+use willis_core::error::Fault;
 use willis_io::formats::{bytes_of, checksum};
 
 /// A file that was read beside the input.
