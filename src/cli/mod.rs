@@ -4,7 +4,6 @@
 //! options mean.
 
 mod args;
-mod at_work;
 mod bids;
 mod candidates;
 mod checkpoint;
@@ -15,12 +14,9 @@ mod convert;
 mod infer;
 mod label;
 mod measure;
-mod merge;
 mod modulate;
-mod parser_error;
 mod phantom;
 mod print;
-mod refusal;
 mod shell;
 mod signals;
 mod simulate;
@@ -34,10 +30,9 @@ use std::ffi::OsString;
 use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::error::{Error, Result};
-use args::figures::whole;
-use at_work::{CommandLine, with_flags};
-use parser_error::as_error;
+use crate::{Result, internals::pipeline::require};
+use args::whole;
+use command_line::{as_error, begin, one_line, with_flags};
 use print::TextTerminal;
 pub use signals::ask_to_stop;
 
@@ -46,7 +41,7 @@ pub mod internals {
     pub use super::bids::dataset::{BidsName, Filter, parse_filter};
     pub use super::command_line::{infer_words, quoted, row_words};
     pub use super::parser;
-    pub use super::print::notes::counted;
+    pub use super::print::counted;
     pub use super::subjects::{LONGEST, named};
 }
 
@@ -67,7 +62,7 @@ struct Cli {
 enum Command {
     Infer(Box<infer::InferArgs>),
     Bids(Box<bids::BidsArgs>),
-    Merge(merge::MergeArgs),
+    Merge(cohort::MergeArgs),
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
@@ -108,7 +103,7 @@ const THREADS: &str = "WILLIS_THREADS";
 pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::read(words, true) {
         Ok(cli) => cli,
-        Err(refused) => return refused.say(),
+        Err(error) => return refuse(&error),
     };
     signals::outlive_limits();
     match cli.run() {
@@ -132,13 +127,12 @@ pub fn call(words: Vec<String>) -> Result<()> {
     let verbose = words.iter().any(|word| word == "--verbose");
     let quiet = (!verbose).then(|| OsString::from("--quiet"));
     let words = [OsString::from("willis")].into_iter().chain(words.into_iter().map(OsString::from)).chain(quiet);
-    Cli::read(words, false).map_err(|refused| as_error(&refused.error))?.run()
+    Cli::read(words, false).map_err(|error| as_error(&error))?.run()
 }
 
 /// What [`main`] would say is wrong with a command line, if anything is; nothing is run.
 pub fn check(words: impl IntoIterator<Item = OsString>) -> Option<String> {
-    let refused = Cli::read(words, true).err()?;
-    refused.error.use_stderr().then(|| refusal::one_line(&refused.error, &refused.given, &parser()))
+    Cli::read(words, true).err().filter(clap::Error::use_stderr).as_ref().map(one_line)
 }
 
 /// The parser of every command; options that a command shares but refuses are not in its help.
@@ -155,23 +149,19 @@ pub fn parser() -> clap::Command {
 
 impl Cli {
     /// The command line; from then on errors name its options as they are typed, where that is wanted.
-    fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, Refused> {
+    fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, clap::Error> {
         let all: Vec<OsString> = words.into_iter().collect();
         let given: Vec<String> = all.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
         let parser = parser();
         let matches = parser.clone().try_get_matches_from(all);
-        let command = refusal::command_in(&given, &parser).filter(|_| as_typed);
-        at_work::begin(CommandLine { words: given.clone(), parser, command });
-        let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
-        parsed.map_err(|error| Refused { error, given })
+        begin(given, parser, as_typed);
+        matches.and_then(|matches| Self::from_arg_matches(&matches))
     }
 
     /// Runs the subcommand.
     fn run(self) -> Result<()> {
         if let Some(threads) = self.common.threads {
-            if threads == 0 || threads > 4096 {
-                return Err(Error::parameter("threads", threads, "expected a number from 1 to 4096"));
-            }
+            require((1..=4096).contains(&threads), "threads", threads, "expected a number from 1 to 4096")?;
             // Inside of another program there may be threads already, which do as well.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
@@ -198,22 +188,14 @@ impl Cli {
     }
 }
 
-/// Words that are no command line, or that ask for help.
-struct Refused {
-    error: clap::Error,
-    given: Vec<String>,
-}
-
-impl Refused {
-    /// Prints the help, or what is wrong in one line; the exit status.
-    fn say(self) -> u8 {
-        let without_command = self.error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
-        if !self.error.use_stderr() || without_command {
-            // Help and version go to standard output; a closed pipe is no fault.
-            let _ = self.error.print();
-            return if without_command { 2 } else { 0 };
-        }
-        print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given, &parser())));
-        2
+/// Prints the help that was asked for, or in one line what is wrong with the words; the exit status.
+fn refuse(error: &clap::Error) -> u8 {
+    let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if !error.use_stderr() || without_command {
+        // Help and version go to standard output; a closed pipe is no fault.
+        let _ = error.print();
+        return if without_command { 2 } else { 0 };
     }
+    print::line(format_args!("willis: {}", one_line(error)));
+    2
 }

@@ -1,18 +1,13 @@
 //! The inputs of a cohort: patterns are expanded, and every subject has a name for its folder.
 
-use std::collections::{HashMap, HashSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{collections::HashMap, collections::HashSet, fs, path::Path, path::PathBuf};
 
-use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
-use crate::internals::output::is_cohort_file;
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
-use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
-use super::at_work::{self, is_option};
-use super::command_line::{line_of_words, row_words};
+use super::command_line::{is_option, line_of_words, row_words, words_at_work};
+use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
+use crate::{Error, Result, error::Fault, internals::output::is_cohort_file, internals::support::endings::stem};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -113,7 +108,7 @@ pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
     let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
     let subject = |(name, input): (String, PathBuf)| {
-        let line = line_of_words(row_words(at_work::words(), &input, given, &[]).into_iter(), "again");
+        let line = line_of_words(row_words(words_at_work(), &input, given, &[]).into_iter(), "again");
         Subject { name, input, line, row: None }
     };
     Ok(Inputs::Many(named(&found).into_iter().zip(found).map(subject).collect()))
@@ -146,7 +141,7 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
-        let words = row_words(at_work::words(), &input, given, &options);
+        let words = row_words(words_at_work(), &input, given, &options);
         let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
@@ -209,9 +204,7 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
         glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))?
     {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
-        if fits(&path) {
-            files.push(path);
-        }
+        files.extend(Some(path).filter(|path| fits(path)));
     }
     if files.is_empty() {
         return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));

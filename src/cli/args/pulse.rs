@@ -1,18 +1,15 @@
 //! `--pulse` and its options, with their conversion to those of the library.
 
-use crate::error::{Error, Result};
-use crate::internals::network::INLET_PRESSURE;
-use crate::internals::network::quantity::Dimension;
-use crate::internals::network::units::mmhg;
-use crate::{Friction, PulseMean, PulseOptions, Thickness, WallLaw};
-use clap::Args;
-
-use super::figures::{figure, whole};
+use super::{figure, whole};
+use crate::{
+    Error, Friction, PulseMean, PulseOptions, Result, Thickness, WallLaw, internals::network::INLET_PRESSURE,
+    internals::network::quantity::Dimension, internals::network::units::mmhg, internals::pipeline::of_word,
+};
 
 const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
                     pwv=8m/s, graph or rigid";
 
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Pulse")]
 pub struct PulseArgs {
     /// Let the flow pulsate: one period at every inlet, or at one, as a table (time_s, and pressure_mmHg or flow_mL_per_min), or as a
@@ -106,11 +103,7 @@ fn windkessel(text: &str) -> Result<TimeConstant> {
 }
 
 fn friction(text: &str) -> Result<Friction> {
-    match text {
-        "womersley" => Ok(Friction::Womersley),
-        "parabolic" => Ok(Friction::Parabolic),
-        _ => Err(Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic")),
-    }
+    of_word(text).ok_or_else(|| Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic"))
 }
 
 fn mean(text: &str) -> Result<PulseMean> {

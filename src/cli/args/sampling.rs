@@ -1,14 +1,10 @@
 //! `--epsilon`, `--samples` and the other options of sampling.
 
-use crate::error::{Error, Result};
-use crate::{Preset, SamplingOptions, Solver, Uncertain, Weight};
-use clap::Args;
-
-use super::figures::{probability, viscosity, whole};
-use super::words;
+use super::{probability, viscosity, whole, words};
 use crate::cli::checkpoint::{Interval, parse_interval};
+use crate::{Preset, Result, SamplingOptions, Solver, Uncertain, Weight, internals::pipeline::require};
 
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Sampling")]
 pub struct SamplingArgs {
     /// Occlusion probability, from 0 to below 1; several, with commas, make a folder each and a table of their agreement
@@ -63,9 +59,7 @@ impl SamplingArgs {
         let Self { samples, seed, weight, solver, exact, viscosity, .. } = *self;
         let uncertain = self.uncertain.unwrap_or(usual.uncertain);
         let each = self.epsilon.iter().enumerate().map(|(at, epsilon)| {
-            if self.epsilon[..at].contains(epsilon) {
-                return Err(Error::parameter("epsilon", epsilon, "given twice; expected each probability once"));
-            }
+            require(!self.epsilon[..at].contains(epsilon), "epsilon", epsilon, "given twice; expected each probability once")?;
             let of_sampling = SamplingOptions { samples, seed, uncertain, weight, solver, exact, viscosity, ..usual.clone() };
             let options = SamplingOptions { epsilon: *epsilon, ..of_sampling };
             options.validate()?;

@@ -1,18 +1,14 @@
 //! Prints what came out of `willis simulate`: resilience, inflow, and what a perturbation did to them.
 
-use crate::internals::flow::state::{LAMINAR_LIMIT, State};
-use crate::internals::network::Condition;
-use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
-use crate::internals::report::page::lead::change;
-use crate::internals::report::{MOST_COLLATERALS, end_name};
-use crate::internals::simulation::closures::ClosedVessel;
-use crate::internals::simulation::pulse::Pulse;
-use crate::internals::simulation::pulse::indices::Indices;
-use crate::internals::simulation::transport::Transport;
-use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
-use crate::{Change, Network, SimulationRun, Stenosis};
-
 use super::{TextTerminal, brief, count, listed, plural};
+use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
+use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
+use crate::{
+    Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
+    internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
+    internals::report::page::lead::change, internals::simulation::closures::ClosedVessel, internals::simulation::pulse::Pulse,
+    internals::simulation::pulse::indices::Indices, internals::simulation::transport::Transport,
+};
 
 /// The least share of an outlet's blood that is named.
 const LEAST_SHARE: f64 = 0.005;
