@@ -143,10 +143,8 @@ impl Ledger {
             return refused(format!("holds a cohort made with other parameters ({which})"));
         }
         let stays = |old: &&LedgerEntry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
-        match earlier.subjects.iter().find(|old| !stays(old)) {
-            Some(old) => refused(format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input)),
-            None => Ok(()),
-        }
+        let lost = |old: &LedgerEntry| format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input);
+        earlier.subjects.iter().find(|old| !stays(old)).map(lost).map_or(Ok(()), refused)
     }
 
     /// The first option that was another in an earlier ledger of this version, in words.

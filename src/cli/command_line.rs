@@ -302,8 +302,6 @@ pub fn one_line(error: &clap::Error) -> String {
 
 /// What a tip proposes, as a question.
 fn meant(tip: &str) -> String {
-    match tip.strip_prefix("a similar ").and_then(|rest| rest.split_once(" exists: ")) {
-        Some((_, name)) => format!("did you mean {name}?"),
-        None => tip.to_owned(),
-    }
+    let similar = tip.strip_prefix("a similar ").and_then(|rest| rest.split_once(" exists: "));
+    similar.map_or_else(|| tip.to_owned(), |(_, name)| format!("did you mean {name}?"))
 }

@@ -124,10 +124,7 @@ impl MeasureArgs {
         let path = &subject.input;
         let input = self.runs.reading.read_run(path, subject.line.clone(), terminal)?;
         let files: Vec<PathBuf> = self.reader.iter().map(|name| file_of(name, path)).collect();
-        let read = match &*files {
-            [a, b] => twice_read(&subject.name, &input, [a, b])?,
-            _ => Vec::new(),
-        };
+        let read = if let [a, b] = &*files { twice_read(&subject.name, &input, [a, b])? } else { Vec::new() };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
         terminal.notes(&found.notes);
         Ok((found, read))

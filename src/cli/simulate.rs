@@ -112,10 +112,8 @@ fn change(
 /// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.
 fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     let (name, value) = text.rsplit_once('=').ok_or(SEVERITY)?;
-    let (severity, stretch) = match value.split_once('@') {
-        None => (value, None),
-        Some((severity, place)) => (severity, Some(stretch(place)?)),
-    };
+    let (severity, place) = value.split_once('@').map_or((value, None), |(severity, place)| (severity, Some(place)));
+    let stretch = place.map(stretch).transpose()?;
     let (of_area, percent) = severity.trim().strip_prefix("area:").map_or((false, severity.trim()), |rest| (true, rest));
     let percent: f64 = percent.strip_suffix('%').and_then(|digits| digits.trim().parse().ok()).ok_or(SEVERITY)?;
     if percent >= 100.0 {

@@ -217,10 +217,8 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
 /// pattern.
 fn with_last_name_looked_up(pattern: &str) -> String {
     let name = pattern.rsplit('/').next().unwrap_or(pattern);
-    match name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '['])) {
-        Some(last) => format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]),
-        None => pattern.to_owned(),
-    }
+    let last = name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '[']));
+    last.map_or_else(|| pattern.to_owned(), |last| format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]))
 }
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where

@@ -77,14 +77,11 @@ pub fn classify(
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
-    let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
+    let scale = input.run.as_ref().filter(|_| source.is_none()).map_or(&input.options.scale, |run| &run.options.read.scale);
     // What the run found holds, as long as nobody asks for another way to find it.
     let as_the_run = |run: &StoredRun| source.is_none() && phenotypes.arteries == run.options.infer.phenotypes.arteries;
     let stored = input.run.as_ref().filter(|run| as_the_run(run)).and_then(|run| run.named.clone());
-    let mut found = match stored {
-        Some(found) => found,
-        None => chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?,
-    };
+    let mut found = if let Some(found) = stored { found } else { chosen.find(path, network, scale, phenotypes)? };
     if let (None, Some(run), Some(file)) = (source, &input.run, &found.landmarks)
         && run.landmarks.as_ref() != Some(&file.sha256)
     {
@@ -111,12 +108,10 @@ pub fn classify(
         // Vessels that no blood can flow through have a variant all the same.
         (vec![(kept, 1.0)], variant, None, found.boundary(network, input.usual_outlets()).ok())
     };
-    let (outlets, viscosity) = match &input.run {
-        Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
-        None => (input.usual_outlets(), BLOOD_VISCOSITY),
-    };
+    let usual = (input.usual_outlets(), BLOOD_VISCOSITY);
+    let flow = input.run.as_ref().map_or(usual, |run| (FoundOutlets::Ground, run.options.infer.sampling.viscosity));
     let answer = Answer { found, topologies, variant, posterior, boundary, notes };
-    Ok(phenotype(input, network, answer, (outlets, viscosity), phenotypes))
+    Ok(phenotype(input, network, answer, flow, phenotypes))
 }
 
 /// Per vessel whether its L is above the median, for topologies that samples vote for; none where there is evidence to draw them by.

@@ -46,10 +46,7 @@ impl FromStr for Cut {
 
 impl fmt::Display for Cut {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            word => word.serialize(f),
-        }
+        if let Self::File(path) = self { write!(f, "{}", path.display()) } else { self.serialize(f) }
     }
 }
 

@@ -247,10 +247,8 @@ impl Input {
 
     /// The vessels, divided where their labels change along the centerlines.
     pub(crate) fn divided_by_labels(&self) -> Network {
-        match &self.lines {
-            Some(lines) => split_where_labels_change(&self.network, lines, self.options.radius_rule),
-            None => self.network.clone(),
-        }
+        let Some(lines) = &self.lines else { return self.network.clone() };
+        split_where_labels_change(&self.network, lines, self.options.radius_rule)
     }
 }
 

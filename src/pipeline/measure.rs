@@ -178,10 +178,8 @@ impl Measuring<'_> {
         }
         let mut known = vec![false; network.node_count()];
         run.given.iter().filter(|node| **node < network.node_count()).for_each(|node| known[*node] = true);
-        let source = match &above {
-            None => TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] }),
-            Some(above) => TopologySource::Samples(above),
-        };
+        let usual = TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] });
+        let source = above.as_deref().map_or(usual, TopologySource::Samples);
         Ok(Topologies::draw(network, boundary, &options, source)?.weighted)
     }
 }

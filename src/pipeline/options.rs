@@ -361,10 +361,8 @@ impl PhenotypeOptions {
 
     /// The prior that they mean.
     pub(crate) fn prior(&self) -> Result<naming::CirclePrior> {
-        let frequencies = match &self.frequencies {
-            Some(path) => VariantFrequencies::of_file(path)?,
-            None => VariantFrequencies::published()?,
-        };
+        let own = self.frequencies.as_deref().map(VariantFrequencies::of_file);
+        let frequencies = own.unwrap_or_else(VariantFrequencies::published)?;
         Ok(naming::CirclePrior { frequencies, is_own: self.frequencies.is_some(), unseen: self.unseen.unwrap_or(0.0) })
     }
 }

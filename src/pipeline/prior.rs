@@ -44,10 +44,7 @@ pub enum Prior {
 
 impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            word => word.serialize(f),
-        }
+        if let Self::File(path) = self { write!(f, "{}", path.display()) } else { self.serialize(f) }
     }
 }
 
@@ -150,10 +147,7 @@ impl LoadedPrior {
     /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels;
     /// none of a model that does not look at images.
     pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
-        match &self.model {
-            PriorModel::Joins(model) => model.image.as_ref().map(|image| image.noise),
-            _ => None,
-        }
+        if let PriorModel::Joins(model) = &self.model { model.image.as_ref().map(|image| image.noise) } else { None }
     }
 
     /// [`CandidateOptions::k`] where none is given.

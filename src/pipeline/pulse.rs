@@ -56,10 +56,8 @@ impl Waves {
             };
             let table = if is_word(name) { None } else { Some(table(name, progress)?) };
             for node in nodes {
-                let source = match &table {
-                    Some((waveform, file)) => WaveSource::Table { waveform: waveform.clone(), file: file.clone() },
-                    None => WaveSource::Shape(shape(name, &end_name(network, node))),
-                };
+                let shaped = || WaveSource::Shape(shape(name, &end_name(network, node)));
+                let source = table.clone().map_or_else(shaped, |(waveform, file)| WaveSource::Table { waveform, file });
                 match &by_inlet[node] {
                     Some((true, _)) if !is_own => {}
                     Some((own, _)) if *own == is_own => {

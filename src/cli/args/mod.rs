@@ -2,7 +2,6 @@
 
 pub mod pulse;
 pub mod reading;
-pub mod sampling;
 
 use std::path::{Path, PathBuf};
 
@@ -121,10 +120,7 @@ impl ArteryArgs {
 
 /// The same with the file of landmarks that goes with an input.
 pub fn source_for(source: &ArterySource, input: &Path) -> ArterySource {
-    match source {
-        ArterySource::Landmarks(name) => ArterySource::Landmarks(file_of(name, input)),
-        other => other.clone(),
-    }
+    if let ArterySource::Landmarks(name) = source { ArterySource::Landmarks(file_of(name, input)) } else { source.clone() }
 }
 
 #[derive(Debug, clap::Args)]

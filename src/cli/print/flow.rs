@@ -170,10 +170,8 @@ fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> S
 }
 
 fn name(network: &Network, row: usize) -> String {
-    match network.vessel(row).label.as_str() {
-        "" => format!("edge {row}"),
-        label => label.to_owned(),
-    }
+    let label = &network.vessel(row).label;
+    if label.is_empty() { format!("edge {row}") } else { label.clone() }
 }
 
 /// The change as a share of what was before, with a minus sign that every terminal has.

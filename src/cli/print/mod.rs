@@ -246,10 +246,7 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
         Step::Built { graph, options, by_evidence } => {
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
             let (nodes, vessels) = (plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
-            let how = match options.k {
-                Some(k) if !by_evidence => format!("k = {k}"),
-                _ => "by evidence".to_owned(),
-            };
+            let how = options.k.filter(|_| !by_evidence).map_or_else(|| "by evidence".to_owned(), |k| format!("k = {k}"));
             terminal.say("built", format!("{} in a graph of {nodes}, {vessels} ({how})", plural(candidates, "candidate")));
             if let Some(note) = nothing_built(graph, options) {
                 terminal.say("note", note);

@@ -113,11 +113,9 @@ impl Output {
     ) -> Result<()> {
         let mut staged = StagedFiles::new(&self.paths[0], self.force)?;
         for (at, (path, model)) in self.paths.iter().zip(models).enumerate() {
-            if at == 0 {
-                staged.write_main(|out| write(model, out))?;
-            } else {
-                staged.write(path, |out| write(model, out))?;
-            }
+            let made =
+                if at == 0 { staged.write_main(|out| write(model, out)) } else { staged.write(path, |out| write(model, out)) };
+            made?;
         }
         staged.commit()?;
         let names: Vec<String> = self.paths.iter().map(|path| path.display().to_string()).collect();
