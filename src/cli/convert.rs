@@ -90,16 +90,12 @@ pub struct SkeletonArgs {
 impl SkeletonArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let Self { input, output, to, json } = self;
-        ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.write("skeleton", terminal, force)
+        ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.run("skeleton", terminal, force)
     }
 }
 
 impl ConvertArgs {
-    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        self.write("convert", terminal, force)
-    }
-
-    fn write(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
+    pub fn run(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
         self.input.reading.refuse_candidates(command)?;
         let mut target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
         let path = &self.input.input;

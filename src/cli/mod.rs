@@ -177,7 +177,7 @@ impl Cli {
             Command::Classify(args) => args.run(terminal, force),
             Command::Label(args) => args.run(terminal, force),
             Command::Measure(args) => args.run(terminal, force),
-            Command::Convert(args) => args.run(terminal, force),
+            Command::Convert(args) => args.run("convert", terminal, force),
             Command::Skeleton(args) => args.run(terminal, force),
             #[cfg(feature = "train")]
             Command::Train(args) => args.run(terminal, force),

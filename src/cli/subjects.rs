@@ -69,16 +69,6 @@ pub enum Inputs {
     Many(Vec<Subject>),
 }
 
-/// Whether a path is the folder of a cohort.
-fn is_cohort(path: &Path) -> bool {
-    is_there(&path.join(COHORT))
-}
-
-/// Whether a path is the folder of a run.
-fn is_run(path: &Path) -> bool {
-    is_there(&path.join(RECORD))
-}
-
 /// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern. Where runs are taken, the
 /// folder of a cohort means its subjects.
 ///
@@ -86,7 +76,7 @@ fn is_run(path: &Path) -> bool {
 ///
 /// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
 pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
-    let means_subjects = |path: &Path| takes_runs && is_cohort(path);
+    let means_subjects = |path: &Path| takes_runs && is_there(&path.join(COHORT));
     let check = |path: &PathBuf| if means_subjects(path) { Ok(()) } else { check_folder(path).and_then(|()| check_word(path)) };
     given.iter().try_for_each(check)?;
     let meant: Vec<PathBuf> = given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();
@@ -105,7 +95,7 @@ pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
     let is_input = |path: &Path| !path.is_dir() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
     let inputs: Vec<PathBuf> = meant.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
-    let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
+    let found = paths(&inputs, "file", |path| is_input(path) || is_there(&path.join(RECORD)))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
     let subject = |(name, input): (String, PathBuf)| {
         let line = line_of_words(row_words(words_at_work(), &input, given, &[]).into_iter(), "again");
@@ -150,13 +140,13 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
 
 /// Refuses a folder that is no run, with what in it may be meant.
 fn check_folder(path: &Path) -> Result<()> {
-    if !path.is_dir() || is_run(path) {
+    if !path.is_dir() || is_there(&path.join(RECORD)) {
         return Ok(());
     }
     let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));
     let place = path.display().to_string();
     let place = place.trim_end_matches('/');
-    if is_cohort(path) {
+    if is_there(&path.join(COHORT)) {
         return refused("a cohort", format!("give its subjects, as '{place}/*'"));
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();

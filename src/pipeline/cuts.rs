@@ -4,7 +4,7 @@ use std::{fmt, path::Path, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Follow, ModelSource, SourceFile, Step, of_word, source_file::ending};
+use super::{Follow, ModelSource, SourceFile, Step, of_word, require, source_file::ending};
 use crate::{Error, Network, ReadOptions, Result};
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::read_mask;
@@ -34,13 +34,10 @@ impl FromStr for Cut {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        match of_word(text) {
-            Some(Self::File(path)) if ending(&path) != "toml" => {
-                let accepted = did_you_mean(text, ["auto", "always", "never"]) + "expected auto, always, never, or a file .toml";
-                Err(Error::parameter("cut", format!("\"{text}\""), accepted))
-            }
-            cut => Ok(cut.unwrap_or_default()),
-        }
+        let cut = of_word(text).unwrap_or_default();
+        let is_known = if let Self::File(path) = &cut { ending(path) == "toml" } else { true };
+        let accepted = did_you_mean(text, ["auto", "always", "never"]) + "expected auto, always, never, or a file .toml";
+        require(is_known, "cut", format!("\"{text}\""), accepted).map(|()| cut)
     }
 }
 

@@ -1,39 +1,21 @@
 //! The options of runs and simulations: plain data, with the defaults of the command line, stored in run.json as they stand here.
 
-use std::{fmt::Display, path::Path, path::PathBuf};
+use std::path::{Path, PathBuf};
 
 #[cfg(feature = "cli")]
 use clap::ValueHint::FilePath;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-use super::{BoundaryOptions, Cut, Prior, SourceFile};
+use super::{BoundaryOptions, Cut, Prior, SourceFile, require};
 use crate::{
-    Appearance, Attach, CandidateOptions, CandidateRadius, Error, FoundOutlets, Friction, Keep, LabelScheme, ReadOptions, Result,
+    Appearance, Attach, CandidateOptions, CandidateRadius, FoundOutlets, Friction, Keep, LabelScheme, ReadOptions, Result,
     SamplingOptions, Uncertain, Unfed, WallLaw,
 };
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
-use willis_core::{error::Fault, flow::state::BLOOD_DENSITY, network::Windkessel};
+use willis_core::{flow::state::BLOOD_DENSITY, network::Windkessel};
 use willis_models::circle_of_willis::VariantFrequencies;
 use willis_models::naming::{self, NamingModel, NamingModels};
-
-/// Refuses the value of a field, unless something holds.
-///
-/// # Errors
-///
-/// Names the field, its value and what is accepted.
-pub fn require(holds: bool, name: &str, value: impl Display, accepted: impl Into<String>) -> Result<()> {
-    if holds { Ok(()) } else { Err(Error::parameter(name, value, accepted)) }
-}
-
-/// Refuses a file or folder, unless something holds.
-///
-/// # Errors
-///
-/// Says what was `found` there, and what is accepted.
-pub fn require_in(path: &Path, holds: bool, found: impl Into<String>, accepted: impl Into<String>) -> Result<()> {
-    if holds { Ok(()) } else { Err(Fault::file(found, accepted).in_file(path)) }
-}
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

@@ -40,10 +40,11 @@ pub(crate) fn image_places(scene: &Scene, graph: &Network, most: Option<usize>) 
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct ImageRecord {
     #[serde(flatten)]
-    source: SourceFile,
-    vessels: Appearance,
-    probabilities: bool,
-    unused: Option<String>,
+    pub(super) source: SourceFile,
+    pub(super) vessels: Appearance,
+    pub(super) probabilities: bool,
+    /// Why it was not used.
+    pub(super) unused: Option<String>,
 }
 
 impl ImageRecord {
@@ -97,10 +98,5 @@ impl ImageRecord {
             Some(format!("{path}: the noise is {contrast}; its probabilities are less sure here"))
         };
         why.into_iter().chain(scene.and_then(|scene| noisy(scene.noise_share))).collect()
-    }
-
-    /// The same with why the image was not used.
-    pub(crate) fn unused(self, unseen: Option<Unseen>) -> Self {
-        Self { unused: unseen.map(|why| why.to_string()), ..self }
     }
 }

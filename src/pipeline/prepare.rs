@@ -86,7 +86,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
-            image: loaded.image.map(|image| image.unused(unseen)),
+            image: loaded.image.map(|image| ImageRecord { unused: unseen.map(|why| why.to_string()), ..image }),
             decisions: decided,
         },
         contacts,

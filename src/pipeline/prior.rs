@@ -4,7 +4,7 @@ use std::{fmt, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::{ModelSource, SourceFile, of_word, source_file::ending};
+use super::{ModelSource, SourceFile, of_word, require, source_file::ending};
 use crate::{CandidateOptions, Error, Keep, Network, Result};
 use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
 use willis_core::{flow::Given, network::Origin, network::Role, support::suggestions::did_you_mean};
@@ -53,14 +53,11 @@ impl FromStr for Prior {
 
     fn from_str(text: &str) -> Result<Self> {
         const WORDS: [&str; 6] = ["evidence", "weights:tracing", "weights:tubes", "weights:skeleton", "none", "uniform"];
-        match of_word(text) {
-            Some(Self::File(path)) if !["toml", "npy", "csv"].contains(&ending(&path).as_str()) => {
-                let (meant, words) = (did_you_mean(text, WORDS), WORDS.join(", "));
-                let accepted = format!("{meant}expected {words}, or a file .toml, .npy or .csv");
-                Err(Error::parameter("prior", format!("\"{text}\""), accepted))
-            }
-            prior => Ok(prior.unwrap_or(Self::Evidence)),
-        }
+        let prior = of_word(text).unwrap_or(Self::Evidence);
+        let is_known = if let Self::File(path) = &prior { ["toml", "npy", "csv"].contains(&&*ending(path)) } else { true };
+        let (meant, words) = (did_you_mean(text, WORDS), WORDS.join(", "));
+        let accepted = format!("{meant}expected {words}, or a file .toml, .npy or .csv");
+        require(is_known, "prior", format!("\"{text}\""), accepted).map(|()| prior)
     }
 }
 
