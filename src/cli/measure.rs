@@ -16,7 +16,7 @@ use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
 use crate::{
     BoundaryOptions, ComparisonOptions, Error, MeasureOptions, Measurement, Result, compare_groups, error::Fault,
-    internals::network::units::millimetres, internals::report::page::write_comparison_page,
+    internals::network::units::millimetres, internals::pipeline::require, internals::report::page::write_comparison_page,
     internals::support::suggestions::did_you_mean, measure, twice_read, two_groups,
 };
 
@@ -85,10 +85,9 @@ impl MeasureArgs {
             let own = subject.own().join(" ");
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
         }
-        if !matches!(self.reader.len(), 0 | 2) {
-            let given: Vec<String> = self.reader.iter().map(|path| path.display().to_string()).collect();
-            return Err(Error::parameter("reader", given.join(", "), "expected two of them, one for each reader"));
-        }
+        let given: Vec<String> = self.reader.iter().map(|path| path.display().to_string()).collect();
+        let accepted = "expected two of them, one for each reader";
+        require(matches!(given.len(), 0 | 2), "reader", given.join(", "), accepted)?;
         let known = self.covariates(&subjects)?;
         let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
         let measured = if let [subject] = &*subjects {

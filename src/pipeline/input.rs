@@ -190,13 +190,11 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
         return refused("spacing", "", &format!("goes with a {masks} mask; this file states its own"));
     }
     if let Some(name) = &options.radius_array {
-        if !matches!(contents, Contents::Centerlines(_)) {
-            return refused("radius_array", name, "goes with centerlines; the vessels of this input state their radii");
-        }
-        if !format.is(FormatTrait::NamedRadii) {
-            let known = Format::listed(FormatTrait::NamedRadii, "and");
-            return refused("radius_array", name, &format!("goes with {known}; {} has one radius for each point", format.name()));
-        }
+        let accepted = "goes with centerlines; the vessels of this input state their radii";
+        require(matches!(contents, Contents::Centerlines(_)), "radius_array", name, accepted)?;
+        let known = Format::listed(FormatTrait::NamedRadii, "and");
+        let accepted = format!("goes with {known}; {} has one radius for each point", format.name());
+        require(format.is(FormatTrait::NamedRadii), "radius_array", name, accepted)?;
     }
     if options.radius_rule != RadiusRule::default() && contents == Contents::Graph && !options.observed {
         return refused("radius", "effective", "goes with centerlines; the vessels of a graph have one radius each");

@@ -73,16 +73,11 @@ impl InferOptions {
     /// Every choice as in Moriconi et al. 2019; where the paper is silent, as [`Default`]. Resistances that are stated at outlets stay, though the paper
     /// has ground only: a note says so.
     pub fn paper() -> Self {
-        Self {
-            preset: Preset::Paper,
-            candidates: CandidateOptions { attach: Attach::Ends, radius: CandidateRadius::Mean, ..CandidateOptions::default() },
-            prior: Some(Prior::Uniform),
-            boundary: BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() },
-            sampling: SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() },
-            keep: Some(Keep::Median),
-            cut: Cut::Never,
-            ..Self::default()
-        }
+        let candidates = CandidateOptions { attach: Attach::Ends, radius: CandidateRadius::Mean, ..CandidateOptions::default() };
+        let boundary = BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() };
+        let sampling = SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() };
+        let (preset, prior, keep, cut) = (Preset::Paper, Some(Prior::Uniform), Some(Keep::Median), Cut::Never);
+        Self { preset, candidates, prior, boundary, sampling, keep, cut, ..Self::default() }
     }
 
     /// Checks every field that can be checked without an input.

@@ -56,18 +56,14 @@ impl PulseArgs {
             return self.alone();
         }
         let usual = PulseOptions::default();
-        let options = PulseOptions {
-            waveforms: self.pulse.clone(),
-            period: self.period,
-            mean: self.pulse_mean,
-            harmonics: self.harmonics.unwrap_or(usual.harmonics),
-            wall: self.wall,
-            wall_viscosity: self.wall_viscosity.unwrap_or(usual.wall_viscosity),
-            time_constant: self.windkessel.unwrap_or(usual.time_constant),
-            friction: self.friction.unwrap_or(usual.friction),
-            density: self.density.unwrap_or(usual.density),
-            times: self.times.unwrap_or(usual.times),
-        };
+        let Self { period, pulse_mean: mean, wall, .. } = *self;
+        let (waveforms, friction) = (self.pulse.clone(), self.friction.unwrap_or(usual.friction));
+        let (harmonics, times) = (self.harmonics.unwrap_or(usual.harmonics), self.times.unwrap_or(usual.times));
+        let (wall_viscosity, density) =
+            (self.wall_viscosity.unwrap_or(usual.wall_viscosity), self.density.unwrap_or(usual.density));
+        let time_constant = self.windkessel.unwrap_or(usual.time_constant);
+        let options =
+            PulseOptions { waveforms, period, mean, harmonics, wall, wall_viscosity, time_constant, friction, density, times };
         options.validate()?;
         Ok(Some(options))
     }

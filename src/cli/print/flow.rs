@@ -24,7 +24,14 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let transport = simulated.transports.as_ref().map(|found| &found.unperturbed);
     say_state(terminal, simulated, (before, transport, simulated.pulses.as_ref().map(|(found, _)| &found.unperturbed)), "");
     if let Some(closures) = &simulated.closures {
-        say_closures(terminal, network, closures);
+        // In single precision, so that rounding does not choose between equal vessels; of these the first.
+        let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
+        let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
+        if let Some((row, closure)) = most {
+            let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);
+            terminal
+                .say("occluded", format!("each vessel in turn; most is lost without {name}: {lost:.1} % of the outlets' flow"));
+        }
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
@@ -48,17 +55,6 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
 }
 
-/// The vessel whose loss costs outlets most.
-fn say_closures(terminal: TextTerminal, network: &Network, closures: &[ClosedVessel]) {
-    // In single precision, so that rounding does not choose between equal vessels; of these the first.
-    let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
-    let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
-    if let Some((row, closure)) = most {
-        let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);
-        terminal.say("occluded", format!("each vessel in turn; most is lost without {name}: {lost:.1} % of the outlets' flow"));
-    }
-}
-
 /// What is worth knowing of one state, beside its resilience and inflow.
 fn say_state(
     terminal: TextTerminal,
@@ -66,7 +62,12 @@ fn say_state(
     (state, transport, pulse): (&State, Option<&Transport>, Option<&Pulse>),
     when: &str,
 ) {
-    say_beyond_laminar(terminal, &simulated.network, state, when);
+    let network = &simulated.network;
+    let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
+    if !vessels.is_empty() {
+        let above = format!("above {}{when} in {vessels}", count(LAMINAR_LIMIT as u64));
+        terminal.say("warning", format!("Reynolds number {above}: Poiseuille's law no longer holds there"));
+    }
     // Fixed flows into a part that nothing joins to a pressure.
     for (node, condition) in &simulated.boundary.conditions {
         if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
@@ -93,15 +94,6 @@ fn say_changes(terminal: TextTerminal, network: &Network, heading: &str, what: &
     };
     terminal.say(heading, format!("{what} {}", listed(changes.iter().map(flows), MOST_COLLATERALS)));
     changes.iter().skip(MOST_COLLATERALS).for_each(|change| terminal.detail(heading, flows(change)));
-}
-
-fn say_beyond_laminar(terminal: TextTerminal, network: &Network, state: &State, when: &str) {
-    let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
-    if !vessels.is_empty() {
-        let limit = count(LAMINAR_LIMIT as u64);
-        terminal
-            .say("warning", format!("Reynolds number above {limit}{when} in {vessels}: Poiseuille's law no longer holds there"));
-    }
 }
 
 /// The outlets of each inlet's territory, and when blood reaches them.

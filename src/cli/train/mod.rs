@@ -69,8 +69,12 @@ impl TrainArgs {
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
             fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
         })?;
-        for of in &figures {
-            say_figures(terminal, of);
+        for figures in &figures {
+            let HeldOutScores { of, log_likelihood, .. } = figures;
+            let [precision, error] = [figures.average_precision, figures.calibration_error].map(or_none);
+            let cases = format!("{} of {}", plural(figures.cases, "case"), plural(figures.subjects, "subject"));
+            let all = format!("{precision}, calibration error {error}, log-likelihood {log_likelihood:.3} ({cases})");
+            terminal.say("held out", format!("{of}: average precision {all}"));
         }
         let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };
         weights.folds = folds.iter().map(of_fold).collect();
@@ -101,14 +105,6 @@ fn say_step(terminal: TextTerminal, heading: &str, step: &FittedPass) {
     let [before, after] = step.objective;
     let FittedPass { pass, evaluations, .. } = step;
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
-}
-
-fn say_figures(terminal: TextTerminal, figures: &HeldOutScores) {
-    let HeldOutScores { of, log_likelihood, .. } = figures;
-    let [precision, error] = [figures.average_precision, figures.calibration_error].map(or_none);
-    let cases = format!("{} of {}", plural(figures.cases, "case"), plural(figures.subjects, "subject"));
-    let all = format!("average precision {precision}, calibration error {error}, log-likelihood {log_likelihood:.3} ({cases})");
-    terminal.say("held out", format!("{of}: {all}"));
 }
 
 /// Fits the model and those of its folds, and writes them.
