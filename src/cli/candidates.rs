@@ -1,9 +1,5 @@
 //! `willis candidates`: only the over-connected graph, to look at or to edit.
 
-use std::path::PathBuf;
-
-use serde_json::json;
-
 use super::args::{CandidateArgs, boundary_for};
 use super::print::{TextTerminal, plural};
 use super::{args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json};
@@ -25,7 +21,7 @@ pub struct CandidatesArgs {
     input: InputArgs,
     /// The graph to write, as GraphML
     #[arg(short, long, value_name = "FILE.graphml", value_hint = clap::ValueHint::FilePath)]
-    output: PathBuf,
+    output: std::path::PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
     /// Print a summary on standard output, as JSON
@@ -54,7 +50,7 @@ impl CandidatesArgs {
         if self.json {
             let source = &made.provenance;
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
-            print_json(&json!({
+            print_json(&serde_json::json!({
                 "willis": env!("CARGO_PKG_VERSION"),
                 "command": source.command,
                 "input": source.of_input(),

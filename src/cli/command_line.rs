@@ -2,7 +2,6 @@
 
 use std::{path::Path, path::PathBuf, sync::RwLock};
 
-use clap::FromArgMatches;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::{Error, Result, internals::support::suggestions::did_you_mean};
@@ -148,7 +147,7 @@ pub fn is_option(word: &str) -> bool {
 /// # Errors
 ///
 /// An option that the command does not have, or a value that it does not take.
-pub fn parsed<A: FromArgMatches>(words: &[String]) -> Result<A> {
+pub fn parsed<A: clap::FromArgMatches>(words: &[String]) -> Result<A> {
     let parser = of_line(|line| Some(line.parser.clone())).unwrap_or_default();
     let matches = parser.try_get_matches_from(std::iter::once("willis").chain(words.iter().map(String::as_str)));
     let parsed = matches.and_then(|mut matches| A::from_arg_matches(&matches.remove_subcommand().unwrap_or_default().1));

@@ -2,8 +2,6 @@
 
 use std::path::{Path, PathBuf};
 
-use serde_json::json;
-
 use super::args::{boundary_for, unfed, viscosity};
 use super::print::{TextTerminal, plural, say_read};
 use super::{
@@ -123,7 +121,7 @@ impl ConvertArgs {
         if !self.json {
             return Ok(());
         }
-        print_json(&json!({
+        print_json(&serde_json::json!({
             "willis": env!("CARGO_PKG_VERSION"),
             "command": input.provenance.command,
             "input": input.provenance.of_input(),

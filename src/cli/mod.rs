@@ -27,13 +27,10 @@ pub mod words;
 
 use std::ffi::OsString;
 
-use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::{Result, internals::pipeline::require};
-use args::whole;
 use command_line::{as_error, begin, one_line, with_flags};
-use print::TextTerminal;
 pub use signals::ask_to_stop;
 
 /// What the tests of this project call. Nothing here is stable.
@@ -83,7 +80,7 @@ enum Command {
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
     // BIDS apps call it n_cpus.
-    #[arg(long, aliases = ["n-cpus", "n_cpus"], global = true, env = THREADS, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    #[arg(long, aliases = ["n-cpus", "n_cpus"], global = true, env = THREADS, value_name = "N", value_parser = args::whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
@@ -165,7 +162,7 @@ impl Cli {
             // Inside of another program there may be threads already, which do as well.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
-        let terminal = TextTerminal::new(self.common.quiet, self.common.verbose);
+        let terminal = print::TextTerminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
@@ -190,7 +187,7 @@ impl Cli {
 
 /// Prints the help that was asked for, or in one line what is wrong with the words; the exit status.
 fn refuse(error: &clap::Error) -> u8 {
-    let without_command = error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    let without_command = error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
     if !error.use_stderr() || without_command {
         // Help and version go to standard output; a closed pipe is no fault.
         let _ = error.print();

@@ -4,8 +4,6 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::internals::output::give_up_when;
-
 /// How often a signal has come.
 static STOPS: AtomicU8 = AtomicU8::new(0);
 /// How many signals the command acts on by itself.
@@ -27,7 +25,7 @@ pub fn listen(wanted: u8) {
     HANDLER.call_once(|| {
         // Without a handler a signal ends the process at once, which leaves no output either.
         let _ = hear();
-        give_up_when(|| stops() >= WANTED.load(Ordering::Relaxed));
+        crate::internals::output::give_up_when(|| stops() >= WANTED.load(Ordering::Relaxed));
     });
 }
 

@@ -4,9 +4,7 @@ use std::{borrow::Cow, collections::HashMap, collections::HashSet, path::Path, p
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::FoundArteries;
-use super::classify::above_median;
-use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, require};
+use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, arteries::FoundArteries, require};
 use crate::{Error, Network, ReadOptions, Result, SamplingOptions};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource};
 use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
@@ -15,7 +13,6 @@ use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight
 use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
 use willis_core::{error::Fault, flow::Boundary, network::Role, support::in_order, support::suggestions::did_you_mean};
 use willis_io::{formats::Column, formats::read_image, masks::Picture};
-use willis_models::circle_of_willis::present_vessels;
 use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
 /// So many topologies of a run are drawn.
@@ -87,7 +84,7 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
         (Cow::Borrowed(&input.network), run.kept(input.network.vessel_count())?)
     } else {
         let network = if input.is_fragments { Cow::Owned(input.divided_by_labels()) } else { Cow::Borrowed(&input.network) };
-        let (present, note) = present_vessels(&network);
+        let (present, note) = willis_models::circle_of_willis::present_vessels(&network);
         notes.extend(note.map(str::to_owned));
         let network = network.subgraph(|row| present[row]).0;
         let all = vec![true; network.vessel_count()];
@@ -172,7 +169,7 @@ impl Measuring<'_> {
     fn plausible(&self, input: &Input, progress: &mut dyn Follow) -> Result<Vec<(Vec<bool>, f64)>> {
         let (network, Some(run), Some(boundary)) = (self.network, &input.run, &self.boundary) else { return Ok(Vec::new()) };
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
-        let above = above_median(network, boundary, &options, progress)?;
+        let above = super::classify::above_median(network, boundary, &options, progress)?;
         if let Some(found) = &self.found {
             return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
         }

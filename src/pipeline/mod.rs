@@ -35,7 +35,6 @@ pub use source_file::{ModelSource, SourceFile, of_word, require, require_in};
 pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;
-use willis_core::network::Network;
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -61,7 +60,7 @@ pub fn infer_with(input: &Input, options: &InferOptions, progress: &mut dyn Foll
 /// # Errors
 ///
 /// As [`infer`].
-pub fn candidates(input: &Input, options: &InferOptions) -> Result<Network> {
+pub fn candidates(input: &Input, options: &InferOptions) -> Result<crate::Network> {
     let prepared = prepare(input.clone(), options, &mut Silent)?;
     Ok(prepared.boundary.stated_in(prepared.graph.clone()))
 }

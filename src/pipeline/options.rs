@@ -14,8 +14,7 @@ use crate::{
 };
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::{flow::state::BLOOD_DENSITY, network::Windkessel};
-use willis_models::circle_of_willis::VariantFrequencies;
-use willis_models::naming::{self, NamingModel, NamingModels};
+use willis_models::{circle_of_willis::VariantFrequencies, naming, naming::NamingModel, naming::NamingModels};
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]

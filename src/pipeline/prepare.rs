@@ -11,7 +11,6 @@ use super::{
 use crate::{Appearance, CandidateOptions, Error, FoundOutlets, Network, Result, Scale};
 use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};
 use willis_io::{formats::Format, masks::View};
-use willis_models::candidates::kind::CenterlineKind;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -125,7 +124,7 @@ impl<'a> Loaded<'a> {
     /// Reads the files; beside them the image.
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
-        let kind = CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
+        let kind = willis_models::candidates::kind::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
         let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = refuse_unused(input, options, cuts.as_ref())?;

@@ -3,7 +3,6 @@
 use std::{io::Write, path::Path, sync::Arc, time::Instant};
 
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
 use super::arteries::{self, FoundArteries};
 use super::cuts::{Contacts, CutRecord};
@@ -12,7 +11,6 @@ use super::{ArterySource, Follow, InferOptions, ModelSource, Preset, RunOptions,
 use crate::{CandidateOptions, FoundConditions, FoundOutlets, Keep, Network, Result, SamplingOptions, Solver};
 use willis_core::flow::{Boundary, Given};
 use willis_io::formats::{checksum, checksum_of};
-use willis_models::naming::Bearings;
 use willis_report::{ImagePlace, Provenance, Segmentation};
 
 /// An input made ready to be sampled: the over-connected graph and its boundary conditions, with everything that its files say.
@@ -97,7 +95,7 @@ impl Prepared {
         });
         let (version, graph) = (env!("CARGO_PKG_VERSION"), graph.unwrap_or_default());
         let options = SamplingOptions { samples: 0, ..options };
-        let all = json!({ "willis": version, "graph": graph, "options": options, "samples": samples });
+        let all = serde_json::json!({ "willis": version, "graph": graph, "options": options, "samples": samples });
         checksum(all.to_string().as_bytes())
     }
 }
@@ -159,5 +157,5 @@ pub(crate) enum EarlyArteries {
     /// By landmarks, found before candidates make new nodes.
     Landmarks(FoundArteries),
     /// By geometry: where they lie was found with the candidates of a first over-connected graph, which pass names over gaps.
-    Geometry(FoundArteries, Bearings),
+    Geometry(FoundArteries, willis_models::naming::Bearings),
 }

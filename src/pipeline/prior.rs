@@ -9,11 +9,8 @@ use crate::{CandidateOptions, Error, Keep, Network, Result};
 use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
 use willis_core::{flow::Given, network::Origin, network::Role, support::suggestions::did_you_mean};
 use willis_io::{formats::read_prior_csv, formats::read_prior_npy, masks::View};
-use willis_models::candidates::joins::model::JoinModel;
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::model::Weights;
-use willis_models::candidates::search::SearchOptions;
 use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
+use willis_models::{candidates::joins::model::JoinModel, candidates::kind::CenterlineKind, candidates::model::Weights};
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
 /// or the path of a file.
@@ -149,7 +146,7 @@ impl LoadedPrior {
 
     /// [`CandidateOptions::k`] where none is given.
     pub(crate) fn usual_k(&self) -> usize {
-        if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
+        if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
     /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior. The image as it was

@@ -12,11 +12,9 @@ use willis_core::network::units::{ml_per_min, mmhg};
 use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Role, locate};
 use willis_core::simulation::pulse::fourier::{beyond, coefficients, samples};
-use willis_core::simulation::pulse::typical::{self, Typical};
-use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, walled};
+use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, typical, walled};
 use willis_core::simulation::{Perturbation, Simulation, perturbed};
-use willis_core::{flow::state::State, simulation::pulse::womersley::Fluid};
-use willis_io::formats::read_waveform;
+use willis_core::{flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
 use willis_report::end_name;
 
 /// What one inlet is driven by.
@@ -228,7 +226,7 @@ fn shape(word: &str, inlet: &str) -> Typical {
 fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)> {
     let path = Path::new(name);
     let (bytes, source) = SourceFile::read(path)?;
-    let (waveform, note) = read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
+    let (waveform, note) = willis_io::formats::read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
     if let Some(note) = note {
         progress.step(Step::Note(&format!("{}: {note}", path.display())));
     }

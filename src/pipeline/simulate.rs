@@ -13,7 +13,6 @@ use willis_core::{
     simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports,
 };
 use willis_io::{formats::SolverSetting, formats::tables::reader::plural};
-use willis_report::Provenance;
 
 /// Solves the flow of an input as it is, and beside it with all `changes` at once; each names its vessels, by label or `edge:ROW`.
 ///
@@ -83,7 +82,7 @@ pub(super) struct Solved<'a> {
     outlets: FoundOutlets,
     /// The rows that its vessels have in the input, where some are left out.
     rows: Option<Vec<usize>>,
-    provenance: Cow<'a, Provenance>,
+    provenance: Cow<'a, willis_report::Provenance>,
 }
 
 impl<'a> Solved<'a> {

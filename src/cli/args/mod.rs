@@ -6,7 +6,6 @@ pub mod reading;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use serde::de::DeserializeOwned;
 
 use crate::{
     Appearance, ArterySource, Attach, BoundaryOptions, CandidateRadius, Cut, Error, InferOptions, LabelScheme, PhenotypeOptions,
@@ -16,7 +15,7 @@ use crate::{
 };
 
 /// A parser for an enum of the library by the words that serde writes, each with its help.
-pub fn words<T: DeserializeOwned + Clone + Send + Sync + 'static>(
+pub fn words<T: serde::de::DeserializeOwned + Clone + Send + Sync + 'static>(
     words: &[(&'static str, &'static str)],
 ) -> impl TypedValueParser<Value = T> {
     let value = |(word, help): &(&'static str, &'static str)| match *help {

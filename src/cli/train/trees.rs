@@ -2,7 +2,6 @@
 
 use std::{io, io::Write, path::Path};
 
-use serde::Serialize;
 use serde_json::json;
 
 use super::args::{Output, TrainArgs, made_by, or_none};
@@ -19,7 +18,7 @@ pub(super) trait TreeModel: Sized + Sync {
     /// A case with what the trees see of it.
     type Seen<'a>: TreeExample<'a, Model = Self, Scores = Self::HeldOut>;
     /// How well a model did.
-    type HeldOut: Clone + Serialize;
+    type HeldOut: Clone + serde::Serialize;
     /// Reads the text of a file.
     const READ: fn(&str) -> Result<Self, Fault>;
     const WRITE: fn(&Self, &mut dyn Write) -> io::Result<()>;
