@@ -109,8 +109,9 @@ impl ConvertArgs {
         if let Some(options) = &model {
             (input.network, target.setting) = solver_model(&input, options, &mut Follower::new(terminal))?;
         }
-        let (names, WrittenFiles { mut lost, counts: [nodes, vessels], .. }) =
-            put(StagedFiles::new(&target.path, force)?, &input.network, &target, terminal)?;
+        let staged = StagedFiles::new(&target.path, force)?;
+        let WrittenFiles { files, mut lost, counts: [nodes, vessels], .. } = put(staged, &input.network, &target, terminal)?;
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));
@@ -134,16 +135,11 @@ impl ConvertArgs {
     }
 }
 
-/// Writes the files of a target into a set that was begun for it, says what is lost, and returns their names and what came of it.
-pub fn put(
-    mut staged: StagedFiles,
-    network: &Network,
-    target: &Target,
-    terminal: TextTerminal,
-) -> Result<(Vec<String>, WrittenFiles)> {
+/// Writes the files of a target into a set that was begun for it, says what is lost, and returns what came of it.
+pub fn put(mut staged: StagedFiles, network: &Network, target: &Target, terminal: TextTerminal) -> Result<WrittenFiles> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
     terminal.notes(&written.notes);
     written.lost.iter().for_each(|what| terminal.say("lost", what));
-    Ok((files.iter().map(|path| path.display().to_string()).collect(), written))
+    Ok(WrittenFiles { files, ..written })
 }

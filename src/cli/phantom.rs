@@ -139,7 +139,8 @@ impl PhantomArgs {
 
     fn write_whole(&self, kind: Anatomy, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
         let network = with_conditions(network)?;
-        let (names, _) = put(StagedFiles::new(&target.path, force)?, &network, target, terminal)?;
+        let files = put(StagedFiles::new(&target.path, force)?, &network, target, terminal)?.files;
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
         let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
         self.print(json!({ "counts": counts }))
@@ -212,8 +213,8 @@ impl PhantomArgs {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
-        let (files, _) = put(staged, &graph, target, terminal)?;
-        let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
+        let files = put(staged, &graph, target, terminal)?.files.into_iter().map(|path| path.display().to_string());
+        let names: Vec<String> = files.filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
         let size = format!("{}, {}", plural(nodes, "node"), plural(vessels, "vessel"));

@@ -4,7 +4,7 @@ use std::{collections::BTreeMap, collections::BTreeSet, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use super::{Input, SourceFile, cuts::Contacts, require};
+use super::{Input, SourceFile, models::Contacts, require};
 use crate::{Error, Network, Result};
 use willis_core::decision::{beside_accepted, knows_fragments};
 use willis_core::network::{Evidence, GraphEditor, Origin};

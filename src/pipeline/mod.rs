@@ -3,24 +3,23 @@
 mod arteries;
 mod boundary_options;
 mod classify;
-mod cuts;
 pub mod decisions;
 mod inference;
 mod input;
 mod label;
 mod measure;
+mod models;
 mod options;
 mod picture;
 mod prepare;
 mod prepared;
-mod prior;
 mod progress;
 mod pulse;
 mod simulate;
 mod source_file;
 mod write;
 
-pub use self::{cuts::Cut, inference::Inference, prepared::Prepared, prior::Prior};
+pub use self::{inference::Inference, models::Cut, models::Prior, prepared::Prepared};
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
 pub use decisions::{ConnectionDecision, GraphEdit, twice_read};

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{InferOptions, SourceFile, prior::LoadedPrior};
+use super::{InferOptions, SourceFile, models::LoadedPrior};
 use crate::{Appearance, Error, Network, ReadOptions, Result};
 use willis_core::{error::Fault, network::Origin, support::geometry::Point, support::geometry::distance};
 use willis_io::masks::{Scene, Unseen, View};

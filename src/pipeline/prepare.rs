@@ -2,11 +2,12 @@
 
 use std::{fs::File, io::Read, path::PathBuf, sync::Arc};
 
+use super::models::{Contacts, Cuts, LoadedPrior};
 use super::prepared::{EarlyArteries, EarlyKnowledge, SourceRecords};
 use super::{
     ArterySource, Contents, Cut, Follow, InferOptions, Input, PhenotypeOptions, Prepared, Preset, Prior, RunOptions, Silent,
-    Step, arteries, arteries::FoundArteries, cuts::Contacts, cuts::Cuts, decisions::Decidable, decisions::DecisionList,
-    picture::ImageRecord, picture::image_places, prior::LoadedPrior, progress::Notes, require,
+    Step, arteries, arteries::FoundArteries, decisions::Decidable, decisions::DecisionList, picture::ImageRecord,
+    picture::image_places, progress::Notes, require,
 };
 use crate::{Appearance, CandidateOptions, Error, FoundOutlets, Network, Result, Scale};
 use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};

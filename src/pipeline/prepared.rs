@@ -5,8 +5,8 @@ use std::{io::Write, path::Path, sync::Arc, time::Instant};
 use serde::{Deserialize, Serialize};
 
 use super::arteries::{self, FoundArteries};
-use super::cuts::{Contacts, CutRecord};
 use super::decisions::{Decidable, Decided};
+use super::models::{Contacts, CutRecord};
 use super::{ArterySource, Follow, InferOptions, ModelSource, Preset, RunOptions, Step, picture::ImageRecord};
 use crate::{CandidateOptions, FoundConditions, FoundOutlets, Keep, Network, Result, SamplingOptions, Solver};
 use willis_core::flow::{Boundary, Given};
