@@ -107,7 +107,7 @@ fn say_step(terminal: TextTerminal, heading: &str, step: &FittedPass) {
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 
-/// Fits the model and those of its folds, and writes them.
+/// Fits the model that names arteries and those of its folds, and writes them.
 fn fit_labels(args: &TrainArgs, output: &Output) -> Result<()> {
     let terminal = output.terminal;
     let cases = read_labelled_cases(&args.cases)?;
