@@ -61,13 +61,11 @@ pub use pipeline::{
 pub use willis_core::decision::{Decision, Keep};
 pub use willis_core::error::{self, Error, Result};
 pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw};
-pub use willis_core::modulation::ModulationOptions;
 pub use willis_core::network::units::{LengthUnit, Scale};
 pub use willis_core::network::{Network, RadiusRule};
 pub use willis_core::perturbation::stenosis::{Stenosis, StretchPlace};
 pub use willis_core::sampling::{FoundConditions, Likelihood, Progress, SamplingOptions, Solver, Uncertain, Weight};
-pub use willis_core::simulation::Change;
-pub use willis_core::simulation::pulse::Friction;
+pub use willis_core::{modulation::ModulationOptions, simulation::Change, simulation::pulse::Friction};
 pub use willis_io::formats::ReadOptions;
 pub use willis_io::masks::{Appearance, Cavities, RadiusFrom};
 pub use willis_models::candidates::{Attach, CandidateOptions, CandidateRadius};

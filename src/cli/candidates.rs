@@ -1,28 +1,18 @@
 //! `willis candidates`: only the over-connected graph, to look at or to edit.
 
-use std::path::PathBuf;
-
-use crate::error::{Error, Result};
-use crate::internals::formats::{graph_columns, write_graphml};
-use crate::internals::network::Origin;
-use crate::internals::output::StagedFiles;
-use crate::{BoundaryOptions, InferOptions, prepare};
-use clap::Args;
-use serde_json::json;
-
-use super::args::boundary_for;
-use super::args::candidates::CandidateArgs;
-use super::args::reading::InputArgs;
-use super::checkpoint::Follower;
-use super::command_line::command_line;
+use super::args::{CandidateArgs, boundary_for};
 use super::print::{TextTerminal, plural};
-use super::shell::print_json;
+use super::{args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json};
+use crate::{
+    BoundaryOptions, InferOptions, Result, internals::formats::graph_columns, internals::formats::write_graphml,
+    internals::network::Origin, internals::output::StagedFiles, internals::pipeline::require, prepare,
+};
 
 /// Build the over-connected candidate graph and stop
 ///
 /// The graph can be edited by hand or by a script and handed to `willis infer`; unedited it gives the same answer as the
 /// centerlines themselves.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis candidates extraction.vtp -o graph.graphml
   willis infer graph.graphml -o edited")]
@@ -31,7 +21,7 @@ pub struct CandidatesArgs {
     input: InputArgs,
     /// The graph to write, as GraphML
     #[arg(short, long, value_name = "FILE.graphml", value_hint = clap::ValueHint::FilePath)]
-    output: PathBuf,
+    output: std::path::PathBuf,
     #[command(flatten)]
     candidates: CandidateArgs,
     /// Print a summary on standard output, as JSON
@@ -43,9 +33,8 @@ pub struct CandidatesArgs {
 
 impl CandidatesArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("graphml")) {
-            return Err(Error::parameter("output", self.output.display(), "expected an ending .graphml"));
-        }
+        let is_graphml = self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("graphml"));
+        require(is_graphml, "output", self.output.display(), "expected an ending .graphml")?;
         StagedFiles::check(&self.output, [], force)?;
         let path = &self.input.input;
         let mut options = InferOptions { boundary: boundary_for(&self.boundary, path), ..InferOptions::default() };
@@ -61,7 +50,7 @@ impl CandidatesArgs {
         if self.json {
             let source = &made.provenance;
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
-            print_json(&json!({
+            print_json(&serde_json::json!({
                 "willis": env!("CARGO_PKG_VERSION"),
                 "command": source.command,
                 "input": source.of_input(),

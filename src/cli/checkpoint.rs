@@ -1,17 +1,13 @@
 //! Follows a run: shows its progress, and keeps what is finished beside its output, so that the same command resumes it (`--checkpoint`).
 
-use std::path::PathBuf;
-use std::time::{Duration, Instant};
-use std::{fs, io};
+use std::{fs, io, path::PathBuf, time::Duration, time::Instant};
 
-use crate::error::Error;
-use crate::internals::formats::{is_there, regular_bytes_of};
-use crate::internals::output::{StagedFolder, read_part, replace_file, write_part};
-use crate::internals::sampling::PartialRun;
-use crate::{Follow, Progress, Step};
 use serde::{Deserialize, Serialize};
 
 use super::print::{CountProgress, TextTerminal, count, say_step};
+use crate::internals::formats::{is_there, regular_bytes_of};
+use crate::internals::output::{StagedFolder, read_part, replace_file, write_part};
+use crate::{Error, Follow, Progress, Step, internals::sampling::PartialRun};
 
 /// Between the beginning and the first time that something is kept, and between two of them, where nobody says otherwise.
 const FIRST: Duration = Duration::from_mins(1);
@@ -57,18 +53,9 @@ impl<'a> Follower<'a> {
 
     /// Keeps what is finished in the folder where the output is being made.
     pub fn keeping(terminal: TextTerminal, interval: Interval, folder: &'a StagedFolder, command: &str) -> Self {
-        let keeper = Keeper {
-            interval,
-            terminal,
-            folder,
-            file: PathBuf::new(),
-            command: command.to_owned(),
-            start: Instant::now(),
-            last: None,
-            cost: Duration::ZERO,
-            kept: 0,
-            failed: false,
-        };
+        let (file, command, start) = (PathBuf::new(), command.to_owned(), Instant::now());
+        let (last, cost, kept, failed) = (None, Duration::ZERO, 0, false);
+        let keeper = Keeper { interval, terminal, folder, file, command, start, last, cost, kept, failed };
         Self { keeper: Some(keeper), ..Self::new(terminal) }
     }
 
@@ -196,12 +183,11 @@ impl Keeper<'_> {
     fn note_others(&self) {
         let entries = fs::read_dir(self.folder.checkpoint_folder()).into_iter().flatten().flatten().map(|entry| entry.path());
         for path in entries.filter(|path| path.extension().is_some_and(|e| e == "json")) {
-            let about: Option<CheckpointNote> =
-                regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
-            if let Some(about) = about.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
+            let note: Option<CheckpointNote> = regular_bytes_of(&path).ok().and_then(|bytes| serde_json::from_slice(&bytes).ok());
+            if let Some(note) = note.filter(|_| !self.folder.is_kept(&path) && path.with_extension("npz").exists()) {
                 let place = self.folder.checkpoint_folder().display();
-                let whose = if about.command == self.command { " on another graph or by another version" } else { "" };
-                self.terminal.say("note", format!("{place} also keeps samples of another run: {}{whose}", about.command));
+                let whose = if note.command == self.command { " on another graph or by another version" } else { "" };
+                self.terminal.say("note", format!("{place} also keeps samples of another run: {}{whose}", note.command));
             }
         }
     }

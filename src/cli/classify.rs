@@ -2,34 +2,26 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
+use super::subjects::{Inputs, Subject, expand, name_of};
+use super::{
+    args::ArteryArgs, args::reading::RunsArgs, args::source_for, checkpoint::Follower, cohort::Cohort, cohort::Work,
+    command_line::command_line, command_line::parsed, print::TextTerminal, print::inference::say_collaterals,
+    print::inference::say_variant, print::plural, shell::print_json,
+};
 use crate::internals::circle_of_willis::{Artery, RING, present_segments};
 use crate::internals::formats::{is_there, write_csv};
 use crate::internals::output::names::{ACCURACY, RECORD};
 use crate::internals::output::{StagedFiles, StagedFolder, read_json};
 use crate::internals::report::cohort::{Figures, phenotype_figures};
 use crate::internals::report::{Segments, accuracy_columns};
-use crate::{ArterySource, InferOptions, Phenotype, classify};
-use clap::Args;
-use serde_json::Value;
-
-use super::args::arteries::{ArteryArgs, for_input};
-use super::args::reading::RunsArgs;
-use super::at_work::parsed;
-use super::checkpoint::Follower;
-use super::cohort::{Cohort, Work};
-use super::command_line::command_line;
-use super::print::arteries::{say_collaterals, say_variant};
-use super::print::{TextTerminal, plural};
-use super::shell::print_json;
-use super::subjects::{Inputs, Subject, expand, name_of};
+use crate::{ArterySource, Error, InferOptions, Phenotype, Result, classify};
 
 /// Name the anatomical variant of a Circle of Willis
 ///
 /// Where each artery is, is said by the labels of vessels, by the in- and outlets in a file of landmarks, or found by the geometry. A segment is present
 /// when it connects what it should. The vessels of a file are taken as they are; of a folder of willis infer, the plausible
 /// topologies are drawn again, and every segment and variant has its probability.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis classify circle.graphml -o phenotype
   willis classify 'cohort/*' -o phenotypes")]
@@ -78,9 +70,7 @@ impl ClassifyArgs {
         let folder = StagedFolder::new(&self.output, force)?;
         phenotype.write(&folder.path(), &name_of(&input))?;
         folder.commit()?;
-        if self.json {
-            print_json(&phenotype.json)?;
-        }
+        self.json.then(|| print_json(&phenotype.json)).transpose()?;
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }
@@ -88,8 +78,9 @@ impl ClassifyArgs {
     /// Writes accuracy.csv beside the table of a cohort.
     fn compare(&self, subjects: &[Subject], truths: &[Option<Segments>], terminal: TextTerminal) -> Result<()> {
         let found = |subject: &Subject| -> Option<Segments> {
-            let record: Value = read_json(&self.output.join(&subject.name).join(RECORD), "expected the record of a run").ok()?;
-            let there = |artery: Artery| record["phenotype"]["segments"][artery.to_string()].as_bool();
+            let run: serde_json::Value =
+                read_json(&self.output.join(&subject.name).join(RECORD), "expected the record of a run").ok()?;
+            let there = |artery: Artery| run["phenotype"]["segments"][artery.to_string()].as_bool();
             RING.into_iter().map(there).collect::<Option<Vec<bool>>>()?.try_into().ok()
         };
         let pairs: Vec<(Segments, Segments)> =
@@ -102,7 +93,7 @@ impl ClassifyArgs {
 
     /// How the arteries of an input are known, where a person said it.
     pub(super) fn source(&self, input: &Path) -> Option<ArterySource> {
-        self.arteries.source().map(|source| for_input(&source, input))
+        self.arteries.source().map(|source| source_for(&source, input))
     }
 
     fn phenotype(&self, path: &Path, command: String, terminal: TextTerminal) -> Result<Phenotype> {
@@ -129,7 +120,7 @@ fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
 }
 
 impl Work for ClassifyArgs {
-    const FIGURES: fn(&Value) -> Figures = phenotype_figures;
+    const FIGURES: fn(&serde_json::Value) -> Figures = phenotype_figures;
 
     fn of(words: &[String]) -> Result<Self> {
         let args: Self = parsed(words)?;

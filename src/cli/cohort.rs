@@ -1,29 +1,24 @@
 //! A cohort: many subjects, one row and one folder each; made in one command, or of runs that were made separately (`willis merge`).
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
-use std::{fs, thread};
+use std::{
+    collections::BTreeMap, collections::BTreeSet, fs, path::Path, path::PathBuf, sync::Mutex, sync::PoisonError,
+    sync::atomic::AtomicUsize, sync::atomic::Ordering, thread,
+};
 
-use crate::error::{Error, Fault, Result};
-use crate::internals::circle_of_willis::LANDMARK_NOTE_ENDING;
-use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
-use crate::internals::output::atomic::clear_leftovers;
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
-use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
-use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, row_records, write_cohort};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::at_work::with_flags;
-use super::command_line::command_line;
-use super::print::notes::{counted, say_notes};
-use super::print::{TextTerminal, plural};
-use super::shell::print_json;
-use super::signals::{is_stopped, listen};
-use super::subjects::Subject;
+use super::print::{TextTerminal, counted, plural, say_notes};
+use super::subjects::{Subject, named, paths};
+use super::{command_line::command_line, command_line::with_flags, shell::print_json, signals::is_stopped, signals::listen};
+use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
+use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
+use crate::internals::pipeline::{RunOptions, require_in};
+use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, row_records, write_cohort};
+use crate::{
+    Error, Result, error::Fault, internals::circle_of_willis::LANDMARK_NOTE_ENDING, internals::output::atomic::clear_leftovers,
+};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;
@@ -121,9 +116,7 @@ fn file_of(subject: &Subject) -> PathBuf {
 pub fn check_files(subject: &Subject, others: Vec<PathBuf>) -> Result<()> {
     let input = file_of(subject);
     // A folder without a graph is no run, which is said when it is read.
-    if is_there(&input) || !subject.input.is_dir() {
-        open_regular(&input)?;
-    }
+    (is_there(&input) || !subject.input.is_dir()).then(|| open_regular(&input)).transpose()?;
     companion_files(&input).into_iter().chain(others).try_for_each(|path| open_regular(&path).map(drop))
 }
 
@@ -150,10 +143,8 @@ impl Ledger {
             return refused(format!("holds a cohort made with other parameters ({which})"));
         }
         let stays = |old: &&LedgerEntry| self.subjects.iter().any(|new| new.subject == old.subject && new.input == old.input);
-        match earlier.subjects.iter().find(|old| !stays(old)) {
-            Some(old) => refused(format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input)),
-            None => Ok(()),
-        }
+        let lost = |old: &LedgerEntry| format!("holds subject {} of {}, which is not among these inputs", old.subject, old.input);
+        earlier.subjects.iter().find(|old| !stays(old)).map(lost).map_or(Ok(()), refused)
     }
 
     /// The first option that was another in an earlier ledger of this version, in words.
@@ -179,8 +170,7 @@ impl Ledger {
 
 /// The first option in which two sets of them differ, and in words what it is in the one and in the other.
 fn differing(one: &Value, other: &Value) -> Option<(String, [String; 2])> {
-    let names: BTreeSet<&String> =
-        [one, other].into_iter().filter_map(Value::as_object).flat_map(serde_json::Map::keys).collect();
+    let names: BTreeSet<_> = [one, other].into_iter().filter_map(Value::as_object).flat_map(serde_json::Map::keys).collect();
     let name = names.into_iter().find(|name| one[*name] != other[*name])?;
     let said = |value: &Value| if value.is_null() { "not given".into() } else { value.to_string() };
     Some((name.replace('_', "-"), [said(&one[name]), said(&other[name])]))
@@ -217,8 +207,8 @@ impl Cohort<'_> {
         let done: Vec<bool> = (0..subjects.len()).map(is_done).collect();
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
-        let each = Each { subjects, done: &done, heading: "cohort", noun: "subject", place: self.output };
-        let made = each.make(|at| self.subject(&subjects[at], work_of(at), terminal.of_many()), terminal)?;
+        let make = |at: usize| self.subject(&subjects[at], work_of(at), terminal.of_many());
+        let made = make_each(subjects, &done, ["cohort", "subject"], self.output, make, terminal)?;
         let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
@@ -288,74 +278,64 @@ impl Cohort<'_> {
     }
 }
 
-/// Subjects to be worked on.
-pub struct Each<'a> {
-    pub subjects: &'a [Subject],
-    /// Which are done already.
-    pub done: &'a [bool],
-    /// What they make together, and what each is called.
-    pub heading: &'static str,
-    pub noun: &'static str,
-    /// Where that is.
-    pub place: &'a Path,
-}
-
-impl Each<'_> {
-    /// Works on the subjects that are not done, several at a time, and says how each went; of each that was not done what was made, or why it failed.
-    ///
-    /// # Errors
-    ///
-    /// A stop.
-    pub fn make<T: Send>(
-        &self,
-        make: impl Fn(usize) -> Result<T> + Sync,
-        terminal: TextTerminal,
-    ) -> Result<Vec<Option<Result<T, String>>>> {
-        let (subjects, total) = (self.subjects, self.subjects.len());
-        let open: Vec<usize> = (0..total).filter(|at| !self.done[*at]).collect();
-        let skipped = total - open.len();
-        if skipped > 0 {
-            terminal.say(self.heading, format!("{skipped} of {} done already", plural(total, self.noun)));
-        }
-        let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-        let worker = || {
-            while !is_stopped()
-                && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
-            {
-                let made = make(at);
-                if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
-                    return;
-                }
-                let made = made.map_err(|error| with_flags(&error));
-                let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
-                let place = format!("{}/{total} {}", skipped + ended.len() + 1, subjects[at].name);
-                match &made {
-                    Ok(_) => terminal.say("done", place),
-                    Err(error) => terminal.say("failed", format!("{place}: {error}")),
-                }
-                ended.push((at, made));
-            }
-        };
-        // What is said of a subject stays together when one is done after the other.
-        let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
-        thread::scope(|scope| {
-            for _ in 1..threads {
-                // Without another thread this one does it all.
-                let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
-            }
-            worker();
-        });
-        let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
-        if ended.len() < open.len() {
-            let done = skipped + ended.iter().filter(|(_, made)| made.is_ok()).count();
-            return Err(Error::StoppedCohort { path: self.place.to_owned(), done, total });
-        }
-        let mut all: Vec<_> = (0..total).map(|_| None).collect();
-        for (at, made) in ended {
-            all[at] = Some(made);
-        }
-        Ok(all)
+/// Works on the subjects that are not `done`, several at a time, and says how each went; of each that was not done what was made, or why it
+/// failed. They are called `noun`, and `heading` together, which is in `place`.
+///
+/// # Errors
+///
+/// A stop.
+pub fn make_each<T: Send>(
+    subjects: &[Subject],
+    done: &[bool],
+    [heading, noun]: [&str; 2],
+    place: &Path,
+    make: impl Fn(usize) -> Result<T> + Sync,
+    terminal: TextTerminal,
+) -> Result<Vec<Option<Result<T, String>>>> {
+    let total = subjects.len();
+    let open: Vec<usize> = (0..total).filter(|at| !done[*at]).collect();
+    let skipped = total - open.len();
+    if skipped > 0 {
+        terminal.say(heading, format!("{skipped} of {} done already", plural(total, noun)));
     }
+    let (next, ended) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let worker = || {
+        while !is_stopped()
+            && let Some(at) = open.get(next.fetch_add(1, Ordering::Relaxed)).copied()
+        {
+            let made = make(at);
+            if matches!(made, Err(Error::Stopped { .. } | Error::StoppedAndKept { .. })) {
+                return;
+            }
+            let made = made.map_err(|error| with_flags(&error));
+            let mut ended = ended.lock().unwrap_or_else(PoisonError::into_inner);
+            let place = format!("{}/{total} {}", skipped + ended.len() + 1, subjects[at].name);
+            match &made {
+                Ok(_) => terminal.say("done", place),
+                Err(error) => terminal.say("failed", format!("{place}: {error}")),
+            }
+            ended.push((at, made));
+        }
+    };
+    // What is said of a subject stays together when one is done after the other.
+    let threads = if terminal.is_verbose() { 1 } else { rayon::current_num_threads().min(open.len()) };
+    thread::scope(|scope| {
+        for _ in 1..threads {
+            // Without another thread this one does it all.
+            let _ = thread::Builder::new().stack_size(STACK).spawn_scoped(scope, worker);
+        }
+        worker();
+    });
+    let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
+    if ended.len() < open.len() {
+        let done = skipped + ended.iter().filter(|(_, made)| made.is_ok()).count();
+        return Err(Error::StoppedCohort { path: place.to_owned(), done, total });
+    }
+    let mut all: Vec<_> = (0..total).map(|_| None).collect();
+    for (at, made) in ended {
+        all[at] = Some(made);
+    }
+    Ok(all)
 }
 
 /// An error where some subjects failed.
@@ -392,20 +372,9 @@ pub struct FailedInput {
 }
 
 impl Failure {
-    /// Of an input and its run.
-    pub fn of(input: &Path, options: RunOptions, command: String, error: String) -> Self {
-        let input = FailedInput { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
-        Self { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, error }
-    }
-
     /// Whether an error is one of the input, which comes again, and not of the machine.
     pub fn is_of_input(error: &Error) -> bool {
         error.is_usage() || matches!(error, Error::Breakdown)
-    }
-
-    /// Whether a folder holds one.
-    pub fn is_in(folder: &Path) -> bool {
-        is_there(&folder.join(FAILURE))
     }
 
     /// The failure in a folder.
@@ -489,13 +458,12 @@ pub fn gather(
 impl<'a> SeparateRun<'a> {
     fn read(folder: &'a Path) -> Result<Self> {
         const RUN: &str = "expected the folder of a run of willis infer for one occlusion probability";
-        let (version, input, options, prior, record) = if Failure::is_in(folder) {
+        let (version, input, options, prior, record) = if is_there(&folder.join(FAILURE)) {
             let Failure { willis, input, options, error, .. } = Failure::read(folder)?;
             (willis, input, json!(options), Value::Null, Err(error))
         } else {
-            if folder.is_dir() && !is_there(&folder.join(RECORD)) {
-                return Err(Fault::file("a folder without run.json", RUN).in_file(folder));
-            }
+            let may_be_run = !folder.is_dir() || is_there(&folder.join(RECORD));
+            require_in(folder, may_be_run, "a folder without run.json", RUN)?;
             let record: Value = read_json(&folder.join(RECORD), RUN)?;
             let text = |value: &Value| value.as_str().map(str::to_owned);
             let (path, sha256) = (text(&record["input"]["path"]).unwrap_or_default(), text(&record["input"]["sha256"]));
@@ -503,10 +471,8 @@ impl<'a> SeparateRun<'a> {
             let (options, prior) = (record["options"].clone(), record["parameters"]["prior"].clone());
             (text(&record["willis"]).unwrap_or_default(), input, options, prior, Ok(record))
         };
-        if version != env!("CARGO_PKG_VERSION") {
-            let found = format!("was made by willis {version}, and this is {}", env!("CARGO_PKG_VERSION"));
-            return Err(Fault::file(found, "expected a run of this version").in_file(folder));
-        }
+        let found = format!("was made by willis {version}, and this is {}", env!("CARGO_PKG_VERSION"));
+        require_in(folder, version == env!("CARGO_PKG_VERSION"), found, "expected a run of this version")?;
         let command = record.as_ref().map_or("", |record| record["command"].as_str().unwrap_or_default());
         let other = |_| Fault::file(format!("was made by {command}"), RUN).in_file(folder);
         let options: RunOptions = serde_json::from_value(options).map_err(other)?;
@@ -543,5 +509,35 @@ impl<'a> SeparateRun<'a> {
     fn page(&self, cohort: &Path) -> Option<String> {
         let page = Some(self.folder.join(PAGE)).filter(|page| page.is_file());
         relative(&page.unwrap_or_else(|| self.folder.join(RECORD)), cohort)
+    }
+}
+
+/// Make a cohort of runs of many subjects that were made separately
+///
+/// Runs are the folders of willis infer: they make cohort.csv and cohort.html, with the rows that willis infer writes for all inputs
+/// in one command, and links to the reports where they are. They must have the same options and seed. A folder that
+/// willis infer --record-failure wrote is a row that failed. The inputs need not be there.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  willis merge 'runs/*' -o merged")]
+pub struct MergeArgs {
+    /// The folders of the runs; a pattern in quotes ('runs/*') is all that fit it
+    #[arg(value_name = "FOLDER", required = true, value_hint = clap::ValueHint::DirPath)]
+    folders: Vec<PathBuf>,
+    /// The folder to write; it must not exist
+    #[arg(short, long, value_name = "FOLDER", value_hint = clap::ValueHint::DirPath)]
+    output: PathBuf,
+    /// Print the row of each subject on standard output too, in JSON
+    #[arg(long)]
+    json: bool,
+}
+
+impl MergeArgs {
+    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
+        StagedFolder::check(&self.output, force)?;
+        let is_run = |path: &Path| is_there(&path.join(RECORD)) || is_there(&path.join(FAILURE));
+        let folders = paths(&self.folders, "folder of a run", is_run)?;
+        let cohort = Cohort { command: "merge", parameters: Value::Null, output: &self.output, force, json: self.json };
+        gather(&folders, &cohort, named, |_| Vec::new(), terminal).map(drop)
     }
 }

@@ -2,26 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Fault, Result};
+use super::args::{boundary_for, unfed, viscosity};
+use super::print::{TextTerminal, plural, say_read};
+use super::{
+    args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json,
+};
 use crate::internals::formats::convert::Target;
 use crate::internals::formats::{Format, FormatTrait, unread_columns};
 use crate::internals::output::StagedFiles;
-use crate::internals::pipeline::stage_target;
-use crate::{BoundaryOptions, FlowOptions, Network, Unfed, WrittenFiles, read, solver_model};
-use clap::Args;
-use serde_json::json;
-
-use super::args::figures::viscosity;
-use super::args::pulse::PulseArgs;
-use super::args::reading::InputArgs;
-use super::args::{boundary_for, unfed};
-use super::checkpoint::Follower;
-use super::command_line::command_line;
-use super::print::{TextTerminal, plural, say_read};
-use super::shell::print_json;
+use crate::internals::pipeline::{require, require_in, stage_target};
+use crate::{BoundaryOptions, FlowOptions, Network, Result, Unfed, WrittenFiles, read, solver_model};
 
 /// Convert centerlines or a graph into another format, saying what is lost
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(long_about = format!("Convert centerlines or a graph into another format, saying what is lost\n\n\
     The ending of OUT says the format: {}. --to says it where the ending does not.", Format::explained_endings()))]
 #[command(after_help = "Examples:
@@ -47,7 +40,7 @@ pub struct ConvertArgs {
 }
 
 /// Conditions as simulate has them, for a model of svZeroDSolver or openBF.
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Default, clap::Args)]
 struct ModelArgs {
     /// Blood viscosity in a model for svzerod or openbf [default: 3.5cP]
     #[arg(long, value_name = "VISCOSITY", value_parser = viscosity, hide_short_help = true)]
@@ -74,7 +67,7 @@ impl ModelArgs {
 ///
 /// The vessels of the mask are thinned to lines of the same topology, in the scanner's frame, with radii; nothing is inferred. The
 /// ending of FILE says the format, as for convert.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis skeleton vessels.nii.gz -o lines.vtp
   willis skeleton probabilities.nii.gz --level 0.5 -o lines.swc")]
@@ -95,36 +88,30 @@ pub struct SkeletonArgs {
 impl SkeletonArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         let Self { input, output, to, json } = self;
-        ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.write("skeleton", terminal, force)
+        ConvertArgs { input, output, to, unfed: None, json, model: ModelArgs::default() }.run("skeleton", terminal, force)
     }
 }
 
 impl ConvertArgs {
-    pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
-        self.write("convert", terminal, force)
-    }
-
-    fn write(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
+    pub fn run(self, command: &str, terminal: TextTerminal, force: bool) -> Result<()> {
         self.input.reading.refuse_candidates(command)?;
         let mut target = Target::new(&self.output, self.to.as_deref())?.with_unfed(self.unfed);
         let path = &self.input.input;
         let model = self.model.options(path)?;
-        if model.is_some() && !target.format.is(FormatTrait::Model) {
-            let found = format!("for {}", target.format.name());
-            return Err(Error::parameter("to", found, "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`"));
-        }
+        let (found, accepted) = (target.format.name(), "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`");
+        require(model.is_none() || target.format.is(FormatTrait::Model), "to", format!("for {found}"), accepted)?;
         StagedFiles::check(&target.path, &target.nodes, force)?;
         let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
-        if command == "skeleton" && !input.format.is_some_and(Format::is_mask) {
-            let found = format!("a file of {}", input.provenance.format);
-            let accepted = format!("expected a mask: {}; convert rewrites centerlines", Format::short(FormatTrait::Mask));
-            return Err(Fault::file(found, accepted).in_file(path));
-        }
+        let is_meant = command != "skeleton" || input.format.is_some_and(Format::is_mask);
+        let accepted = format!("expected a mask: {}; convert rewrites centerlines", Format::short(FormatTrait::Mask));
+        require_in(path, is_meant, format!("a file of {}", input.provenance.format), accepted)?;
         say_read(terminal, &input, self.input.reading.units.is_none());
         if let Some(options) = &model {
             (input.network, target.setting) = solver_model(&input, options, &mut Follower::new(terminal))?;
         }
-        let (names, WrittenFiles { mut lost, counts: [nodes, vessels], .. }) = put(&input.network, &target, terminal, force)?;
+        let staged = StagedFiles::new(&target.path, force)?;
+        let WrittenFiles { files, mut lost, counts: [nodes, vessels], .. } = put(staged, &input.network, &target, terminal)?;
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         let unread = input.format.map(|format| unread_columns(path, format)).unwrap_or_default();
         if !unread.is_empty() {
             lost.push(format!("the columns {}", unread.join(", ")));
@@ -135,7 +122,7 @@ impl ConvertArgs {
         if !self.json {
             return Ok(());
         }
-        print_json(&json!({
+        print_json(&serde_json::json!({
             "willis": env!("CARGO_PKG_VERSION"),
             "command": input.provenance.command,
             "input": input.provenance.of_input(),
@@ -148,21 +135,11 @@ impl ConvertArgs {
     }
 }
 
-/// Writes the files of a target, says what is lost, and returns their names and what came of it.
-pub fn put(network: &Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<(Vec<String>, WrittenFiles)> {
-    put_into(StagedFiles::new(&target.path, force)?, network, target, terminal)
-}
-
-/// The same with the other files of a set that was begun for the target.
-pub fn put_into(
-    mut staged: StagedFiles,
-    network: &Network,
-    target: &Target,
-    terminal: TextTerminal,
-) -> Result<(Vec<String>, WrittenFiles)> {
+/// Writes the files of a target into a set that was begun for it, says what is lost, and returns what came of it.
+pub fn put(mut staged: StagedFiles, network: &Network, target: &Target, terminal: TextTerminal) -> Result<WrittenFiles> {
     let written = stage_target(network, target, &mut staged)?;
     let files = staged.commit()?;
     terminal.notes(&written.notes);
     written.lost.iter().for_each(|what| terminal.say("lost", what));
-    Ok((files.iter().map(|path| path.display().to_string()).collect(), written))
+    Ok(WrittenFiles { files, ..written })
 }

@@ -1,40 +1,27 @@
 //! `willis infer`: from centerlines or a candidate graph to the likelihood matrix and the plausible topology.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::time::Instant;
+use std::{path::Path, path::PathBuf, sync::Arc, time::Instant};
 
-use crate::error::{Error, Fault, Result};
-use crate::internals::formats::write_csv;
-use crate::internals::output::names::AGREEMENT;
-use crate::internals::output::{StagedFolder, write_error, write_file};
-use crate::internals::pipeline::RunOptions;
-use crate::internals::report::cohort::{Figures, infer_figures};
-use crate::internals::report::figures::DEFAULT_DPI;
-use crate::internals::report::{RunRecord, agreement};
-use crate::{ArterySource, BoundaryOptions, InferOptions, Keep, Prepared, Preset, Prior, SamplingOptions, SaveOptions, prepare};
-use clap::Args;
-use serde_json::Value;
-
-use super::args::arteries::{self, ArteryArgs};
-use super::args::candidates::CandidateArgs;
-use super::args::figures::whole;
 use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
-use super::args::sampling::SamplingArgs;
-use super::args::{boundary_for, file_of};
-use super::at_work::{parsed, with_flags};
-use super::checkpoint::Follower;
-use super::cohort::{Cohort, Failure, Work};
-use super::command_line::command_line;
-use super::print::TextTerminal;
-use super::print::arteries::say_variant;
-use super::print::inference::say_outcome;
-use super::shell::print_json;
-use super::signals::listen;
+use super::args::{ArteryArgs, CandidateArgs, boundary_for, file_of, probability, source_for, viscosity, whole, words};
+use super::checkpoint::{Follower, Interval, parse_interval};
+use super::cohort::{Cohort, FailedInput, Failure, Work};
+use super::command_line::{command_line, parsed, with_flags};
+use super::print::inference::{say_outcome, say_variant};
 use super::subjects::{Inputs, Subject, expand};
+use super::{print::TextTerminal, shell::print_json, signals::listen};
+use crate::internals::formats::{checksum_of_file, write_csv};
+use crate::internals::output::{StagedFolder, write_error, write_file};
+use crate::internals::pipeline::{RunOptions, require, require_in};
+use crate::internals::report::cohort::{Figures, infer_figures};
+use crate::internals::report::{RunRecord, agreement};
+use crate::{
+    ArterySource, BoundaryOptions, Error, InferOptions, Keep, Prepared, Preset, Prior, Result, SamplingOptions, SaveOptions,
+    Solver, Uncertain, Weight, internals::output::names::AGREEMENT, internals::report::figures::DEFAULT_DPI, prepare,
+};
 
 /// Infer the plausible topology of centerlines or of a candidate graph
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis infer extraction.vtp -o clean
   willis infer 'scans/*.swc' --landmarks '{}.landmarks.csv' -o cohort
@@ -51,7 +38,7 @@ pub struct InferArgs {
 }
 
 /// How an input is read, sampled and decided on.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 pub struct InferenceArgs {
     #[command(flatten)]
     pub reading: ReadingArgs,
@@ -82,6 +69,71 @@ pub struct InferenceArgs {
     pub arteries: ArteryArgs,
 }
 
+#[derive(Debug, clap::Args)]
+#[command(next_help_heading = "Sampling")]
+pub struct SamplingArgs {
+    /// Occlusion probability, from 0 to below 1; several, with commas, make a folder each and a table of their agreement
+    #[arg(long, value_name = "P,...", value_delimiter = ',', default_value = "0.5",
+        value_parser = probability, allow_hyphen_values = true)]
+    pub epsilon: Vec<f64>,
+    /// How many samples to draw
+    #[arg(short = 'n', long, value_name = "N", default_value_t = 1000, value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub samples: u64,
+    /// Instead of --samples: double the samples until every decision is two standard errors from flipping, up to 2^20
+    #[arg(long, value_name = "stable", conflicts_with = "samples", value_parser = ["stable"], hide_short_help = true)]
+    pub until: Option<String>,
+    /// Enumerate every occlusion pattern of up to 20 uncertain vessels: the expectation, without Monte-Carlo error
+    #[arg(long, conflicts_with = "until", hide_short_help = true)]
+    pub exact: bool,
+    /// Every choice as in Moriconi et al. 2019, unless an option says otherwise
+    #[arg(long, value_parser = words::<Preset>(&[("paper", "--prior uniform --uncertain all --attach ends --candidate-radius mean --outlets ground --keep median --cut never. \
+        Resistances that a file or an option states at outlets stay, where the paper has ground only; a note says so. Inlets and outlets that are found hold in every sample, as those that are stated; by default only where the end is no gap")]))]
+    pub preset: Option<Preset>,
+    /// The seed; the same command with the same seed gives the same bytes
+    #[arg(long, value_name = "SEED", default_value_t = 0, value_parser = whole::<u64>, allow_negative_numbers = true)]
+    pub seed: u64,
+    /// Where the input cannot be used, write why to FOLDER, as failed.json alone, and end with status 0: willis merge makes a row of it
+    #[arg(long, hide_short_help = true)]
+    pub record_failure: bool,
+    /// How often what is finished is kept beside FOLDER, in .willis-FOLDER, for the same command to go on from after a stop or a kill: auto
+    /// (once sampling takes over a minute), off, or so many seconds apart; Ctrl-C keeps it at once
+    #[arg(long, value_name = "auto|off|SECONDS", default_value = "auto", value_parser = parse_interval, hide_short_help = true)]
+    pub checkpoint: Interval,
+    /// Which vessels may be occluded and pruned [default: candidates]
+    #[arg(long, value_parser = words::<Uncertain>(&[("candidates", "Candidates must earn their place, observed vessels stay"),
+        ("all", "Every vessel must, as in the paper")]))]
+    pub uncertain: Option<Uncertain>,
+    /// What a vessel adds to its likelihood when it is in a sample's forest
+    #[arg(long, default_value = "resilience", hide_short_help = true, value_parser = words::<Weight>(&[("resilience", "Its resilience, as in the paper"),
+        ("count", "One"), ("global", "The resilience of the whole network")]))]
+    pub weight: Weight,
+    /// Blood viscosity
+    #[arg(long, value_name = "VISCOSITY", default_value = "3.5cP", value_parser = viscosity, hide_short_help = true)]
+    pub viscosity: f64,
+    /// The flow solver
+    #[arg(long, default_value = "auto", hide_short_help = true, value_parser = words::<Solver>(&[("auto", "By the structure of the graph"),
+        ("lanes", "Star-mesh elimination, many samples at a time"),
+        ("gradients", "Preconditioned conjugate gradients, many samples at a time, for large meshes"),
+        ("reference", "The paper's loop as it is written, a sample at a time: slow, to compare with")]))]
+    pub solver: Solver,
+}
+
+impl SamplingArgs {
+    /// Puts what was given in the place of the `usual` options, for each of the occlusion probabilities.
+    pub fn put(&self, usual: &SamplingOptions) -> Result<Vec<SamplingOptions>> {
+        let Self { samples, seed, weight, solver, exact, viscosity, .. } = *self;
+        let uncertain = self.uncertain.unwrap_or(usual.uncertain);
+        let each = self.epsilon.iter().enumerate().map(|(at, epsilon)| {
+            require(!self.epsilon[..at].contains(epsilon), "epsilon", epsilon, "given twice; expected each probability once")?;
+            let of_sampling = SamplingOptions { samples, seed, uncertain, weight, solver, exact, viscosity, ..usual.clone() };
+            let options = SamplingOptions { epsilon: *epsilon, ..of_sampling };
+            options.validate()?;
+            Ok(options)
+        });
+        each.collect()
+    }
+}
+
 /// The same work on every input, be it one or a cohort of them.
 pub struct Inferences {
     args: InferenceArgs,
@@ -100,7 +152,10 @@ impl InferArgs {
         let input = match expand(&self.inputs, false)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
-                let work = work.with_arteries();
+                let mut work = work;
+                // The arteries of every input are named, if it has a circle and nobody says where they are.
+                work.names_by_itself = work.options.arteries.is_none();
+                work.options.arteries = work.options.arteries.or(Some(ArterySource::Geometry));
                 let (parameters, json) = (work.of_many()?, work.args.json);
                 let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json };
                 return cohort.run(&subjects, &work, terminal);
@@ -108,9 +163,7 @@ impl InferArgs {
         };
         StagedFolder::check(&self.output, force)?;
         let records_failure = work.args.sampling.record_failure;
-        if records_failure {
-            work.args.reading.shared()?;
-        }
+        records_failure.then(|| work.args.reading.shared()).transpose()?;
         let records = match work.one(&input, &self.output, terminal, force) {
             Err(error) if records_failure && Failure::is_of_input(&error) => {
                 let error = with_flags(&error);
@@ -119,9 +172,7 @@ impl InferArgs {
             }
             made => made?,
         };
-        if work.args.json {
-            records.iter().try_for_each(print_json)?;
-        }
+        work.args.json.then(|| records.iter().try_for_each(print_json)).transpose()?;
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
@@ -134,72 +185,54 @@ impl InferArgs {
     }
 }
 
-impl InferenceArgs {
-    /// The options of the library, and those of sampling for each occlusion probability.
-    fn options(&self) -> Result<(InferOptions, Vec<SamplingOptions>)> {
-        let is_paper = self.sampling.preset == Some(Preset::Paper);
-        let mut options = if is_paper { InferOptions::paper() } else { InferOptions::default() };
-        options.keep = self.keep.or(options.keep);
-        let runs = self.sampling.put(&options.sampling)?;
-        options.sampling.clone_from(&runs[0]);
-        options.until_stable = self.sampling.until.is_some();
-        let found_outlets = self.boundary.found_outlets.or(options.boundary.found_outlets);
-        options.boundary = BoundaryOptions { found_outlets, ..self.boundary.clone() };
-        self.candidates.put(&mut options);
-        options.arteries = self.arteries.source();
-        options.phenotypes = self.arteries.phenotypes.clone();
-        options.decisions.clone_from(&self.decisions);
-        options.image_places = self.image_places;
-        options.validate()?;
-        Ok((options, runs))
-    }
-}
-
 impl Inferences {
     /// The work that the arguments ask for.
     pub fn new(args: InferenceArgs) -> Result<Self> {
-        let (options, runs) = args.options()?;
+        let is_paper = args.sampling.preset == Some(Preset::Paper);
+        let mut options = if is_paper { InferOptions::paper() } else { InferOptions::default() };
+        options.keep = args.keep.or(options.keep);
+        let runs = args.sampling.put(&options.sampling)?;
+        options.sampling.clone_from(&runs[0]);
+        options.until_stable = args.sampling.until.is_some();
+        let found_outlets = args.boundary.found_outlets.or(options.boundary.found_outlets);
+        options.boundary = BoundaryOptions { found_outlets, ..args.boundary.clone() };
+        args.candidates.put(&mut options);
+        options.arteries = args.arteries.source();
+        options.phenotypes = args.arteries.phenotypes.clone();
+        options.decisions.clone_from(&args.decisions);
+        options.image_places = args.image_places;
+        options.validate()?;
         let save = SaveOptions { dpi: args.dpi };
         save.validate()?;
         Ok(Self { args, options, runs, save, names_by_itself: false })
     }
 
-    /// The same where the arteries of every input are named, if it has a circle and nobody says where they are.
-    fn with_arteries(mut self) -> Self {
-        self.names_by_itself = self.options.arteries.is_none();
-        self.options.arteries = self.options.arteries.or(Some(ArterySource::Geometry));
-        self
-    }
-
     /// The command line that repeats the run of a subject.
     fn line_of(&self, subject: &Subject) -> String {
-        match subject.line.strip_suffix(" -o again") {
-            Some(before) if self.names_by_itself => format!("{before} --landmarks auto -o again"),
-            _ => subject.line.clone(),
-        }
+        let before = subject.line.strip_suffix(" -o again").filter(|_| self.names_by_itself);
+        before.map_or_else(|| subject.line.clone(), |before| format!("{before} --landmarks auto -o again"))
     }
 
     /// Why an input gave no run.
     pub fn failure(&self, input: &Path, command: String, error: String) -> Result<Failure> {
         let options = RunOptions { read: self.args.reading.options(input)?, infer: self.for_input(input) };
-        Ok(Failure::of(input, options, command, error))
+        let input = FailedInput { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
+        Ok(Failure { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, error })
     }
 
     /// The options for an input, each file that is named for all inputs being that of this one.
     fn for_input(&self, input: &Path) -> InferOptions {
         let mut options = self.options.clone();
         options.boundary = boundary_for(&options.boundary, input);
-        options.arteries = options.arteries.as_ref().map(|source| arteries::for_input(source, input));
+        options.arteries = options.arteries.as_ref().map(|source| source_for(source, input));
         options.decisions = options.decisions.as_ref().map(|name| file_of(name, input));
         options
     }
 
     /// Reads an input and makes ready all that its samples need; `command` is the line that repeats its run.
     fn prepared(&self, input: &Path, command: String, terminal: TextTerminal) -> Result<Arc<Prepared>> {
-        if input.is_dir() {
-            let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
-            return Err(Fault::file("a folder of willis infer", accepted).in_file(input));
-        }
+        let accepted = "expected a file, such as topology.graphml or candidates.graphml in it";
+        require_in(input, !input.is_dir(), "a folder of willis infer", accepted)?;
         let read = self.args.reading.read(input, command, terminal)?;
         prepare(read, &self.for_input(input), &mut Follower::new(terminal))
     }
@@ -257,27 +290,22 @@ impl Inferences {
     }
 
     fn refuse_several(&self, accepted: &str) -> Result<()> {
-        if self.runs.len() == 1 {
-            return Ok(());
-        }
         let given: Vec<String> = self.args.sampling.epsilon.iter().map(f64::to_string).collect();
-        Err(Error::parameter("epsilon", given.join(","), accepted))
+        require(self.runs.len() == 1, "epsilon", given.join(","), accepted)
     }
 
     /// Every option that changes a result of many inputs; refuses those that go with one.
-    pub fn of_many(&self) -> Result<Value> {
+    pub fn of_many(&self) -> Result<serde_json::Value> {
         let args = &self.args;
         self.refuse_several("several go with one INPUT; give one for a cohort")?;
-        if args.sampling.record_failure {
-            let accepted = "goes with one INPUT; a cohort has its failures as rows";
-            return Err(Error::parameter("record_failure", "with several", accepted));
-        }
+        let accepted = "goes with one INPUT; a cohort has its failures as rows";
+        require(!args.sampling.record_failure, "record_failure", "with several", accepted)?;
         args.reading.parameters(self.options.clone())
     }
 }
 
 impl Work for Inferences {
-    const FIGURES: fn(&Value) -> Figures = infer_figures;
+    const FIGURES: fn(&serde_json::Value) -> Figures = infer_figures;
 
     fn of(words: &[String]) -> Result<Self> {
         let work = Self::new(parsed::<InferArgs>(words)?.inference)?;

@@ -2,26 +2,19 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::internals::circle_of_willis::RING;
-use crate::internals::formats::Format;
-use crate::internals::formats::convert::Target;
-use crate::internals::output::names::LABELLED;
-use crate::internals::output::{StagedFolder, write_record};
-use crate::internals::report::cohort::{Figures, label_figures};
-use crate::{InferOptions, Labelled, label};
-use clap::Args;
 use serde_json::{Value, json};
 
-use super::args::candidates::CandidateArgs;
-use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
-use super::at_work::parsed;
-use super::checkpoint::Follower;
-use super::cohort::{Cohort, Work};
-use super::command_line::command_line;
-use super::print::{TextTerminal, plural};
-use super::shell::print_json;
 use super::subjects::{Inputs, Subject, expand};
+use super::{
+    args::CandidateArgs, args::reading::ReadingArgs, args::reading::inputs_of_a_cohort, checkpoint::Follower, cohort::Cohort,
+    cohort::Work, command_line::command_line, command_line::parsed, print::TextTerminal, print::plural, shell::print_json,
+};
+use crate::internals::output::{StagedFolder, write_record};
+use crate::internals::report::cohort::{Figures, label_figures};
+use crate::{
+    InferOptions, Labelled, Result, internals::circle_of_willis::RING, internals::formats::Format,
+    internals::formats::convert::Target, internals::output::names::LABELLED, internals::pipeline::require, label,
+};
 
 /// Name the arteries of a Circle of Willis from their geometry alone, each name with a probability
 ///
@@ -29,7 +22,7 @@ use super::subjects::{Inputs, Subject, expand};
 /// FILE.landmarks.mrk.json (bifurcations and ends, to be looked at and corrected in 3D Slicer, and handed back with --landmarks), and
 /// FILE.segments.csv (which segments of the circle are there). Candidates pass names over gaps. Of several inputs each has these files, as
 /// labelled.graphml and so on, in a folder of its own.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis label scan.nii.gz -o labelled.graphml
   willis label 'scans/*.swc' -o labelled
@@ -58,10 +51,8 @@ impl LabelArgs {
         let input = match expand(&self.inputs, false)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
-                if Format::of_ending(&self.output).is_some() {
-                    let accepted = "is the name of a file; expected a folder, since there are several inputs";
-                    return Err(Error::parameter("output", self.output.display(), accepted));
-                }
+                let accepted = "is the name of a file; expected a folder, since there are several inputs";
+                require(Format::of_ending(&self.output).is_none(), "output", self.output.display(), accepted)?;
                 let mut parameters = self.reading.parameters(self.options())?;
                 parameters["model"] = json!(self.model);
                 let cohort = Cohort { command: "label", parameters, output: &self.output, force, json: self.json };

@@ -1,37 +1,30 @@
 //! `willis measure`: lengths, widths, bends, angles and orders of vessels, and of whole networks, as tables.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::{collections::BTreeMap, collections::BTreeSet, path::Path, path::PathBuf};
 
-use crate::error::{Error, Fault, Result};
+use serde_json::{Value, json};
+
+use super::args::{boundary_for, file_of, length, whole};
+use super::cohort::{failed, make_each};
+use super::print::{TextTerminal, plural};
+use super::subjects::{Inputs, Subject, expand, name_of, rows_of_participants};
+use super::{args::reading::RunsArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::listen};
 use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
-use crate::internals::network::units::millimetres;
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::{StagedFolder, write_file, write_record};
 use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
-use crate::internals::report::page::write_comparison_page;
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
-use crate::internals::support::suggestions::did_you_mean;
-use crate::{BoundaryOptions, ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, twice_read, two_groups};
-use clap::Args;
-use serde_json::{Value, json};
-
-use super::args::figures::{length, whole};
-use super::args::reading::RunsArgs;
-use super::args::{boundary_for, file_of};
-use super::checkpoint::Follower;
-use super::cohort::{Each, failed};
-use super::command_line::command_line;
-use super::print::{TextTerminal, plural};
-use super::shell::print_json;
-use super::signals::listen;
-use super::subjects::{Inputs, Subject, expand, name_of, rows_of_participants};
+use crate::{
+    BoundaryOptions, ComparisonOptions, Error, MeasureOptions, Measurement, Result, compare_groups, error::Fault,
+    internals::network::units::millimetres, internals::pipeline::require, internals::report::page::write_comparison_page,
+    internals::support::suggestions::did_you_mean, measure, twice_read, two_groups,
+};
 
 /// Measure vessels: lengths, radii, bends, bifurcations, orders, and whole networks
 ///
 /// Tables with a row for each vessel, bifurcation, end and subject, units in their names. Of the folder of willis infer the plausible topology is
 /// measured, and the figures of a whole network have their mean and 95 % interval over the topologies that are plausible.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis measure circle.graphml -o measured
   willis measure 'cohort/*' -o measured
@@ -92,10 +85,9 @@ impl MeasureArgs {
             let own = subject.own().join(" ");
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
         }
-        if !matches!(self.reader.len(), 0 | 2) {
-            let given: Vec<String> = self.reader.iter().map(|path| path.display().to_string()).collect();
-            return Err(Error::parameter("reader", given.join(", "), "expected two of them, one for each reader"));
-        }
+        let given: Vec<String> = self.reader.iter().map(|path| path.display().to_string()).collect();
+        let accepted = "expected two of them, one for each reader";
+        require(matches!(given.len(), 0 | 2), "reader", given.join(", "), accepted)?;
         let known = self.covariates(&subjects)?;
         let groups = self.compare.as_ref().map(|column| groups(column, &known)).transpose()?;
         let measured = if let [subject] = &*subjects {
@@ -103,8 +95,9 @@ impl MeasureArgs {
         } else {
             listen(2);
             let done = vec![false; subjects.len()];
-            let each = Each { subjects: &subjects, done: &done, heading: "measured", noun: "subject", place: &self.output };
-            each.make(|at| self.measure(&subjects[at], terminal.of_many()), terminal)?.into_iter().flatten().collect()
+            let make = |at: usize| self.measure(&subjects[at], terminal.of_many());
+            let made = make_each(&subjects, &done, ["measured", "subject"], &self.output, make, terminal)?;
+            made.into_iter().flatten().collect()
         };
         let apart = |made: Result<_, String>| made.map_or_else(|why| (Err(why), Vec::new()), |(found, read)| (Ok(found), read));
         let (measured, read): (Vec<Result<Measurement, String>>, Vec<Vec<TwiceRead>>) = measured.into_iter().map(apart).unzip();
@@ -121,9 +114,7 @@ impl MeasureArgs {
             terminal.say("readers", format!("{} of {} alike, {kappa}", found.alike, plural(found.count, "decision")));
         }
         self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
-        if self.json {
-            row_records(&rows).iter().try_for_each(print_json)?;
-        }
+        self.json.then(|| row_records(&rows).iter().try_for_each(print_json)).transpose()?;
         terminal.say("written", format!("{}: {}", self.output.display(), plural(rows.len(), "subject")));
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
     }
@@ -132,22 +123,15 @@ impl MeasureArgs {
         let path = &subject.input;
         let input = self.runs.reading.read_run(path, subject.line.clone(), terminal)?;
         let files: Vec<PathBuf> = self.reader.iter().map(|name| file_of(name, path)).collect();
-        let read = match &*files {
-            [a, b] => twice_read(&subject.name, &input, [a, b])?,
-            _ => Vec::new(),
-        };
+        let read = if let [a, b] = &*files { twice_read(&subject.name, &input, [a, b])? } else { Vec::new() };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
         terminal.notes(&found.notes);
         Ok((found, read))
     }
 
     fn options(&self, input: &Path) -> MeasureOptions {
-        MeasureOptions {
-            boundary: boundary_for(&self.boundary, input),
-            smoothing: self.smoothing,
-            brain: self.brain.as_ref().map(|name| file_of(name, input)),
-            hypoplastic: self.hypoplastic,
-        }
+        let (boundary, brain) = (boundary_for(&self.boundary, input), self.brain.as_ref().map(|name| file_of(name, input)));
+        MeasureOptions { boundary, smoothing: self.smoothing, brain, hypoplastic: self.hypoplastic }
     }
 
     /// What is known of each subject: what its manifest says, then its participant.
@@ -256,8 +240,7 @@ fn groups(column: &str, known: &[Covariates]) -> Result<([String; 2], Vec<Option
 
 /// The row of a subject.
 fn row_of(subject: &Subject, known: &Covariates, made: &Result<Measurement, String>) -> CohortRow {
-    let sha256 =
-        made.as_ref().map_or_else(|_| checksum_of_file(&subject.input).unwrap_or_default(), |found| found.sha256.clone());
+    let sha256 = made.as_ref().map_or_else(|_| checksum_of_file(&subject.input).unwrap_or_default(), |of| of.sha256.clone());
     let (name, input) = (subject.name.clone(), subject.input.display().to_string());
     let figures = made.as_ref().map(Measurement::row).map_err(String::clone);
     CohortRow { subject: name, input, sha256, covariates: known.clone(), page: None, figures }

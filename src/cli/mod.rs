@@ -4,7 +4,6 @@
 //! options mean.
 
 mod args;
-mod at_work;
 mod bids;
 mod candidates;
 mod checkpoint;
@@ -15,12 +14,9 @@ mod convert;
 mod infer;
 mod label;
 mod measure;
-mod merge;
 mod modulate;
-mod parser_error;
 mod phantom;
 mod print;
-mod refusal;
 mod shell;
 mod signals;
 mod simulate;
@@ -31,14 +27,10 @@ pub mod words;
 
 use std::ffi::OsString;
 
-use clap::error::ErrorKind;
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::error::{Error, Result};
-use args::figures::whole;
-use at_work::{CommandLine, with_flags};
-use parser_error::as_error;
-use print::TextTerminal;
+use crate::{Result, internals::pipeline::require};
+use command_line::{as_error, begin, one_line, with_flags};
 pub use signals::ask_to_stop;
 
 /// What the tests of this project call. Nothing here is stable.
@@ -46,7 +38,7 @@ pub mod internals {
     pub use super::bids::dataset::{BidsName, Filter, parse_filter};
     pub use super::command_line::{infer_words, quoted, row_words};
     pub use super::parser;
-    pub use super::print::notes::counted;
+    pub use super::print::counted;
     pub use super::subjects::{LONGEST, named};
 }
 
@@ -67,7 +59,7 @@ struct Cli {
 enum Command {
     Infer(Box<infer::InferArgs>),
     Bids(Box<bids::BidsArgs>),
-    Merge(merge::MergeArgs),
+    Merge(cohort::MergeArgs),
     Candidates(Box<candidates::CandidatesArgs>),
     Simulate(Box<simulate::SimulateArgs>),
     Modulate(Box<modulate::ModulateArgs>),
@@ -88,7 +80,7 @@ enum Command {
 struct Common {
     /// Worker threads; the results do not depend on it [default: all processors]
     // BIDS apps call it n_cpus.
-    #[arg(long, aliases = ["n-cpus", "n_cpus"], global = true, env = THREADS, value_name = "N", value_parser = whole::<usize>, allow_negative_numbers = true)]
+    #[arg(long, aliases = ["n-cpus", "n_cpus"], global = true, env = THREADS, value_name = "N", value_parser = args::whole::<usize>, allow_negative_numbers = true)]
     threads: Option<usize>,
     /// Print nothing but errors
     #[arg(short, long, global = true, conflicts_with = "verbose")]
@@ -108,7 +100,7 @@ const THREADS: &str = "WILLIS_THREADS";
 pub fn main(words: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::read(words, true) {
         Ok(cli) => cli,
-        Err(refused) => return refused.say(),
+        Err(error) => return refuse(&error),
     };
     signals::outlive_limits();
     match cli.run() {
@@ -132,13 +124,12 @@ pub fn call(words: Vec<String>) -> Result<()> {
     let verbose = words.iter().any(|word| word == "--verbose");
     let quiet = (!verbose).then(|| OsString::from("--quiet"));
     let words = [OsString::from("willis")].into_iter().chain(words.into_iter().map(OsString::from)).chain(quiet);
-    Cli::read(words, false).map_err(|refused| as_error(&refused.error))?.run()
+    Cli::read(words, false).map_err(|error| as_error(&error))?.run()
 }
 
 /// What [`main`] would say is wrong with a command line, if anything is; nothing is run.
 pub fn check(words: impl IntoIterator<Item = OsString>) -> Option<String> {
-    let refused = Cli::read(words, true).err()?;
-    refused.error.use_stderr().then(|| refusal::one_line(&refused.error, &refused.given, &parser()))
+    Cli::read(words, true).err().filter(clap::Error::use_stderr).as_ref().map(one_line)
 }
 
 /// The parser of every command; options that a command shares but refuses are not in its help.
@@ -155,27 +146,23 @@ pub fn parser() -> clap::Command {
 
 impl Cli {
     /// The command line; from then on errors name its options as they are typed, where that is wanted.
-    fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, Refused> {
+    fn read(words: impl IntoIterator<Item = OsString>, as_typed: bool) -> Result<Self, clap::Error> {
         let all: Vec<OsString> = words.into_iter().collect();
         let given: Vec<String> = all.iter().skip(1).map(|word| word.to_string_lossy().into_owned()).collect();
         let parser = parser();
         let matches = parser.clone().try_get_matches_from(all);
-        let command = refusal::command_in(&given, &parser).filter(|_| as_typed);
-        at_work::begin(CommandLine { words: given.clone(), parser, command });
-        let parsed = matches.and_then(|matches| Self::from_arg_matches(&matches));
-        parsed.map_err(|error| Refused { error, given })
+        begin(given, parser, as_typed);
+        matches.and_then(|matches| Self::from_arg_matches(&matches))
     }
 
     /// Runs the subcommand.
     fn run(self) -> Result<()> {
         if let Some(threads) = self.common.threads {
-            if threads == 0 || threads > 4096 {
-                return Err(Error::parameter("threads", threads, "expected a number from 1 to 4096"));
-            }
+            require((1..=4096).contains(&threads), "threads", threads, "expected a number from 1 to 4096")?;
             // Inside of another program there may be threads already, which do as well.
             let _ = rayon::ThreadPoolBuilder::new().num_threads(threads).build_global();
         }
-        let terminal = TextTerminal::new(self.common.quiet, self.common.verbose);
+        let terminal = print::TextTerminal::new(self.common.quiet, self.common.verbose);
         let force = self.common.force;
         match self.command {
             Command::Infer(args) => args.run(terminal, force),
@@ -187,7 +174,7 @@ impl Cli {
             Command::Classify(args) => args.run(terminal, force),
             Command::Label(args) => args.run(terminal, force),
             Command::Measure(args) => args.run(terminal, force),
-            Command::Convert(args) => args.run(terminal, force),
+            Command::Convert(args) => args.run("convert", terminal, force),
             Command::Skeleton(args) => args.run(terminal, force),
             #[cfg(feature = "train")]
             Command::Train(args) => args.run(terminal, force),
@@ -198,22 +185,14 @@ impl Cli {
     }
 }
 
-/// Words that are no command line, or that ask for help.
-struct Refused {
-    error: clap::Error,
-    given: Vec<String>,
-}
-
-impl Refused {
-    /// Prints the help, or what is wrong in one line; the exit status.
-    fn say(self) -> u8 {
-        let without_command = self.error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
-        if !self.error.use_stderr() || without_command {
-            // Help and version go to standard output; a closed pipe is no fault.
-            let _ = self.error.print();
-            return if without_command { 2 } else { 0 };
-        }
-        print::line(format_args!("willis: {}", refusal::one_line(&self.error, &self.given, &parser())));
-        2
+/// Prints the help that was asked for, or in one line what is wrong with the words; the exit status.
+fn refuse(error: &clap::Error) -> u8 {
+    let without_command = error.kind() == clap::error::ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand;
+    if !error.use_stderr() || without_command {
+        // Help and version go to standard output; a closed pipe is no fault.
+        let _ = error.print();
+        return if without_command { 2 } else { 0 };
     }
+    print::line(format_args!("willis: {}", one_line(error)));
+    2
 }

@@ -2,26 +2,17 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Result};
-use crate::internals::modulation::{Class, Reading};
-use crate::internals::network::units::pascals_per_square_metre;
-use crate::internals::network::vessels_called;
-use crate::internals::output::StagedFolder;
-use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, ModulationOptions, ModulationRun, Network, SaveOptions, Unfed, modulate_with};
-use clap::Args;
-
-use super::args::figures::{viscosity, whole};
-use super::args::reading::InputArgs;
-use super::args::{boundary_for, unfed, words};
-use super::checkpoint::Follower;
-use super::command_line::command_line;
+use super::args::{boundary_for, unfed, viscosity, whole, words};
 use super::print::{TextTerminal, brief, plural};
-use super::shell::print_json;
-use super::signals::is_stopped;
+use super::{args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::is_stopped};
+use crate::{
+    BoundaryOptions, Error, ModulationOptions, ModulationRun, Network, Result, SaveOptions, Unfed, internals::modulation::Class,
+    internals::modulation::Reading, internals::network::units::pascals_per_square_metre, internals::network::vessels_called,
+    internals::output::StagedFolder, internals::pipeline::require, internals::report::figures::DEFAULT_DPI, modulate_with,
+};
 
 /// Modulate the resistances of a network at random, and see what pressures, flows, resilience and hypertension become
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis modulate circle.graphml -o modulated
   willis modulate circle.graphml -o modulated --classes 0:0.2,0.2:0.5 -n 10000 --save-samples")]
@@ -102,9 +93,7 @@ impl ModulateArgs {
             return Err(Error::Stopped { done: total, total });
         }
         folder.commit()?;
-        if self.json {
-            print_json(&run.record())?;
-        }
+        self.json.then(|| print_json(&run.record())).transpose()?;
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }
@@ -126,12 +115,9 @@ impl ModulateArgs {
 
     /// The threshold, Pa/m².
     fn threshold(&self) -> Result<Option<f64>> {
-        match self.threshold {
-            Some(x) if !(1e-30..=1e30).contains(&x) => {
-                Err(Error::parameter("threshold", x, "expected a positive number of mmHg/mm2, from 1e-30 to 1e30"))
-            }
-            given => Ok(given.map(pascals_per_square_metre)),
-        }
+        let (x, accepted) = (self.threshold.unwrap_or(1.0), "expected a positive number of mmHg/mm2, from 1e-30 to 1e30");
+        require((1e-30..=1e30).contains(&x), "threshold", x, accepted)?;
+        Ok(self.threshold.map(pascals_per_square_metre))
     }
 }
 

@@ -2,28 +2,22 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::Network;
-use crate::error::{Error, Result};
-use crate::internals::candidates::NEAREST;
-use crate::internals::flow::boundary_conditions::stated;
-use crate::internals::flow::{Boundary, FoundOutlets};
-use crate::internals::formats::convert::Target;
+use serde_json::{Value, json};
+
+use super::print::{TextTerminal, count, plural};
+use super::{args::length, args::whole, convert::put, shell::print_json};
 use crate::internals::formats::{
     Format, LandmarkFormat, write_centerlines_swc, write_landmarks, write_loops, write_nifti, write_nifti_image,
 };
-use crate::internals::network::centerlines::Centerlines;
-use crate::internals::network::{Origin, fragments};
-use crate::internals::output::StagedFiles;
 use crate::internals::phantom::{
     Anatomy, Breaks, Gaps, Recipe, Truth, break_up, draw_mask, draw_scan, landmarks, over_connected, with_gaps, without,
 };
-use clap::Args;
-use serde_json::{Value, json};
-
-use super::args::figures::{length, whole};
-use super::convert::{put, put_into};
-use super::print::{TextTerminal, count, plural};
-use super::shell::print_json;
+use crate::{
+    Error, Network, Result, internals::candidates::NEAREST, internals::flow::Boundary, internals::flow::FoundOutlets,
+    internals::flow::boundary_conditions::stated, internals::formats::convert::Target, internals::network::Origin,
+    internals::network::centerlines::Centerlines, internals::network::fragments, internals::output::StagedFiles,
+    internals::pipeline::require,
+};
 
 /// Make test anatomy with a known answer
 ///
@@ -38,7 +32,7 @@ use super::shell::print_json;
 /// `arterial` and `capillary` have any size, --edges: twelve trees that fill a brain, and a block of capillaries. --break cuts gaps
 /// into 2.5 and 2 % of their vessels, nothing else; as .graphml or .csv it writes the broken graph with its candidates, the 6
 /// nearest nodes of every loose end.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis phantom circle-of-willis --without L-PComm -o circle.swc
   willis phantom cerebral --break --seed 7 -o scan.swc")]
@@ -83,22 +77,18 @@ impl PhantomArgs {
         if is_mask(&self.output) {
             return self.write_mask(kind, &recipe, terminal, force);
         }
-        if Format::of_ending(&self.output).is_none() {
-            let accepted = format!("expected an ending .nii.gz or .nii for a mask, or one of {}", Format::written_endings());
-            return Err(Error::parameter("output", self.output.display(), accepted));
-        }
+        let accepted = format!("expected an ending .nii.gz or .nii for a mask, or one of {}", Format::written_endings());
+        require(Format::of_ending(&self.output).is_some(), "output", self.output.display(), accepted)?;
         let target = Target::new(&self.output, None)?;
         StagedFiles::check(&target.path, target.nodes.iter().chain(&self.beside(kind)), force)?;
         let graph = matches!(target.format, Format::GraphMl | Format::Csv) && kind.has_any_size();
-        if self.broken && target.format != Format::Swc && !graph {
-            let or = if kind.has_any_size() { ", .graphml or .csv" } else { "" };
-            let accepted = format!("expected an ending .swc{or} for a broken extraction");
-            return Err(Error::parameter("output", self.output.display(), accepted));
-        }
+        let or = if kind.has_any_size() { ", .graphml or .csv" } else { "" };
+        let accepted = format!("expected an ending .swc{or} for a broken extraction");
+        require(!self.broken || target.format == Format::Swc || graph, "output", self.output.display(), accepted)?;
         let network = self.anatomy(kind, &recipe, terminal)?;
         match (self.broken, kind.gaps(&recipe)) {
             (false, _) => self.write_whole(kind, network, &target, terminal, force),
-            (true, Some(gaps)) if graph => self.write_over_connected(network, &gaps, &target, terminal, force),
+            (true, Some(gaps)) if graph => self.write_graph(network, &gaps, &target, terminal, force),
             (true, Some(gaps)) => {
                 let (lines, truth) = with_gaps(&network, &gaps)?;
                 drop(network);
@@ -118,23 +108,18 @@ impl PhantomArgs {
     /// The whole anatomy, with its conditions.
     pub(super) fn whole(&self) -> Result<Network> {
         let kind: Anatomy = self.kind.parse()?;
-        if self.broken || self.image.is_some() {
-            return Err(Error::parameter("break", "", "makes files; give `output`"));
-        }
+        require(!self.broken && self.image.is_none(), "break", "", "makes files; give `output`")?;
         with_conditions(self.anatomy(kind, &self.recipe(kind)?, TextTerminal::new(true, false))?)
     }
 
     /// What the options ask for, where they go with the kind.
     fn recipe(&self, kind: Anatomy) -> Result<Recipe> {
-        if self.seed.is_some() && !self.broken && !kind.has_any_size() {
-            let accepted = format!("{kind} is always the same; expected with --break, arterial or capillary");
-            return Err(Error::parameter("seed", self.seed.unwrap_or_default(), accepted));
-        }
-        if kind.has_any_size() && !self.without.is_empty() {
-            let accepted = format!("the vessels of {kind} have no labels; expected with another phantom");
-            return Err(Error::parameter("without", self.without.join(","), accepted));
-        }
-        Ok(Recipe { spacing: self.spacing, edges: self.edges, seed: self.seed.unwrap_or_default() })
+        let (seed, any_size) = (self.seed.unwrap_or_default(), kind.has_any_size());
+        let accepted = format!("{kind} is always the same; expected with --break, arterial or capillary");
+        require(self.seed.is_none() || self.broken || any_size, "seed", seed, accepted)?;
+        let accepted = format!("the vessels of {kind} have no labels; expected with another phantom");
+        require(!any_size || self.without.is_empty(), "without", self.without.join(","), accepted)?;
+        Ok(Recipe { spacing: self.spacing, edges: self.edges, seed })
     }
 
     /// The complete network, or what --without leaves of it.
@@ -154,7 +139,8 @@ impl PhantomArgs {
 
     fn write_whole(&self, kind: Anatomy, network: Network, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
         let network = with_conditions(network)?;
-        let (names, _) = put(&network, target, terminal, force)?;
+        let files = put(StagedFiles::new(&target.path, force)?, &network, target, terminal)?.files;
+        let names: Vec<String> = files.iter().map(|path| path.display().to_string()).collect();
         terminal.say("written", format!("{}: {kind}, {}", names.join(", "), plural(network.vessel_count(), "vessel")));
         let counts = json!({ "nodes": network.node_count(), "vessels": network.vessel_count() });
         self.print(json!({ "counts": counts }))
@@ -223,19 +209,12 @@ impl PhantomArgs {
     }
 
     /// The broken graph with its candidates, and the truth.
-    fn write_over_connected(
-        &self,
-        network: Network,
-        gaps: &Gaps,
-        target: &Target,
-        terminal: TextTerminal,
-        force: bool,
-    ) -> Result<()> {
+    fn write_graph(&self, network: Network, gaps: &Gaps, target: &Target, terminal: TextTerminal, force: bool) -> Result<()> {
         let (graph, truth) = over_connected(network, gaps, NEAREST)?;
         let mut staged = StagedFiles::new(&self.output, force)?;
         staged.write(&self.sibling("truth.json"), |out| truth.write_json(out))?;
-        let (files, _) = put_into(staged, &graph, target, terminal)?;
-        let names: Vec<String> = files.into_iter().filter(|name| !name.ends_with(".truth.json")).collect();
+        let files = put(staged, &graph, target, terminal)?.files.into_iter().map(|path| path.display().to_string());
+        let names: Vec<String> = files.filter(|name| !name.ends_with(".truth.json")).collect();
         let candidates = graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Candidate).count();
         let (nodes, vessels) = (graph.node_count(), graph.vessel_count());
         let size = format!("{}, {}", plural(nodes, "node"), plural(vessels, "vessel"));

@@ -1,17 +1,12 @@
 //! `willis completions` and `willis man`.
 
-use std::io::Write;
-use std::path::PathBuf;
-
-use crate::error::{Error, Result};
-use crate::internals::output::StagedFiles;
-use crate::internals::support::printable::printable_json;
-use clap::Args;
+use std::{io::Write, path::PathBuf};
 
 use super::print::{TextTerminal, plural};
+use crate::{Error, Result, internals::output::StagedFiles, internals::support::printable::printable_json};
 
 /// Print shell completions
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis completions bash > ~/.local/share/bash-completion/completions/willis")]
 pub struct CompletionsArgs {
@@ -36,7 +31,7 @@ impl CompletionsArgs {
 }
 
 /// Print the manual pages, or write one a file
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis man -o ~/.local/share/man/man1")]
 pub struct ManArgs {

@@ -1,10 +1,8 @@
 //! Ctrl-C and its kin: the first asks to stop at the next place where nothing is lost; one more than a command wants ends it at once.
 
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
-
-use crate::internals::output::give_up_when;
 
 /// How often a signal has come.
 static STOPS: AtomicU8 = AtomicU8::new(0);
@@ -27,7 +25,7 @@ pub fn listen(wanted: u8) {
     HANDLER.call_once(|| {
         // Without a handler a signal ends the process at once, which leaves no output either.
         let _ = hear();
-        give_up_when(|| stops() >= WANTED.load(Ordering::Relaxed));
+        crate::internals::output::give_up_when(|| stops() >= WANTED.load(Ordering::Relaxed));
     });
 }
 
@@ -69,20 +67,15 @@ fn count_stop() -> bool {
     before >= WANTED.load(Ordering::Relaxed)
 }
 
-/// The last signal, and when it came.
-#[derive(Default)]
-struct Last(Option<(i32, Instant)>);
-
-impl Last {
-    /// Whether a signal that comes now is one of its own, and not an echo.
-    fn is_new(&mut self, signal: i32) -> bool {
-        let now = Instant::now();
-        let echo = self.0.is_some_and(|(last, when)| last == signal && now.duration_since(when) < ECHO);
-        if !echo {
-            self.0 = Some((signal, now));
-        }
-        !echo
+/// Whether a signal that comes now is one of its own, and not an echo of the last.
+fn is_new(signal: i32) -> bool {
+    static LAST: Mutex<Option<(i32, Instant)>> = Mutex::new(None);
+    let (mut last, now) = (LAST.lock().unwrap_or_else(PoisonError::into_inner), Instant::now());
+    let echo = last.is_some_and(|(last, when)| last == signal && now.duration_since(when) < ECHO);
+    if !echo {
+        *last = Some((signal, now));
     }
+    !echo
 }
 
 /// Listens to SIGINT, SIGTERM and SIGHUP, but to none that was ignored when the program began: `nohup`, and what a script runs in the
@@ -94,9 +87,8 @@ fn hear() -> std::io::Result<()> {
     let heeded = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| (ignored >> (signal - 1)) & 1 == 0);
     let mut signals = signal_hook::iterator::Signals::new(heeded)?;
     std::thread::Builder::new().name("signals".into()).spawn(move || {
-        let mut last = Last::default();
         for signal in signals.forever() {
-            if last.is_new(signal) && count_stop() {
+            if is_new(signal) && count_stop() {
                 // The command may hang where it cannot be asked.
                 let _ = signal_hook::low_level::emulate_default_handler(signal);
             }
@@ -115,10 +107,8 @@ fn ignored() -> u64 {
 
 #[cfg(not(unix))]
 fn hear() -> Result<(), ctrlc::Error> {
-    let last = std::sync::Mutex::new(Last::default());
     ctrlc::set_handler(move || {
-        let is_new = last.lock().unwrap_or_else(std::sync::PoisonError::into_inner).is_new(0);
-        if is_new && count_stop() {
+        if is_new(0) && count_stop() {
             // As a shell has it after Ctrl-C.
             std::process::exit(130);
         }

@@ -1,30 +1,22 @@
 //! `willis simulate`: the flow in a network as it is, and beside it with vessels narrowed, occluded or lengthened.
 
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::{path::Path, path::PathBuf, time::Instant};
 
-use crate::error::{Error, Result};
+use super::args::{boundary_for, unfed, viscosity, whole};
+use super::{
+    args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, print::TextTerminal,
+    print::flow::say_simulated, shell::print_json,
+};
 use crate::internals::network::quantity::Dimension;
 use crate::internals::output::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
-use crate::{BoundaryOptions, Change, FlowOptions, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
-use clap::Args;
-
-use super::args::figures::{viscosity, whole};
-use super::args::pulse::PulseArgs;
-use super::args::reading::InputArgs;
-use super::args::{boundary_for, unfed};
-use super::checkpoint::Follower;
-use super::command_line::command_line;
-use super::print::TextTerminal;
-use super::print::flow::say_simulated;
-use super::shell::print_json;
+use crate::{BoundaryOptions, Change, Error, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 
 const SEVERITY: &str =
     "expected VESSEL=70% (of the diameter), VESSEL=area:70%, or either with @mid:10mm, @start:10mm or @end:10mm";
 
 /// Simulate the flow in a network, with stenoses, occlusions and tortuosity beside it
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis simulate circle.graphml -o flow
   willis simulate circle.graphml -o stenosis --stenosis \"L-ICA I=70%\" --occlude L-PComm")]
@@ -61,7 +53,7 @@ pub struct SimulateArgs {
     boundary: BoundaryOptions,
 }
 
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Perturbations (VESSEL is a label, or edge:ROW; several with commas)")]
 struct ChangeArgs {
     /// Narrow a vessel by a share of its diameter, or of its area; @ narrows a stretch of it only
@@ -90,9 +82,7 @@ impl SimulateArgs {
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
         say_simulated(terminal, &run);
         terminal.notes(&run.save(&self.output, force, &save)?);
-        if self.json {
-            print_json(&run.record())?;
-        }
+        self.json.then(|| print_json(&run.record())).transpose()?;
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }
@@ -122,10 +112,8 @@ fn change(
 /// `VESSEL=[area:]PERCENT%[@mid:LENGTH]`.
 fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     let (name, value) = text.rsplit_once('=').ok_or(SEVERITY)?;
-    let (severity, stretch) = match value.split_once('@') {
-        None => (value, None),
-        Some((severity, place)) => (severity, Some(stretch(place)?)),
-    };
+    let (severity, place) = value.split_once('@').map_or((value, None), |(severity, place)| (severity, Some(place)));
+    let stretch = place.map(stretch).transpose()?;
     let (of_area, percent) = severity.trim().strip_prefix("area:").map_or((false, severity.trim()), |rest| (true, rest));
     let percent: f64 = percent.strip_suffix('%').and_then(|digits| digits.trim().parse().ok()).ok_or(SEVERITY)?;
     if percent >= 100.0 {

@@ -1,18 +1,13 @@
 //! The inputs of a cohort: patterns are expanded, and every subject has a name for its folder.
 
-use std::collections::{HashMap, HashSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{collections::HashMap, collections::HashSet, fs, path::Path, path::PathBuf};
 
-use crate::error::{Error, Fault, Result};
-use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
-use crate::internals::output::is_cohort_file;
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
-use crate::internals::support::endings::stem;
 use glob::{MatchOptions, glob_with};
 
-use super::at_work::{self, is_option};
-use super::command_line::{line_of_words, row_words};
+use super::command_line::{is_option, line_of_words, row_words, words_at_work};
+use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
+use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
+use crate::{Error, Result, error::Fault, internals::output::is_cohort_file, internals::support::endings::stem};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -74,16 +69,6 @@ pub enum Inputs {
     Many(Vec<Subject>),
 }
 
-/// Whether a path is the folder of a cohort.
-fn is_cohort(path: &Path) -> bool {
-    is_there(&path.join(COHORT))
-}
-
-/// Whether a path is the folder of a run.
-fn is_run(path: &Path) -> bool {
-    is_there(&path.join(RECORD))
-}
-
 /// The files that the arguments mean, each once: a name with `*`, `?` or `[...]` that no file has is a pattern. Where runs are taken, the
 /// folder of a cohort means its subjects.
 ///
@@ -91,7 +76,7 @@ fn is_run(path: &Path) -> bool {
 ///
 /// A pattern that nothing matches, or that is none; a folder that is no run of infer; a word that is an option without its dashes.
 pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
-    let means_subjects = |path: &Path| takes_runs && is_cohort(path);
+    let means_subjects = |path: &Path| takes_runs && is_there(&path.join(COHORT));
     let check = |path: &PathBuf| if means_subjects(path) { Ok(()) } else { check_folder(path).and_then(|()| check_word(path)) };
     given.iter().try_for_each(check)?;
     let meant: Vec<PathBuf> = given.iter().map(|path| if means_subjects(path) { path.join("*") } else { path.clone() }).collect();
@@ -110,10 +95,10 @@ pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
     let is_input = |path: &Path| !path.is_dir() && !is_cohort_file(path);
     // A shell that expands the pattern itself gives these too.
     let inputs: Vec<PathBuf> = meant.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
-    let found = paths(&inputs, "file", |path| is_input(path) || is_run(path))?;
+    let found = paths(&inputs, "file", |path| is_input(path) || is_there(&path.join(RECORD)))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
     let subject = |(name, input): (String, PathBuf)| {
-        let line = line_of_words(row_words(at_work::words(), &input, given, &[]).into_iter(), "again");
+        let line = line_of_words(row_words(words_at_work(), &input, given, &[]).into_iter(), "again");
         Subject { name, input, line, row: None }
     };
     Ok(Inputs::Many(named(&found).into_iter().zip(found).map(subject).collect()))
@@ -146,7 +131,7 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
-        let words = row_words(at_work::words(), &input, given, &options);
+        let words = row_words(words_at_work(), &input, given, &options);
         let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
         Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
     };
@@ -155,13 +140,13 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
 
 /// Refuses a folder that is no run, with what in it may be meant.
 fn check_folder(path: &Path) -> Result<()> {
-    if !path.is_dir() || is_run(path) {
+    if !path.is_dir() || is_there(&path.join(RECORD)) {
         return Ok(());
     }
     let refused = |found: &str, accepted: String| Err(Fault::file(found, accepted).in_file(path));
     let place = path.display().to_string();
     let place = place.trim_end_matches('/');
-    if is_cohort(path) {
+    if is_there(&path.join(COHORT)) {
         return refused("a cohort", format!("give its subjects, as '{place}/*'"));
     }
     let files: Vec<PathBuf> = fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()).collect();
@@ -209,9 +194,7 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
         glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))?
     {
         let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
-        if fits(&path) {
-            files.push(path);
-        }
+        files.extend(Some(path).filter(|path| fits(path)));
     }
     if files.is_empty() {
         return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));
@@ -224,10 +207,8 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
 /// pattern.
 fn with_last_name_looked_up(pattern: &str) -> String {
     let name = pattern.rsplit('/').next().unwrap_or(pattern);
-    match name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '['])) {
-        Some(last) => format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]),
-        None => pattern.to_owned(),
-    }
+    let last = name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '[']));
+    last.map_or_else(|| pattern.to_owned(), |last| format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]))
 }
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where

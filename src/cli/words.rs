@@ -5,24 +5,15 @@ use std::path::Path;
 
 use clap::{Args, FromArgMatches};
 
-use super::args::reading::ReadingArgs;
-use super::classify::ClassifyArgs;
-use super::command_line::line_of_words;
-use super::infer::InferArgs;
-use super::modulate::ModulateArgs;
-use super::parser_error::as_error;
-use super::phantom::PhantomArgs;
-use super::print::arteries::say_variant;
-use super::print::flow::say_simulated;
-use super::print::inference::say_outcome;
+use super::command_line::{argument, as_error, line_of_words, replaced};
 use super::print::{say_read, say_step, taken};
-use super::simulate::SimulateArgs;
-use crate::cli::at_work::{argument, replaced};
-use crate::cli::parser;
-use crate::error::Result;
+use super::{
+    args::reading::ReadingArgs, classify::ClassifyArgs, infer::InferArgs, modulate::ModulateArgs, parser, phantom::PhantomArgs,
+    print::flow::say_simulated, print::inference::say_outcome, print::inference::say_variant, simulate::SimulateArgs,
+};
 use crate::{
     ArterySource, BoundaryOptions, Change, FlowOptions, InferOptions, Inference, Input, ModulationOptions, Network,
-    PhenotypeOptions, ReadOptions, SimulationRun, Step,
+    PhenotypeOptions, ReadOptions, Result, SimulationRun, Step,
 };
 
 /// How an input is read, by the words that follow its name: `--units um`.

@@ -1,26 +1,16 @@
 //! Where the arteries of a Circle of Willis are in a network, and what its plausible topologies say of them.
 
-use std::io::Write;
-use std::path::Path;
-use std::sync::Arc;
+use std::{io::Write, path::Path, sync::Arc};
 
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
 
-use super::artery_options::{ArterySource, PhenotypeOptions};
-use super::source_file::SourceFile;
+use super::{ArterySource, PhenotypeOptions, SourceFile};
+use crate::{FoundOutlets, LabelScheme, Network, Result, SamplingOptions, Scale};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence};
-use willis_core::error::{Fault, Result};
-use willis_core::flow::boundary_conditions::stated;
-use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::network::units::Scale;
-use willis_core::network::{Condition, Network, Role};
-use willis_core::sampling::SamplingOptions;
-use willis_io::formats::{LandmarkFormat, read_landmarks};
-use willis_io::output::names::LANDMARKS;
-use willis_io::output::write_file;
+use willis_core::{error::Fault, flow::Boundary, flow::boundary_conditions::stated, network::Condition, network::Role};
+use willis_io::{formats::LandmarkFormat, formats::read_landmarks, output::names::LANDMARKS, output::write_file};
 use willis_models::circle_of_willis::{
-    Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
+    Circle, Collateral, Informant, LEAST_DIAMETER, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
     identify_landmarks, in_axes_of, segment_diameters,
 };
 use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
@@ -42,16 +32,10 @@ impl ArterySource {
     }
 
     /// Finds the arteries in the network of an input.
-    pub(crate) fn find(
-        &self,
-        input: &Path,
-        network: &Network,
-        scale: &Scale,
-        phenotypes: &PhenotypeOptions,
-    ) -> Result<FoundArteries> {
+    pub(crate) fn find(&self, input: &Path, network: &Network, scale: &Scale, known: &PhenotypeOptions) -> Result<FoundArteries> {
         let scheme = match self {
             Self::Landmarks(file) => return by_landmarks(file, network, scale),
-            Self::Geometry | Self::Automatic => return by_geometry(input, network, None, &phenotypes.models()?),
+            Self::Geometry | Self::Automatic => return by_geometry(input, network, None, &known.models()?),
             Self::Labels(scheme) => *scheme,
             Self::AnyLabels => {
                 let labels = network.vessels().map(|(_, vessel)| vessel.label.as_str());
@@ -77,12 +61,7 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 }
 
 /// The arteries of a network by their geometry; `like` says where the same network with fewer vessels was found to lie.
-pub(crate) fn by_geometry(
-    input: &Path,
-    network: &Network,
-    like: Option<&Bearings>,
-    models: &NamingModels,
-) -> Result<FoundArteries> {
+pub fn by_geometry(input: &Path, network: &Network, like: Option<&Bearings>, models: &NamingModels) -> Result<FoundArteries> {
     let names = like.map_or_else(|| models.name(network), |bearings| models.name_again(network, bearings));
     let here = |fault: Fault| fault.in_file(input);
     let names = names.ok_or_else(no_vessel).map_err(here)?;
@@ -93,7 +72,7 @@ pub(crate) fn by_geometry(
 }
 
 /// That no vessel of a network has a position, where geometry is to name them.
-pub(crate) fn no_vessel() -> Fault {
+pub fn no_vessel() -> Fault {
     const ACCEPTED: &str = "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral \
                             artery, or `landmarks=FILE`";
     Fault::file("no vessel with positions", ACCEPTED)
@@ -123,11 +102,11 @@ impl FoundArteries {
 
     /// The same with what names by geometry say of the segments, where the arteries are known by landmarks: a person says where arteries
     /// enter and leave, and which side is which; names say what lies between.
-    pub(crate) fn with_names(self, graph: &Network, phenotypes: &PhenotypeOptions) -> Result<Self> {
+    pub fn with_names(self, graph: &Network, known: &PhenotypeOptions) -> Result<Self> {
         if self.landmarks.is_none() || !has_evidence(graph) {
             return Ok(self);
         }
-        let models = phenotypes.models()?;
+        let models = known.models()?;
         let Some(names) = models.name(graph).filter(Names::is_circle) else { return Ok(self) };
         let named = names.circle(models.of(&names));
         // A person knows which side is which. Geometry does not in a mirrored file.
@@ -141,18 +120,8 @@ impl FoundArteries {
         Ok(Self { named: Some(named), ..self })
     }
 
-    /// All of it where geometry is all that it is known by: a search of the pose from other beginnings ends in other last digits.
-    pub(crate) fn by_geometry_record(&self) -> Option<Value> {
-        (self.landmarks.is_none() && self.named.is_some()).then(|| json!(self))
-    }
-
-    /// The names of vessels by row, where geometry named them.
-    pub(crate) fn vessel_names(&self) -> &[(usize, String)] {
-        self.named.as_ref().map_or(&[], |named| &named.names)
-    }
-
     /// Writes a copy of the landmarks into the folder of a run, so that the folder can be asked again wherever it is.
-    pub(crate) fn write_landmarks(&self, folder: &Path) -> Result<()> {
+    pub fn write_landmarks(&self, folder: &Path) -> Result<()> {
         let Some((format, text)) = &self.copy else { return Ok(()) };
         let [csv, markups, fcsv] = LANDMARKS;
         let name = match format {
@@ -164,14 +133,9 @@ impl FoundArteries {
     }
 
     /// What topologies say of the circle, with what names say where the arteries were named.
-    pub(crate) fn posterior_from(
-        &self,
-        network: &Network,
-        topologies: &Topologies,
-        phenotypes: &PhenotypeOptions,
-    ) -> Result<Posterior> {
+    pub fn posterior_from(&self, network: &Network, topologies: &Topologies, known: &PhenotypeOptions) -> Result<Posterior> {
         let Some(named) = &self.named else { return Ok(Posterior::of(&self.circle, network, topologies)) };
-        let prior = phenotypes.prior()?;
+        let prior = known.prior()?;
         let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
         let informant = Informant { presence: &presence, not_seen: named.not_seen() };
         Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
@@ -186,21 +150,15 @@ impl FoundArteries {
     }
 
     /// The figures of a `variant` in the topology of the vessels `kept`.
-    pub(crate) fn circle_figures(
-        &self,
-        network: &Network,
-        variant: &Variant,
-        kept: &[bool],
-        phenotypes: &PhenotypeOptions,
-    ) -> CircleFigures {
+    pub fn circle_figures(&self, network: &Network, variant: &Variant, kept: &[bool], known: &PhenotypeOptions) -> CircleFigures {
         let diameters = self.diameters(network, kept);
-        let thin = hypoplastic(&diameters, phenotypes.hypoplastic.unwrap_or(LEAST_DIAMETER));
+        let thin = hypoplastic(&diameters, known.hypoplastic.unwrap_or(LEAST_DIAMETER));
         CircleFigures::of(variant, &diameters, thin)
     }
 
     /// The plausible topologies, and how they were drawn: by the evidence, where `ends_go_on` as if no vessel ended where nobody knows of an
     /// end; without evidence those that the samples vote for, by the vessels `above_median`. `given` are the nodes whose conditions were stated. Names weigh the odds of candidates.
-    pub(crate) fn topologies(
+    pub fn topologies(
         &self,
         network: &Network,
         boundary: &Boundary,
@@ -230,7 +188,7 @@ impl FoundArteries {
     }
 
     /// The conditions of a network whose arteries these are, where no run has any; outlets that are not stated are `outlets`.
-    pub(crate) fn boundary(&self, network: &Network, outlets: FoundOutlets) -> Result<Boundary> {
+    pub fn boundary(&self, network: &Network, outlets: FoundOutlets) -> Result<Boundary> {
         let mut network = network.clone();
         self.state_inlets(&mut network);
         Boundary::resolve_knowing(&network, &stated(&network), outlets, &self.known_inlets(&network))
@@ -238,28 +196,22 @@ impl FoundArteries {
 
     /// What the loss of each feeder means to the topology of the vessels `kept`; outlets that are not stated are `outlets`. Viscosity in
     /// Pa s.
-    pub(crate) fn collaterals(
-        &self,
-        network: &Network,
-        kept: &[bool],
-        outlets: FoundOutlets,
-        viscosity: f64,
-    ) -> Result<Vec<Collateral>> {
-        let mut network = network.clone();
-        self.name_outlets(&mut network);
-        let boundary = self.boundary(&network, outlets)?;
-        self.state_inlets(&mut network);
-        let boundary = boundary.held(&network, |row| kept[row]);
-        collaterals(&self.circle, &network, |row| kept[row], &boundary, viscosity)
+    pub fn collaterals(&self, graph: &Network, kept: &[bool], outlets: FoundOutlets, viscosity: f64) -> Result<Vec<Collateral>> {
+        let mut graph = graph.clone();
+        self.name_outlets(&mut graph);
+        let boundary = self.boundary(&graph, outlets)?;
+        self.state_inlets(&mut graph);
+        let boundary = boundary.held(&graph, |row| kept[row]);
+        collaterals(&self.circle, &graph, |row| kept[row], &boundary, viscosity)
     }
 
     /// The nodes where blood comes in by the names of arteries.
-    pub(crate) fn known_inlets(&self, network: &Network) -> Vec<usize> {
+    pub fn known_inlets(&self, network: &Network) -> Vec<usize> {
         self.circle.labelled_inlets(network)
     }
 
     /// Makes inlets of the landmarks where blood comes in, unless the input states what they are.
-    pub(crate) fn state_inlets(&self, network: &mut Network) {
+    pub fn state_inlets(&self, network: &mut Network) {
         for node in self.circle.inlets() {
             let node = network.node_mut(node);
             if node.condition.is_none() || node.found {
@@ -270,7 +222,7 @@ impl FoundArteries {
 
     /// Makes outlets of the landmarks where blood leaves, unless the input states what they are. Their condition is left to
     /// [`Boundary::resolve`], which gives them that of an outlet found; but they are stated.
-    pub(crate) fn name_outlets(&self, network: &mut Network) {
+    pub fn name_outlets(&self, network: &mut Network) {
         for node in self.circle.outlets() {
             let node = network.node_mut(node);
             if node.condition.is_none() {

@@ -1,19 +1,15 @@
 //! Boundary conditions as a person states them: nodes by name, in options, in a file and in the graph, in that order of precedence.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::{collections::BTreeMap, path::PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::progress::{Follow, Step};
-use willis_core::error::{Error, Place, Result};
+use super::{Follow, Step};
+use crate::{Error, FoundOutlets, Network, Result};
 use willis_core::flow::boundary_conditions::{Total, stated};
-use willis_core::flow::{Boundary, FoundOutlets, Given};
-use willis_core::network::quantity::Dimension;
-use willis_core::network::{Condition, FoundBy, Network, Node, Role, Windkessel, locate};
-use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::bytes_of;
-use willis_io::formats::tables::conditions::{read_csv, read_toml};
+use willis_core::network::{Condition, FoundBy, Node, Role, Windkessel, locate};
+use willis_core::{error::Place, flow::Given, network::quantity::Dimension, support::suggestions::did_you_mean};
+use willis_io::{formats::bytes_of, formats::tables::conditions::read_csv, formats::tables::conditions::read_toml};
 
 const OUTLETS: &str = "expected ground, murray, murray=FLOW such as murray=700mL/min, or murray=RESISTANCE such as \
                        murray=8mmHg.s/mL, of all outlets together and positive";
@@ -49,19 +45,6 @@ pub struct BoundaryOptions {
 }
 
 impl BoundaryOptions {
-    /// The conditions of a network: those given, and where they lack a source or a sink, those found at the free ends, which are
-    /// `outlets`. Blood comes in by the `known` nodes rather than by others, where inlets are found.
-    pub(crate) fn resolve(
-        &self,
-        network: &Network,
-        outlets: FoundOutlets,
-        known: &[usize],
-        progress: &mut dyn Follow,
-    ) -> Result<Boundary> {
-        let given = self.given(network, progress)?;
-        Boundary::resolve_knowing(network, &given, outlets, known)
-    }
-
     /// The conditions that are stated, by node.
     pub(crate) fn given(&self, network: &Network, progress: &mut dyn Follow) -> Result<Vec<Given>> {
         let mut given: BTreeMap<usize, Given> = stated(network).into_iter().map(|g| (g.node, g)).collect();

@@ -5,20 +5,16 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 
 use super::arteries::FoundArteries;
-use super::artery_options::PhenotypeOptions;
-use super::prepare::NO_PHENOTYPE;
-use super::stored_run::StoredRun;
-use super::{ArterySource, Follow, InferOptions, Input, Prepared, Silent, prepare, unused};
-use willis_core::decision::{Keep, Topologies, decide, has_evidence};
-use willis_core::error::{Fault, Result};
-use willis_core::flow::boundary_conditions::stated;
-use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
-use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::network::Network;
-use willis_core::sampling::{SamplingOptions, infer};
-use willis_io::formats::{Column, write_csv};
-use willis_io::output::names::{PAGE, SUPPLY};
+use super::input::StoredRun;
+use super::prepare::{NO_PHENOTYPE, note_on_names};
+use super::{ArterySource, Follow, InferOptions, Input, PhenotypeOptions, Prepared, Silent, prepare};
+use crate::{FoundOutlets, Keep, Network, Result, SamplingOptions};
+use willis_core::decision::{Topologies, decide, has_evidence};
+use willis_core::{
+    error::Fault, flow::Boundary, flow::boundary_conditions::stated, flow::poiseuille::BLOOD_VISCOSITY, sampling::infer,
+};
 use willis_io::output::{final_path, relative, write_file};
+use willis_io::{formats::Column, formats::write_csv, output::names::PAGE, output::names::SUPPLY};
 use willis_models::circle_of_willis::{Collateral, Posterior, Supply, Variant, present_vessels, supplies};
 use willis_report::{
     CircleFigures, Provenance, collateral_columns, collateral_json, phenotype_json, supply_columns, supply_json,
@@ -81,22 +77,22 @@ pub fn classify(
     let divided = divide.then(|| input.divided_by_labels());
     let network = divided.as_ref().unwrap_or(&input.network);
     // The landmarks of a run are in the unit of its input.
-    let of_source = input.run.as_ref().filter(|_| source.is_none()).map(|run| &run.options.read.scale);
+    let scale = input.run.as_ref().filter(|_| source.is_none()).map_or(&input.options.scale, |run| &run.options.read.scale);
     // What the run found holds, as long as nobody asks for another way to find it.
     let as_the_run = |run: &StoredRun| source.is_none() && phenotypes.arteries == run.options.infer.phenotypes.arteries;
     let stored = input.run.as_ref().filter(|run| as_the_run(run)).and_then(|run| run.named.clone());
-    let mut found = match stored {
-        Some(found) => found,
-        None => chosen.find(path, network, of_source.unwrap_or(&input.options.scale), phenotypes)?,
-    };
-    if source.is_none() {
-        check_landmarks(input, &found)?;
+    let mut found = if let Some(found) = stored { found } else { chosen.find(path, network, scale, phenotypes)? };
+    if let (None, Some(run), Some(file)) = (source, &input.run, &found.landmarks)
+        && run.landmarks.as_ref() != Some(&file.sha256)
+    {
+        let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
+        return Err(Fault::file(why, "expected them unedited, or `landmarks=FILE`").in_file(&file.path));
     }
     if input.run.is_some() {
         found = found.with_names(network, phenotypes)?;
     }
     let mut notes = found.notes.clone();
-    notes.extend(unused::note_on_names(asked, &found));
+    notes.extend(note_on_names(asked, &found));
     let (topologies, variant, posterior, boundary) = if let Some(run) = &input.run {
         let options = SamplingOptions { samples: run.samples, ..run.options.infer.sampling.clone() };
         let boundary = Boundary::resolve(network, &stated(network), FoundOutlets::Ground)?;
@@ -112,16 +108,14 @@ pub fn classify(
         // Vessels that no blood can flow through have a variant all the same.
         (vec![(kept, 1.0)], variant, None, found.boundary(network, input.usual_outlets()).ok())
     };
-    let (outlets, viscosity) = match &input.run {
-        Some(run) => (FoundOutlets::Ground, run.options.infer.sampling.viscosity),
-        None => (input.usual_outlets(), BLOOD_VISCOSITY),
-    };
+    let usual = (input.usual_outlets(), BLOOD_VISCOSITY);
+    let flow = input.run.as_ref().map_or(usual, |run| (FoundOutlets::Ground, run.options.infer.sampling.viscosity));
     let answer = Answer { found, topologies, variant, posterior, boundary, notes };
-    Ok(phenotype(input, network, answer, (outlets, viscosity), phenotypes))
+    Ok(phenotype(input, network, answer, flow, phenotypes))
 }
 
 /// Per vessel whether its L is above the median, for topologies that samples vote for; none where there is evidence to draw them by.
-pub(super) fn above_median(
+pub fn above_median(
     network: &Network,
     boundary: &Boundary,
     options: &SamplingOptions,
@@ -136,8 +130,7 @@ pub(super) fn above_median(
 
 /// Classifies centerlines whose arteries are known by their geometry: vessels with the candidates around them, as infer would judge them.
 fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<Phenotype> {
-    let options =
-        InferOptions { arteries: Some(ArterySource::Geometry), phenotypes: phenotypes.clone(), ..InferOptions::default() };
+    let options = InferOptions { arteries: Some(ArterySource::Geometry), phenotypes: phenotypes.clone(), ..Default::default() };
     let prepared = prepare(input.clone(), &options, &mut Silent)?;
     let network = &prepared.graph;
     let Some(found) = prepared.arteries.clone() else {
@@ -156,14 +149,10 @@ fn classify_by_geometry(input: &Input, phenotypes: &PhenotypeOptions) -> Result<
 }
 
 /// The plausible topologies of an input that was not sampled, how they were drawn, and what they and names say of its circle.
-pub(super) fn plausible(
-    prepared: &Prepared,
-    found: &FoundArteries,
-    progress: &mut dyn Follow,
-) -> Result<(Topologies, String, Posterior)> {
+pub fn plausible(prepared: &Prepared, found: &FoundArteries, follow: &mut dyn Follow) -> Result<(Topologies, String, Posterior)> {
     let Prepared { graph, boundary, options, candidates, .. } = prepared;
     let sampling = &options.infer.sampling;
-    let above = if candidates.is_some() { None } else { above_median(graph, boundary, sampling, progress)? };
+    let above = if candidates.is_some() { None } else { above_median(graph, boundary, sampling, follow)? };
     let (topologies, how) = found.topologies(graph, boundary, sampling, &prepared.given(), above.as_deref(), true)?;
     let posterior = found.posterior_from(graph, &topologies, &options.infer.phenotypes)?;
     Ok((topologies, how, posterior))
@@ -218,17 +207,6 @@ fn phenotype(
     let known_by = found.known_by;
     let of_run = input.run.as_ref().map(|run| run.graph.with_file_name(PAGE));
     Phenotype { variant, posterior, collaterals, supplies, counted, circle, known_by, notes, json, supply_table, record, of_run }
-}
-
-/// Refuses landmarks of the run that have changed since.
-fn check_landmarks(input: &Input, found: &FoundArteries) -> Result<()> {
-    match (&input.run, &found.landmarks) {
-        (Some(run), Some(file)) if run.landmarks.as_ref() != Some(&file.sha256) => {
-            let why = "not the landmarks that the run was made with: their SHA-256 is not that of run.json";
-            Err(Fault::file(why, "expected them unedited, or `landmarks=FILE`").in_file(&file.path))
-        }
-        _ => Ok(()),
-    }
 }
 
 impl Phenotype {

@@ -1,18 +1,16 @@
-//! Decisions of a person on connections: accepted ones are certain, rejected ones are gone, and those beside them follow.
+//! Decisions of a person on connections: accepted ones are certain, rejected ones are gone, and those beside them follow; those of two readers side by side.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::{collections::BTreeMap, collections::BTreeSet, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use super::cuts::Contacts;
-use super::source_file::SourceFile;
+use super::{Input, SourceFile, models::Contacts, require};
+use crate::{Error, Network, Result};
 use willis_core::decision::{beside_accepted, knows_fragments};
-use willis_core::error::{Error, Fault, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Evidence, GraphEditor, Network, Origin};
-use willis_core::support::geometry::distance;
+use willis_core::network::{Evidence, GraphEditor, Origin};
+use willis_core::{error::Fault, network::units::millimetres, support::geometry::distance};
 use willis_io::formats::{ListedDecision, ListedDecisions, read_decisions};
+use willis_report::{ReadBy, TwiceRead};
 
 pub use willis_io::formats::{ConnectionDecision, GraphEdit};
 
@@ -70,8 +68,7 @@ impl DecisionList {
 
 /// The row of the candidate or contact whose nodes are nearest to these places (mm), in either order; `None` where one is too far.
 fn moved(graph: &Network, places: [[f64; 3]; 2]) -> Option<usize> {
-    let away =
-        |node: usize, place: [f64; 3]| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at.map(millimetres), place));
+    let away = |node, place: [f64; 3]| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at.map(millimetres), place));
     let worst = |[a, b]: [usize; 2]| away(a, places[0]).max(away(b, places[1])).min(away(b, places[0]).max(away(a, places[1])));
     let open = graph.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin != Origin::Observed);
     let near = open.map(|(row, (ends, _))| (worst(ends), row)).filter(|(away, _)| *away <= MOVED);
@@ -115,9 +112,8 @@ fn check(decision: &ListedDecision, graph: &Network, input_sha256: &str) -> Resu
 pub fn apply(graph: &mut Network, decisions: &[ConnectionDecision]) -> Result<()> {
     let decided: BTreeMap<usize, bool> = decisions.iter().filter_map(|d| Some((d.edge, d.accepted?))).collect();
     for edge in decisions.iter().map(|d| d.edge) {
-        if edge >= graph.vessel_count() || graph.vessel(edge).origin == Origin::Observed {
-            return Err(Error::parameter("decisions", edge, "expected the row of a candidate or of a contact"));
-        }
+        let is_open = edge < graph.vessel_count() && graph.vessel(edge).origin != Origin::Observed;
+        require(is_open, "decisions", edge, "expected the row of a candidate or of a contact")?;
     }
     let degree = graph.degrees(|vessel| vessel.origin == Origin::Observed);
     let (at_most_one, beside_accepted) = (knows_fragments(graph), beside_accepted(graph));
@@ -205,9 +201,35 @@ impl Decidable {
 fn with_probability(evidence: Evidence, probability: f64) -> Evidence {
     let ratio = if evidence.probability > 0.0 { probability / evidence.probability } else { 0.0 };
     let odds = Evidence::odds(probability);
-    Evidence {
-        probability,
-        attached: evidence.attached.map(|p| (ratio * p).min(1.0)),
-        continuation_odds: evidence.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 }),
+    let attached = evidence.attached.map(|p| (ratio * p).min(1.0));
+    let continuation_odds = evidence.continuation_odds.map(|x| if x > 0.0 { odds } else { 0.0 });
+    Evidence { probability, attached, continuation_odds }
+}
+
+/// What two readers decided on the connections of a run, as [`read_run`](crate::read_run) has it, in the order of its rows: each that one of them decided on. `files` are their
+/// decisions, as the page of the run writes them; `name` is that of the subject.
+///
+/// # Errors
+///
+/// An input that is no run; a file that cannot be read, or is of another run.
+pub fn twice_read(name: &str, input: &Input, files: [&Path; 2]) -> Result<Vec<TwiceRead>> {
+    let Some(run) = &input.run else {
+        let accepted = "expected the folder of the run of willis infer that was looked at";
+        return Err(Fault::file("no run, so nobody decided on it", accepted).in_file(Path::new(&input.provenance.input)));
+    };
+    let network = &input.network;
+    let mut rows: BTreeMap<usize, [Option<ReadBy>; 2]> = BTreeMap::new();
+    for (reader, file) in files.into_iter().enumerate() {
+        for made in DecisionList::read(file)?.on(network, &run.input_sha256)?.made {
+            let read = ReadBy { accepted: made.accepted, who: made.who, comment: made.comment };
+            rows.entry(made.edge).or_default()[reader] = Some(read);
+        }
     }
+    let row = |(edge, read): (usize, [Option<ReadBy>; 2])| {
+        let (subject, ends, vessel) = (name.to_owned(), network.ends(edge), network.vessel(edge));
+        let (ids, middle) = (ends.map(|node| network.node(node).id.clone()), network.middle_of(ends, vessel).map(millimetres));
+        let probability = vessel.evidence().map_or(f64::NAN, |evidence| evidence.probability);
+        TwiceRead { subject, kind: vessel.origin.name(), edge, ids, middle, probability, read }
+    };
+    Ok(rows.into_iter().map(row).collect())
 }

@@ -1,26 +1,19 @@
 //! The answer of a run: its samples, likelihoods, decisions, the plausible topology, and the folder that holds them.
 
-use std::path::Path;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{path::Path, sync::Arc, time::Instant};
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
-use super::decisions::{ConnectionDecision, Decidable, Decided, DecisionList, GraphEdit};
-use super::prepared::Prepared;
-use super::progress::{Follow, Notes, Step};
-use willis_core::decision::{Decision, Keep, Topology, all_decided, decide, expected_errors, has_evidence};
-use willis_core::error::{Error, Result};
-use willis_core::flow::Boundary;
-use willis_core::network::Network;
-use willis_core::sampling::{FIRST_STABLE, Likelihood, PartialRun, Sampling, SamplingOptions};
-use willis_core::support::endings::stem;
-use willis_io::formats::{Column, write_csv};
-use willis_io::output::names::SUPPLY;
+use super::decisions::{Decidable, Decided, DecisionList};
+use super::{ConnectionDecision, Follow, GraphEdit, Prepared, Step, progress::Notes, require};
+use crate::{Decision, Error, Keep, Likelihood, Network, Result, SamplingOptions, SaveOptions};
+use willis_core::decision::{Topology, all_decided, decide, expected_errors, has_evidence};
+use willis_core::sampling::{FIRST_STABLE, PartialRun, Sampling};
+use willis_core::{flow::Boundary, support::endings::stem};
 use willis_io::output::{StagedFolder, write_file, write_record};
+use willis_io::{formats::Column, formats::write_csv, output::names::SUPPLY};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
-use willis_report::figures::SaveOptions;
 use willis_report::{
     CircleFigures, Outcome, RunRecord, SolverRecord, infer_record, phenotype_json, questions, review_columns, supply_columns,
     supply_json, topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
@@ -105,9 +98,7 @@ impl Prepared {
     /// No sample is finished.
     pub fn so_far(self: &Arc<Self>, options: &SamplingOptions, part: &PartialRun, seconds: f64) -> Result<Inference> {
         let samples = part.done();
-        if samples == 0 {
-            return Err(Error::parameter("samples", samples, "expected finished ones"));
-        }
+        require(samples > 0, "samples", samples, "expected finished ones")?;
         let sampling = SamplingOptions { samples, exact: false, ..self.sampled_with(options) };
         let again = Sampling::new(&self.graph, &self.boundary, &sampling)?;
         let time = json!({ "sampling_s": seconds, "samples_per_s": samples as f64 / seconds });
@@ -189,7 +180,7 @@ impl Inference {
             boundary,
             suggested_cuts: &contacts.suggested,
             pairings: &contacts.pairings,
-            arteries: prepared.arteries.as_ref().map_or(&[], |found| found.vessel_names()),
+            arteries: prepared.arteries.as_ref().and_then(|found| found.named.as_ref()).map_or(&[], |named| &named.names[..]),
             image_places,
             segmentation: prepared.segmentation.as_ref(),
             result,
@@ -297,11 +288,10 @@ impl Inference {
     ///
     /// Other bytes.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
-        let wrong = |why: String| Error::parameter("run", "cannot be read", why);
-        let sampled: Sampled = serde_json::from_slice(bytes).map_err(|e| wrong(e.to_string()))?;
-        if !sampled.prepared.is_whole() || !sampled.likelihood.fits(sampled.prepared.graph.vessel_count()) {
-            return Err(wrong("expected the bytes of a run".to_owned()));
-        }
+        let wrong = |e: serde_json::Error| Error::parameter("run", "cannot be read", e.to_string());
+        let sampled: Sampled = serde_json::from_slice(bytes).map_err(wrong)?;
+        let is_run = sampled.prepared.is_whole() && sampled.likelihood.fits(sampled.prepared.graph.vessel_count());
+        require(is_run, "run", "cannot be read", "expected the bytes of a run")?;
         sampled.decide()
     }
 
@@ -351,9 +341,9 @@ impl Inference {
             record.field("parameters")["arteries"] = json!(found.known_by);
             record.field("parameters")["landmarks"] = json!(found.landmarks);
             *record.field("supply") = supply_json(&prepared.graph, &self.supplies);
-            // For a later command to go on from.
-            if let Some(named) = found.by_geometry_record() {
-                *record.field("named") = named;
+            // For a later command to go on from: a search of the pose from other beginnings ends in other last digits.
+            if found.landmarks.is_none() && found.named.is_some() {
+                *record.field("named") = json!(found);
             }
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;

@@ -1,22 +1,18 @@
-//! Reading: from a file of any format to a network of vessels.
+//! Reading: from a file of any format, or the folder of a run, to a network of vessels.
 
-use std::path::Path;
-use std::time::Instant;
+use std::{path::Path, path::PathBuf, time::Instant};
 
-use super::stored_run::StoredRun;
-use willis_core::error::{Error, Result};
-use willis_core::flow::FoundOutlets;
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::units::LengthUnit;
-use willis_core::network::{Network, Origin, RadiusRule};
-use willis_core::support::geometry::Point;
-use willis_io::formats::tables::reader::plural;
+use serde_json::Value;
+
+use super::{ArterySource, RunOptions, arteries::FoundArteries, require, require_in};
+use crate::{Cavities, Error, FoundOutlets, LabelScheme, LengthUnit, Network, RadiusFrom, RadiusRule, ReadOptions, Result};
+use willis_core::{error::Fault, network::Origin, network::centerlines::Centerlines, support::geometry::Point};
 use willis_io::formats::{
-    Content, Document, Format, FormatTrait, ReadOptions, open_regular, read as read_file, read_bytes as read_file_bytes,
+    Content, Document, Format, FormatTrait, bytes_of, is_there, open_regular, read as read_file, read_bytes as read_file_bytes,
 };
-use willis_io::masks::{Cavities, Foreground, RadiusFrom};
-use willis_io::output::names::TOPOLOGY;
-use willis_models::circle_of_willis::{Circle, LabelScheme, are_topcow_classes, split_where_labels_change};
+use willis_io::output::names::{COHORT, EDGES, GRAPH, LANDMARKS, RECORD, TOPOLOGY};
+use willis_io::{formats::tables::reader::TableReader, formats::tables::reader::plural, masks::Foreground, output::read_json};
+use willis_models::circle_of_willis::{Circle, are_topcow_classes, split_where_labels_change};
 use willis_report::Provenance;
 
 /// A network and where it comes from: what every other function of this crate starts from.
@@ -113,17 +109,21 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         Content::Graph(_) => Contents::Graph,
     };
     check_for(contents, format, options)?;
-    if let Some(run) = &run {
-        run.check_graph(&sha256)?;
+    if let Some(run) = run.as_ref().filter(|run| run.sha256 != sha256) {
+        let found = "not the graph that was sampled: its SHA-256 is not that of run.json";
+        return Err(Fault::file(found, "expected it unedited").in_file(&run.graph));
     }
-    if let Some([x, y, z]) = options.scale.spacing.filter(|[x, y, z]| !format.is_mask() && (x != y || y != z)) {
-        notes.push(format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest"));
-    }
+    let unequal = options.scale.spacing.filter(|[x, y, z]| !format.is_mask() && (x != y || y != z));
+    notes.extend(unequal.map(|[x, y, z]| format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest")));
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
     notes.append(&mut made.notes);
     let is_graph = contents == Contents::Graph;
-    if is_graph {
-        notes.extend(leave_out_pruned(&mut made.network));
+    // Edges that a run pruned, as the table of its edges says by `kept`, are left out.
+    let stays = |network: &Network, row: usize| network.vessel(row).kept != Some(false);
+    let pruned = (0..made.network.vessel_count()).filter(|row| !stays(&made.network, *row)).count();
+    if is_graph && pruned > 0 {
+        made.network = made.network.subgraph(|row| stays(&made.network, row)).0;
+        notes.push(format!("{} that a run pruned (kept is 0), left out", plural(pruned, "edge")));
     }
     if let Some(frame) = options.frame {
         let stated = made.network.frame;
@@ -136,9 +136,7 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     let classes =
         made.lines.iter().filter(|_| lumen.is_some()).flat_map(|lines| (0..lines.links.len()).map(|row| lines.labels.of(row)));
     let is_topcow = are_topcow_classes(classes);
-    if is_topcow {
-        notes.push("the classes are those of the TopCoW challenge, and their vessels its arteries".to_owned());
-    }
+    notes.extend(is_topcow.then(|| "the classes are those of the TopCoW challenge, and their vessels its arteries".to_owned()));
     if let Some(field_of_view) = options.field_of_view {
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
@@ -151,17 +149,6 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     let is_fragments = !is_graph || options.observed;
     let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
     Ok(Input { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow })
-}
-
-/// Leaves out the edges that a run pruned, as the table of its edges says by `kept`; what is said of it.
-fn leave_out_pruned(network: &mut Network) -> Option<String> {
-    let stays = |network: &Network, row: usize| network.vessel(row).kept != Some(false);
-    let pruned = (0..network.vessel_count()).filter(|row| !stays(network, *row)).count();
-    if pruned == 0 {
-        return None;
-    }
-    *network = network.subgraph(|row| stays(network, row)).0;
-    Some(format!("{} that a run pruned (kept is 0), left out", plural(pruned, "edge")))
 }
 
 /// Marks the free ends that are no further from a face of the box than their radius, or beyond it; how many there are.
@@ -184,9 +171,8 @@ fn mark_border(network: &mut Network, [low, high]: [Point; 2]) -> usize {
 /// Refuses options that do not go with what the file holds.
 fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Result<()> {
     let refused = |name: &str, value: &str, why: &str| Err(Error::parameter(name, value, why));
-    if options.field_of_view.is_some() && format.is_mask() {
-        return refused("box", "", "goes with centerlines; a mask states its own");
-    }
+    let has_no_box = options.field_of_view.is_none() || !format.is_mask();
+    require(has_no_box, "box", "", "goes with centerlines; a mask states its own")?;
     let of_masks = [
         ("level", options.level.map(|level| level.to_string())),
         ("radius_from", (options.radius_from != RadiusFrom::default()).then(|| options.radius_from.name().to_owned())),
@@ -204,40 +190,27 @@ fn check_for(contents: Contents, format: Format, options: &ReadOptions) -> Resul
         return refused("spacing", "", &format!("goes with a {masks} mask; this file states its own"));
     }
     if let Some(name) = &options.radius_array {
-        if !matches!(contents, Contents::Centerlines(_)) {
-            return refused("radius_array", name, "goes with centerlines; the vessels of this input state their radii");
-        }
-        if !format.is(FormatTrait::NamedRadii) {
-            let known = Format::listed(FormatTrait::NamedRadii, "and");
-            return refused("radius_array", name, &format!("goes with {known}; {} has one radius for each point", format.name()));
-        }
+        let accepted = "goes with centerlines; the vessels of this input state their radii";
+        require(matches!(contents, Contents::Centerlines(_)), "radius_array", name, accepted)?;
+        let known = Format::listed(FormatTrait::NamedRadii, "and");
+        let accepted = format!("goes with {known}; {} has one radius for each point", format.name());
+        require(format.is(FormatTrait::NamedRadii), "radius_array", name, accepted)?;
     }
     if options.radius_rule != RadiusRule::default() && contents == Contents::Graph && !options.observed {
         return refused("radius", "effective", "goes with centerlines; the vessels of a graph have one radius each");
     }
-    if options.observed && contents != Contents::Graph {
-        return refused("observed", "", "goes with a candidate graph; these vessels are observed anyway");
-    }
-    Ok(())
+    let is_graph = contents == Contents::Graph;
+    require(!options.observed || is_graph, "observed", "", "goes with a candidate graph; these vessels are observed anyway")
 }
 
 impl Input {
     /// A network that the caller made. Candidates are built around its vessels where all are observed.
     pub fn from_network(network: Network) -> Self {
         let is_fragments = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
-        Self {
-            contents: if is_fragments { Contents::Vessels } else { Contents::Graph },
-            network,
-            format: None,
-            is_fragments,
-            provenance: Provenance::default(),
-            options: ReadOptions::default(),
-            run: None,
-            started: Instant::now(),
-            lines: None,
-            lumen: None,
-            is_topcow: false,
-        }
+        let contents = if is_fragments { Contents::Vessels } else { Contents::Graph };
+        let (provenance, options, started) = (Provenance::default(), ReadOptions::default(), Instant::now());
+        let (format, run, lines, lumen, is_topcow) = (None, None, None, None, false);
+        Self { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow }
     }
 
     /// The same, with the command line that repeats its run.
@@ -272,9 +245,83 @@ impl Input {
 
     /// The vessels, divided where their labels change along the centerlines.
     pub(crate) fn divided_by_labels(&self) -> Network {
-        match &self.lines {
-            Some(lines) => split_where_labels_change(&self.network, lines, self.options.radius_rule),
-            None => self.network.clone(),
+        let Some(lines) = &self.lines else { return self.network.clone() };
+        split_where_labels_change(&self.network, lines, self.options.radius_rule)
+    }
+}
+
+/// A run of infer in a folder.
+#[derive(Debug, Clone)]
+pub(crate) struct StoredRun {
+    /// Its over-connected graph.
+    pub(crate) graph: PathBuf,
+    pub(crate) options: RunOptions,
+    /// Samples that were taken, or that an enumeration was scaled to.
+    pub(crate) samples: u64,
+    /// Nodes whose conditions were stated, not found.
+    pub(crate) given: Vec<usize>,
+    /// The SHA-256 of its landmarks.
+    pub(crate) landmarks: Option<String>,
+    /// Its arteries, where it found them by their geometry.
+    pub(crate) named: Option<FoundArteries>,
+    /// The SHA-256 of its input.
+    pub(crate) input_sha256: String,
+    sha256: String,
+}
+
+impl StoredRun {
+    /// The run in a folder.
+    ///
+    /// # Errors
+    ///
+    /// A folder that infer did not write.
+    pub(crate) fn read(folder: &Path) -> Result<Self> {
+        const EXPECTED: &str = "expected a folder that willis infer wrote for one occlusion probability";
+        let wrong = |found: &str| Fault::file(found, EXPECTED).in_file(folder);
+        let path = folder.join(RECORD);
+        let is_cohort = is_there(&folder.join(COHORT));
+        require_in(folder, !is_cohort, "a cohort", "give one of its subjects, which are folders in it")?;
+        require_in(folder, is_there(&path), "a folder without run.json", EXPECTED)?;
+        let mut record: Value = read_json(&path, "expected the record of willis infer")?;
+        let text = |value: &Value| value.as_str().map(str::to_owned);
+        let sha256 = text(&record["graph"]["sha256"]).ok_or_else(|| wrong("a run without a graph of candidates"))?;
+        let unlike = || wrong("parameters that are not those of willis infer");
+        record.get("input").ok_or_else(unlike)?;
+        let mut options: RunOptions = serde_json::from_value(record["options"].take()).map_err(|_| unlike())?;
+        let named = serde_json::from_value(record["named"].take()).map_err(|_| unlike())?;
+        let samples = record["parameters"]["samples"].as_u64().ok_or_else(unlike)?;
+        let conditions = record["boundary_conditions"].as_array().ok_or_else(unlike)?;
+        let of = |condition: &Value| Some((condition["found"].as_bool()?, condition["node"].as_u64()? as usize));
+        let conditions: Vec<(bool, usize)> = conditions.iter().map(of).collect::<Option<_>>().ok_or_else(unlike)?;
+        let given = conditions.into_iter().filter(|(is_found, _)| !is_found).map(|(_, node)| node).collect();
+        let copy = LANDMARKS.iter().map(|name| folder.join(name)).find(|path| is_there(path));
+        copy.as_deref().map(open_regular).transpose()?;
+        if let (Some(ArterySource::Landmarks(path)), Some(copy)) = (&mut options.infer.arteries, copy) {
+            *path = copy;
         }
+        let landmarks = text(&record["parameters"]["landmarks"]["sha256"]);
+        let (graph, input_sha256) = (folder.join(GRAPH), text(&record["input"]["sha256"]).unwrap_or_default());
+        Ok(Self { graph, options, samples, given, landmarks, named, input_sha256, sha256 })
+    }
+
+    /// Per vessel of the graph whether the run kept it.
+    ///
+    /// # Errors
+    ///
+    /// A table of vessels that cannot be read, or that is not of that graph.
+    pub(crate) fn kept(&self, vessels: usize) -> Result<Vec<bool>> {
+        let file = self.graph.with_file_name(EDGES);
+        let here = |fault: Fault| fault.in_file(&file);
+        let bytes = bytes_of(&file)?;
+        let mut rows = TableReader::ragged(&bytes).map_err(here)?;
+        let column =
+            rows.find(&["kept"]).ok_or_else(|| here(Fault::file("no column kept", "expected it as the run wrote it")))?;
+        let mut kept = Vec::with_capacity(vessels);
+        while let Some(row) = rows.row().map_err(here)? {
+            kept.push(row.text(column) == "1");
+        }
+        let (found, accepted) = (format!("{} rows", kept.len()), format!("expected one for each of {vessels} vessels"));
+        require_in(&file, kept.len() == vessels, found, accepted)?;
+        Ok(kept)
     }
 }

@@ -1,25 +1,19 @@
 //! Names for the arteries of an input: labels, landmarks, and which segments of the ring are there.
 
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{path::Path, path::PathBuf, sync::Arc};
 
 use serde_json::{Value, json};
 
-use super::classify::plausible;
-use super::{ArterySource, Follow, InferOptions, Input, Prepared, prepare, stage_target};
-use willis_core::error::{Fault, Result};
-use willis_core::network::Network;
-use willis_core::network::units::metres;
-use willis_io::formats::convert::Target;
+use super::{ArterySource, Follow, InferOptions, Input, Prepared, classify::plausible, prepare, stage_target};
+use crate::{Network, Result};
+use willis_core::{error::Fault, network::units::metres};
 use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, POSITION_COLUMNS, SURE, coordinate_columns, graph_columns, write_csv,
     write_graphml, write_landmarks,
 };
-use willis_io::output::StagedFiles;
-use willis_io::output::names::BESIDE_LABELLED;
-use willis_models::circle_of_willis::RING;
-use willis_models::naming::states::OTHER;
+use willis_io::{formats::convert::Target, output::StagedFiles, output::names::BESIDE_LABELLED};
 use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
+use willis_models::{circle_of_willis::RING, naming::states::OTHER};
 use willis_report::{Provenance, by_artery};
 
 /// An input whose arteries have names.

@@ -1,27 +1,19 @@
-//! What is measured of an input: its vessels, bifurcations, ends, and the whole, with the doubt about its topology where there is a run.
+//! What is measured of an input, with the doubt about its topology where there is a run; and two groups of subjects compared in it.
 
-use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::{borrow::Cow, collections::HashMap, collections::HashSet, path::Path, path::PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::FoundArteries;
-use super::artery_options::{ArterySource, PhenotypeOptions};
-use super::classify::above_median;
-use super::{BoundaryOptions, Follow, Input};
+use super::{ArterySource, BoundaryOptions, Follow, Input, PhenotypeOptions, arteries::FoundArteries, require};
+use crate::{Error, Network, ReadOptions, Result, SamplingOptions};
 use willis_core::decision::{KnownEnds, Topologies, TopologySource};
-use willis_core::error::{Error, Fault, Result};
-use willis_core::flow::Boundary;
 use willis_core::morphometry::{MeasureContext, Morphometry, Region, SMOOTHING, Smoothing, network_figures};
 use willis_core::network::units::{metres, millimetres};
-use willis_core::network::{Network, Role};
-use willis_core::sampling::SamplingOptions;
+use willis_core::support::comparison::{GroupDifference, compare, drawn_by_weight, holm, quartiles};
 use willis_core::support::geometry::{bounds, cross, dot, norm_squared};
-use willis_io::formats::{Column, ReadOptions, read_image};
-use willis_io::masks::Picture;
-use willis_models::circle_of_willis::present_vessels;
-use willis_report::cohort::Figures;
-use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, named_figures};
+use willis_core::{error::Fault, flow::Boundary, network::Role, support::in_order, support::suggestions::did_you_mean};
+use willis_io::{formats::Column, formats::read_image, masks::Picture};
+use willis_report::{CircleFigures, MeasuredSubject, NamedFigures, cohort::Figures, named_figures};
 
 /// So many topologies of a run are drawn.
 const DRAWN: u64 = 200;
@@ -48,12 +40,8 @@ impl MeasureOptions {
     /// A length that is not positive.
     pub fn validate(&self) -> Result<()> {
         self.phenotypes().validate()?;
-        match self.smoothing {
-            Some(length) if !(length.is_finite() && length > 0.0) => {
-                Err(Error::parameter("smoothing", millimetres(length), "expected a positive length, in mm"))
-            }
-            _ => Ok(()),
-        }
+        let length = self.smoothing.unwrap_or(1.0);
+        require(length.is_finite() && length > 0.0, "smoothing", millimetres(length), "expected a positive length, in mm")
     }
 
     fn smoothing(&self) -> Smoothing {
@@ -96,7 +84,7 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
         (Cow::Borrowed(&input.network), run.kept(input.network.vessel_count())?)
     } else {
         let network = if input.is_fragments { Cow::Owned(input.divided_by_labels()) } else { Cow::Borrowed(&input.network) };
-        let (present, note) = present_vessels(&network);
+        let (present, note) = willis_models::circle_of_willis::present_vessels(&network);
         notes.extend(note.map(str::to_owned));
         let network = network.subgraph(|row| present[row]).0;
         let all = vec![true; network.vessel_count()];
@@ -104,7 +92,8 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     };
     let network = &*network;
     let outlets = options.boundary.found_outlets.unwrap_or_else(|| input.usual_outlets());
-    let boundary = match options.boundary.resolve(network, outlets, &input.inlets_by_labels(), progress) {
+    let resolve = |given: Vec<_>| Boundary::resolve_knowing(network, &given, outlets, &input.inlets_by_labels());
+    let boundary = match options.boundary.given(network, progress).and_then(resolve) {
         Ok(boundary) => Some(boundary),
         // A ring has no end to enter by: it has no orders, but a length.
         Err(why) if !options.boundary.states_an_inlet() => {
@@ -113,9 +102,8 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
         }
         Err(why) => return Err(why),
     };
-    if !network.has_positions() {
-        notes.push("nodes without positions: no chords, bends, angles and boxes".to_owned());
-    }
+    let flat = (!network.has_positions()).then(|| "nodes without positions: no chords, bends, angles and boxes".to_owned());
+    notes.extend(flat);
     let brain = options.brain.as_ref().map(|path| brain(path, &input.options, network)).transpose()?;
     let phenotypes = options.phenotypes();
     let found = arteries(input, network, &phenotypes, &mut notes);
@@ -181,16 +169,14 @@ impl Measuring<'_> {
     fn plausible(&self, input: &Input, progress: &mut dyn Follow) -> Result<Vec<(Vec<bool>, f64)>> {
         let (network, Some(run), Some(boundary)) = (self.network, &input.run, &self.boundary) else { return Ok(Vec::new()) };
         let options = SamplingOptions { samples: DRAWN, ..run.options.infer.sampling.clone() };
-        let above = above_median(network, boundary, &options, progress)?;
+        let above = super::classify::above_median(network, boundary, &options, progress)?;
         if let Some(found) = &self.found {
             return Ok(found.topologies(network, boundary, &options, &run.given, above.as_deref(), false)?.0.weighted);
         }
         let mut known = vec![false; network.node_count()];
         run.given.iter().filter(|node| **node < network.node_count()).for_each(|node| known[*node] = true);
-        let source = match &above {
-            None => TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] }),
-            Some(above) => TopologySource::Samples(above),
-        };
+        let usual = TopologySource::Connections(KnownEnds { ends: &known, inlets: &[] });
+        let source = above.as_deref().map_or(usual, TopologySource::Samples);
         Ok(Topologies::draw(network, boundary, &options, source)?.weighted)
     }
 }
@@ -248,4 +234,117 @@ impl Measurement {
     pub fn row(&self) -> Figures {
         self.figures.iter().map(|(name, x)| (name.clone(), serde_json::json!(Some(*x).filter(|x| x.is_finite())))).collect()
     }
+}
+
+/// So many times a plausible topology is drawn for each subject.
+const IMPUTATIONS: usize = 20;
+
+/// How groups are compared.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct ComparisonOptions {
+    /// The measures that are compared, by their columns in subjects.csv; all without any.
+    pub measures: Vec<String>,
+    /// The seed of topologies and permutations.
+    pub seed: u64,
+}
+
+/// The two groups among the values that subjects have, in the order of their names, and of each subject whether it is in the first; none for one
+/// without a value.
+///
+/// # Errors
+///
+/// More or fewer than two groups, or one of a single subject.
+pub fn two_groups(column: &str, values: &[&str]) -> Result<([String; 2], Vec<Option<bool>>)> {
+    let mut names: Vec<&str> = values.iter().copied().filter(|value| !value.is_empty()).collect();
+    names.sort_unstable();
+    names.dedup();
+    let refused =
+        |why: String| Err(Error::parameter("compare", column, format!("expected two groups of two subjects at least, {why}")));
+    let [first, second] = *names else {
+        let shown: Vec<&str> = names.iter().copied().take(4).collect();
+        let more = if names.len() > shown.len() { ", ..." } else { "" };
+        return refused(format!("found {}: {}{more}", names.len(), shown.join(", ")));
+    };
+    for name in [first, second] {
+        if values.iter().filter(|value| **value == name).count() < 2 {
+            return refused(format!("found one of {column} {name}"));
+        }
+    }
+    let of = values.iter().map(|value| (!value.is_empty()).then(|| *value == first)).collect();
+    Ok(([first.to_owned(), second.to_owned()], of))
+}
+
+/// The columns of comparison.csv: how the subjects of two groups differ in each measure. `subjects` are those measured, each with whether it is in
+/// the first group.
+///
+/// # Errors
+///
+/// A measure that no subject has.
+pub fn compare_groups(groups: &[String; 2], subjects: &[(&Measurement, bool)], how: &ComparisonOptions) -> Result<Vec<Column>> {
+    let names = measures(subjects, &how.measures)?;
+    let first: Vec<bool> = subjects.iter().map(|(_, first)| *first).collect();
+    let tables: Vec<Vec<HashMap<&str, f64>>> = subjects
+        .iter()
+        .enumerate()
+        .map(|(at, (found, _))| imputed(found, how.seed, at).into_iter().map(by_name).collect())
+        .collect();
+    let kept: Vec<HashMap<&str, f64>> = subjects.iter().map(|(found, _)| by_name(&found.figures)).collect();
+    let of = |table: &HashMap<&str, f64>, name: &str| table.get(name).copied().unwrap_or(f64::NAN);
+    let differences = in_order(&names, |_, name| {
+        let imputations: Vec<Vec<f64>> =
+            (0..IMPUTATIONS).map(|draw| tables.iter().map(|subject| of(&subject[draw], name)).collect()).collect();
+        compare(&imputations, &first, how.seed)
+    });
+    let found: Vec<_> = names.iter().zip(differences).filter_map(|(name, d)| Some((name, d?))).collect();
+    let corrected = holm(&found.iter().map(|(_, d)| d.p).collect::<Vec<_>>());
+    let spread = |name: &str, group: bool| {
+        quartiles(kept.iter().zip(&first).filter(|(_, is)| **is == group).map(|(table, _)| of(table, name)))
+    };
+    let spreads: Vec<_> = found.iter().map(|(name, _)| [true, false].map(|group| spread(name, group))).collect();
+    let mut columns = vec![Column::text("measure", found.iter().map(|(name, _)| name.to_string()))];
+    for (side, (letter, name)) in ["a", "b"].into_iter().zip(groups).enumerate() {
+        columns.push(Column::text(format!("group_{letter}"), found.iter().map(|_| name.clone())));
+        columns.push(Column::whole(format!("n_{letter}"), spreads.iter().map(|of| of[side].0)));
+        for (at, what) in ["quartile_1", "median", "quartile_3"].into_iter().enumerate() {
+            columns.push(Column::real(format!("{what}_{letter}"), spreads.iter().map(|of| of[side].1[at])));
+        }
+    }
+    let real = |name, of: fn(&GroupDifference) -> f64| Column::real(name, found.iter().map(move |(_, d)| of(d)));
+    columns.extend([
+        real("cliffs_delta", |d| d.delta),
+        real("delta_low", |d| d.interval[0]),
+        real("delta_high", |d| d.interval[1]),
+        real("doubt_share", |d| d.doubt),
+        real("p", |d| d.p),
+        Column::real("p_holm", corrected.into_iter()),
+    ]);
+    Ok(columns)
+}
+
+fn by_name(figures: &NamedFigures) -> HashMap<&str, f64> {
+    figures.iter().map(|(name, x)| (&**name, *x)).collect()
+}
+
+/// The measures that are wanted, of those that any subject has.
+fn measures<'a>(subjects: &[(&'a Measurement, bool)], wanted: &[String]) -> Result<Vec<Cow<'a, str>>> {
+    let mut known = HashSet::new();
+    let all = subjects.iter().flat_map(|(found, _)| &found.figures).map(|(name, _)| Cow::Borrowed(&**name));
+    let all: Vec<Cow<'a, str>> = all.filter(|name| known.insert(name.clone())).collect();
+    if let Some(missing) = wanted.iter().find(|name| !all.iter().any(|known| *known == **name)) {
+        let meant = did_you_mean(missing, all.iter().map(|name| &**name));
+        let accepted = format!("{meant}expected columns of subjects.csv that are measured");
+        return Err(Error::parameter("measures", format!("\"{missing}\""), accepted));
+    }
+    Ok(all.into_iter().filter(|name| wanted.is_empty() || wanted.iter().any(|wanted| **wanted == **name)).collect())
+}
+
+/// The figures of topologies that are drawn by their weights; without doubt those that are kept, every time. `number` is that of the subject.
+fn imputed(found: &Measurement, seed: u64, number: usize) -> Vec<&NamedFigures> {
+    let weights: Vec<f64> = found.plausible.iter().map(|(_, weight)| *weight).collect();
+    let drawn = drawn_by_weight(&weights, IMPUTATIONS, seed, number as u64);
+    if drawn.is_empty() {
+        return vec![&found.figures; IMPUTATIONS];
+    }
+    drawn.into_iter().map(|at| &found.plausible[at].0).collect()
 }

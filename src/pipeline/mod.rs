@@ -1,57 +1,39 @@
 //! The method, from top to bottom: read, boundary conditions, candidates, samples, decision.
 
 mod arteries;
-mod artery_options;
 mod boundary_options;
 mod classify;
-mod compare;
-mod cuts;
 pub mod decisions;
-mod early;
-mod flow_options;
 mod inference;
 mod input;
 mod label;
 mod measure;
+mod models;
 mod options;
 mod picture;
 mod prepare;
 mod prepared;
-mod prior;
 mod progress;
 mod pulse;
-mod readers;
 mod simulate;
-mod solver_model;
 mod source_file;
-mod stored_run;
-mod unused;
 mod write;
 
-pub use artery_options::{ArterySource, PhenotypeOptions};
+pub use self::{inference::Inference, models::Cut, models::Prior, prepared::Prepared};
 pub use boundary_options::{BoundaryOptions, parse_found_outlets};
 pub use classify::{Phenotype, classify};
-pub use compare::{ComparisonOptions, compare_groups, two_groups};
-pub use cuts::Cut;
-pub use decisions::{ConnectionDecision, GraphEdit};
-pub use flow_options::{FlowOptions, PulseMean, PulseOptions};
-pub use inference::Inference;
+pub use decisions::{ConnectionDecision, GraphEdit, twice_read};
 pub use input::{Contents, Input, read, read_bytes, read_run};
 pub use label::{Labelled, label};
-pub use measure::{MeasureOptions, Measurement, measure};
-pub use options::{InferOptions, Preset, RunOptions};
+pub use measure::{ComparisonOptions, MeasureOptions, Measurement, compare_groups, measure, two_groups};
+pub use options::{ArterySource, FlowOptions, InferOptions, PhenotypeOptions, Preset, PulseMean, PulseOptions, RunOptions};
 pub use prepare::{nothing_built, prepare};
-pub use prepared::Prepared;
-pub use prior::Prior;
 pub use progress::{Follow, Silent, Step};
-pub use readers::twice_read;
-pub use simulate::{modulate, modulate_with, simulate, simulate_with};
-pub use solver_model::solver_model;
-pub use source_file::{ModelSource, SourceFile, of_word};
+pub use simulate::{modulate, modulate_with, simulate, simulate_with, solver_model};
+pub use source_file::{ModelSource, SourceFile, of_word, require, require_in};
 pub use write::{WrittenFiles, stage_target, write, write_target};
 
 use willis_core::error::Result;
-use willis_core::network::Network;
 
 /// Finds the plausible topology of an input: exactly what `willis infer` does.
 ///
@@ -77,7 +59,7 @@ pub fn infer_with(input: &Input, options: &InferOptions, progress: &mut dyn Foll
 /// # Errors
 ///
 /// As [`infer`].
-pub fn candidates(input: &Input, options: &InferOptions) -> Result<Network> {
+pub fn candidates(input: &Input, options: &InferOptions) -> Result<crate::Network> {
     let prepared = prepare(input.clone(), options, &mut Silent)?;
     Ok(prepared.boundary.stated_in(prepared.graph.clone()))
 }

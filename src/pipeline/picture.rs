@@ -2,15 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::options::InferOptions;
-use super::prior::LoadedPrior;
-use super::source_file::SourceFile;
-use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Network, Origin};
-use willis_core::support::geometry::{Point, distance};
-use willis_io::formats::{ReadOptions, read_image};
-use willis_io::masks::cubes::ImageCube;
-use willis_io::masks::{Appearance, Scene, Unseen, View};
+use super::{InferOptions, SourceFile, models::LoadedPrior};
+use crate::{Appearance, Error, Network, ReadOptions, Result};
+use willis_core::{error::Fault, network::Origin, support::geometry::Point, support::geometry::distance};
+use willis_io::masks::{Scene, Unseen, View};
+use willis_io::{formats::read_image, masks::cubes::ImageCube};
 use willis_report::ImagePlace;
 
 /// Vessels whose probability is at least so far from 0 and 1 are looked at, ...
@@ -44,10 +40,11 @@ pub(crate) fn image_places(scene: &Scene, graph: &Network, most: Option<usize>) 
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub(crate) struct ImageRecord {
     #[serde(flatten)]
-    source: SourceFile,
-    vessels: Appearance,
-    probabilities: bool,
-    unused: Option<String>,
+    pub(super) source: SourceFile,
+    pub(super) vessels: Appearance,
+    pub(super) probabilities: bool,
+    /// Why it was not used.
+    pub(super) unused: Option<String>,
 }
 
 impl ImageRecord {
@@ -74,13 +71,12 @@ impl ImageRecord {
         };
         let refused = |accepted: &str| Err(Error::parameter(name, path.display(), accepted));
         let ready = "goes with a mask or centerlines; a ready graph states the probability of its candidates (see `observed`)";
-        let other =
-            "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
+        let why = "goes with a model that knows images: `prior=weights:skeleton`, which is the usual one of masks and skeletons";
         if !is_fragments {
             return refused(ready);
         }
         if prior.noise_of_images().is_none() {
-            return refused(other);
+            return refused(why);
         }
         let (image, sha256) = read_image(path, input)?;
         let probabilities = options.probability.is_some();
@@ -95,20 +91,12 @@ impl ImageRecord {
     pub(crate) fn remarks(&self, unseen: Option<Unseen>, scene: Option<&Scene>, prior: &LoadedPrior) -> Vec<String> {
         let path = self.source.path.display();
         let why = unseen.map(|why| format!("{path} does not show the vessels: {why}; candidates are judged without it"));
-        why.into_iter().chain(scene.and_then(|scene| self.unusual(scene, prior))).collect()
-    }
-
-    /// That the image is noisier than those that the model was fitted to, which makes its probabilities less sure. One with less noise is only
-    /// clearer.
-    fn unusual(&self, scene: &Scene, prior: &LoadedPrior) -> Option<String> {
-        let noise = scene.noise_share;
-        let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
-        let (path, known) = (self.source.path.display(), format!("which the model knows from {least:.2} to {most:.2}"));
-        Some(format!("{path}: the noise is {noise:.2} of the contrast of vessels, {known}; its probabilities are less sure here"))
-    }
-
-    /// The same with why the image was not used.
-    pub(crate) fn unused(self, unseen: Option<Unseen>) -> Self {
-        Self { unused: unseen.map(|why| why.to_string()), ..self }
+        // One with less noise than those that the model was fitted to is only clearer.
+        let noisy = |noise: f64| {
+            let [least, most] = prior.noise_of_images().filter(|[_, most]| noise > *most)?;
+            let contrast = format!("{noise:.2} of the contrast of vessels, which the model knows from {least:.2} to {most:.2}");
+            Some(format!("{path}: the noise is {contrast}; its probabilities are less sure here"))
+        };
+        why.into_iter().chain(scene.and_then(|scene| noisy(scene.noise_share))).collect()
     }
 }

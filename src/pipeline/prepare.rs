@@ -1,26 +1,17 @@
 //! From an input to the graph that is sampled: files, vessels, candidates, contacts, decisions, arteries and boundary conditions, in this order.
 
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::{fs::File, io::Read, path::PathBuf, sync::Arc};
 
-use super::arteries::{self, FoundArteries};
-use super::artery_options::ArterySource;
-use super::cuts::{Contacts, Cuts};
-use super::decisions::{Decidable, DecisionList};
-use super::early::{EarlyArteries, EarlyKnowledge};
-use super::picture::{ImageRecord, image_places};
-use super::prepared::{Prepared, SourceRecords};
-use super::prior::{LoadedPrior, Prior};
-use super::progress::{Follow, Notes, Silent, Step};
-use super::{Contents, InferOptions, Input, Preset, RunOptions, unused};
-use willis_core::error::{Error, Result};
-use willis_core::flow::{FoundOutlets, Given};
-use willis_core::network::units::Scale;
-use willis_core::network::{Condition, Network, Origin};
-use willis_io::formats::Format;
-use willis_io::masks::View;
-use willis_models::candidates::CandidateOptions;
-use willis_models::candidates::kind::CenterlineKind;
+use super::models::{Contacts, Cuts, LoadedPrior};
+use super::prepared::{EarlyArteries, EarlyKnowledge, SourceRecords};
+use super::{
+    ArterySource, Contents, Cut, Follow, InferOptions, Input, PhenotypeOptions, Prepared, Preset, Prior, RunOptions, Silent,
+    Step, arteries, arteries::FoundArteries, decisions::Decidable, decisions::DecisionList, picture::ImageRecord,
+    picture::image_places, progress::Notes, require,
+};
+use crate::{Appearance, CandidateOptions, Error, FoundOutlets, Network, Result, Scale};
+use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};
+use willis_io::{formats::Format, masks::View};
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -37,7 +28,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
     let (mut loaded, view) = Loaded::read(&input, options)?;
     let mut notes = Notes { kept: input.provenance.notes.clone(), follow: progress };
 
-    let by_labels = loaded.arteries.as_ref().is_some_and(ArterySource::is_labels);
+    let by_labels = matches!(loaded.arteries, Some(ArterySource::AnyLabels | ArterySource::Labels(_)));
     let mut vessels = if by_labels && loaded.is_fragments { input.divided_by_labels() } else { input.network };
     let own_nodes = if matches!(input.contents, Contents::Centerlines(_)) { 0 } else { vessels.node_count() };
     let early = EarlyArteries::find(&vessels, &loaded, &mut notes)?;
@@ -73,7 +64,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
 
     let nothing = !loaded.is_fragments && !options.sampling.uncertain.vessels(&graph).contains(&true);
     let of_arteries = arteries.iter().flat_map(|found| found.notes.clone());
-    let unused = arteries.as_ref().and_then(|found| unused::note_on_names(&options.phenotypes, found));
+    let unused = arteries.as_ref().and_then(|found| note_on_names(&options.phenotypes, found));
     let said = loaded.notes.clone().into_iter().chain(unused).chain(unlike).chain(crowded).chain(of_arteries);
     let said = said.chain(nothing.then(|| NOTHING_UNCERTAIN.to_owned())).chain(stated_resistances(options.preset, &early.given));
     said.for_each(|note| notes.say(note));
@@ -95,7 +86,7 @@ pub fn prepare(input: Input, options: &InferOptions, progress: &mut dyn Follow) 
         records: SourceRecords {
             prior: loaded.prior.source,
             cut: loaded.cuts.map(|cuts| cuts.record),
-            image: loaded.image.map(|image| image.unused(unseen)),
+            image: loaded.image.map(|image| ImageRecord { unused: unseen.map(|why| why.to_string()), ..image }),
             decisions: decided,
         },
         contacts,
@@ -134,24 +125,18 @@ impl<'a> Loaded<'a> {
     /// Reads the files; beside them the image.
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
-        let kind = CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
+        let kind = willis_models::candidates::kind::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
         let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
-        let notes = unused::refuse(input, options, cuts.as_ref())?;
+        let notes = refuse_unused(input, options, cuts.as_ref())?;
         let usual = if is_fragments { Prior::Evidence } else { Prior::None };
         let chosen = options.prior.as_ref().unwrap_or(&usual);
         let prior = chosen.load(kind)?;
-        if prior.is_evidence() && !is_fragments {
-            let accepted =
-                "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
-            return Err(Error::parameter("prior", chosen.to_string(), accepted));
-        }
+        let accepted = "needs centerlines; this is a ready graph, whose candidates state their own probability (see `observed`)";
+        require(is_fragments || !prior.is_evidence(), "prior", chosen.to_string(), accepted)?;
         let (image, view) = ImageRecord::load(options, &prior, &input.options, is_fragments)?.unzip();
-        let building = CandidateOptions {
-            k: options.candidates.k.or(Some(prior.usual_k())),
-            radius_rule: input.options.radius_rule,
-            ..options.candidates.clone()
-        };
+        let k = options.candidates.k.or(Some(prior.usual_k()));
+        let building = CandidateOptions { k, radius_rule: input.options.radius_rule, ..options.candidates.clone() };
         let loaded = Self {
             options,
             path: input.provenance.input.clone().into(),
@@ -230,4 +215,80 @@ pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'st
         Some(_) => "no free end has another vessel within `max_gap`; a larger one may help",
         None => "no free end has another vessel within reach",
     })
+}
+
+/// Refuses options of `infer` that nothing will look at; the notes on those that change nothing. `cuts` is what the input is cut by.
+///
+/// # Errors
+///
+/// Names the option, its value and what it goes with; a named file that cannot be read.
+fn refuse_unused(input: &Input, options: &InferOptions, cuts: Option<&Cuts>) -> Result<Vec<String>> {
+    (!input.is_fragments).then(|| refuse_on_ready_graph(options)).transpose()?;
+    let is_cut = matches!(options.cut, Cut::Always | Cut::File(_));
+    let can_be_cut = input.network.has_positions();
+    require(!is_cut || can_be_cut, "cut", options.cut.to_string(), "goes with vessels whose nodes have positions")?;
+    require(options.vessels == Appearance::default() || options.image.is_some(), "vessels", "", "goes with `image`")?;
+    if let Some(most) = options.image_places.filter(|_| options.image.is_none() && options.probability.is_none()) {
+        return Err(Error::parameter("image_places", most, "goes with `image` or `probability`"));
+    }
+    if options.arteries.is_none()
+        && let Some((name, value)) = given(&options.phenotypes).into_iter().next()
+    {
+        let accepted = "goes with `landmarks` or `labels`, which say that there is a Circle of Willis";
+        return Err(Error::parameter(name, value, accepted));
+    }
+    options.phenotypes.check_files()?;
+    let mut notes = Vec::new();
+    if let Some(mask) = options.mask.as_ref().filter(|_| cuts.is_none()) {
+        let opened = File::open(mask).and_then(|file| file.take(1).read_to_end(&mut Vec::new()));
+        opened.map_err(|source| Error::Read { path: mask.clone(), source })?;
+        let by_itself = "only automatic skeletons are cut apart by themselves (`cut=always` does so here)";
+        let why = if options.cut == Cut::Never { "`cut` never leaves all vessels together" } else { by_itself };
+        notes.push(format!("`mask` changes nothing: {why}"));
+    }
+    Ok(notes)
+}
+
+/// Refuses what is about candidates that are built, where they stand already.
+fn refuse_on_ready_graph(options: &InferOptions) -> Result<()> {
+    let usual = if options.preset == Preset::Paper { InferOptions::paper() } else { InferOptions::default() };
+    let (given, usual) = (&options.candidates, &usual.candidates);
+    let mm = |length: Option<f64>| length.map(|m| format!("{} mm", millimetres(m)));
+    let word = |value: serde_json::Value| value.as_str().unwrap_or_default().to_owned();
+    let all = [
+        ("k", given.k.map(|k| k.to_string())),
+        ("max_gap", mm(given.max_gap)),
+        ("attach", (given.attach != usual.attach).then(|| word(serde_json::json!(given.attach)))),
+        ("candidate_radius", (given.radius != usual.radius).then(|| word(serde_json::json!(given.radius)))),
+        ("max_candidate_radius", mm(given.max_radius)),
+        ("cut", matches!(options.cut, Cut::Always | Cut::File(_)).then(|| options.cut.to_string())),
+        ("mask", options.mask.as_ref().map(|path| path.display().to_string())),
+    ];
+    let accepted = "goes with a mask or centerlines; this is a ready graph, whose candidates stand (see `observed`)";
+    let first = all.into_iter().find_map(|(name, value)| Some(Error::parameter(name, value?, accepted)));
+    first.map_or(Ok(()), Err)
+}
+
+/// The options of a circle that were given, with their values.
+fn given(phenotypes: &PhenotypeOptions) -> Vec<(&'static str, String)> {
+    let PhenotypeOptions { frequencies, unseen, arteries, hypoplastic } = phenotypes;
+    let all = [
+        ("variant_prior", frequencies.as_ref().map(|path| path.display().to_string())),
+        ("unseen", unseen.map(|share| share.to_string())),
+        ("arteries", arteries.as_ref().map(|path| path.display().to_string())),
+        ("hypoplastic", hypoplastic.map(|diameter| format!("{} mm", millimetres(diameter)))),
+    ];
+    all.into_iter().filter_map(|(name, value)| value.map(|value| (name, value))).collect()
+}
+
+/// The note that what is known of people's circles changes nothing, where the arteries have no names by geometry.
+pub(super) fn note_on_names(phenotypes: &PhenotypeOptions, found: &FoundArteries) -> Option<String> {
+    let given = given(phenotypes).into_iter().map(|(name, _)| name).filter(|name| *name != "hypoplastic");
+    let names: Vec<String> = given.map(|name| format!("`{name}`")).collect();
+    if names.is_empty() || found.named.is_some() {
+        return None;
+    }
+    let (change, known_by) = (if names.len() == 1 { "changes" } else { "change" }, &found.known_by);
+    let names = names.join(", ");
+    Some(format!("{names} {change} nothing: the arteries are known by {known_by}, not named by their geometry"))
 }

@@ -1,25 +1,16 @@
-//! What is ready to be sampled.
+//! What is ready to be sampled, and what of it was known before there were candidates.
 
-use std::io::Write;
-use std::sync::Arc;
-use std::time::Instant;
+use std::{io::Write, path::Path, sync::Arc, time::Instant};
 
 use serde::{Deserialize, Serialize};
-use serde_json::json;
 
-use super::arteries::FoundArteries;
-use super::cuts::{Contacts, CutRecord};
+use super::arteries::{self, FoundArteries};
 use super::decisions::{Decidable, Decided};
-use super::early::EarlyKnowledge;
-use super::options::{Preset, RunOptions};
-use super::picture::ImageRecord;
-use super::source_file::ModelSource;
-use willis_core::decision::Keep;
-use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::network::Network;
-use willis_core::sampling::{FoundConditions, SamplingOptions, Solver};
+use super::models::{Contacts, CutRecord};
+use super::{ArterySource, Follow, InferOptions, ModelSource, Preset, RunOptions, Step, picture::ImageRecord};
+use crate::{CandidateOptions, FoundConditions, FoundOutlets, Keep, Network, Result, SamplingOptions, Solver};
+use willis_core::flow::{Boundary, Given};
 use willis_io::formats::{checksum, checksum_of};
-use willis_models::candidates::CandidateOptions;
 use willis_report::{ImagePlace, Provenance, Segmentation};
 
 /// An input made ready to be sampled: the over-connected graph and its boundary conditions, with everything that its files say.
@@ -88,9 +79,8 @@ impl Prepared {
 
     /// The options with the prior of this input. The paper fixes where blood enters and leaves, so its preset and its loop do too.
     pub(crate) fn sampled_with(&self, options: &SamplingOptions) -> SamplingOptions {
-        let by_the_paper =
-            self.options.infer.preset == Preset::Paper || options.solver == Solver::Reference || self.uniform_prior;
-        let found_conditions = if by_the_paper { FoundConditions::Fixed } else { options.found_conditions };
+        let by_paper = self.options.infer.preset == Preset::Paper || options.solver == Solver::Reference || self.uniform_prior;
+        let found_conditions = if by_paper { FoundConditions::Fixed } else { options.found_conditions };
         SamplingOptions { uniform_prior: self.uniform_prior, found_conditions, ..options.clone() }
     }
 
@@ -98,19 +88,74 @@ impl Prepared {
     pub fn key(&self, options: &SamplingOptions) -> String {
         let options = self.sampled_with(options);
         let samples = (!self.options.infer.until_stable).then_some(options.samples);
-        let (version, graph) = (env!("CARGO_PKG_VERSION"), self.graph_checksum());
-        let options = SamplingOptions { samples: 0, ..options };
-        let all = json!({ "willis": version, "graph": graph, "options": options, "samples": samples });
-        checksum(all.to_string().as_bytes())
-    }
-
-    /// The SHA-256 of the graph with its conditions, exactly as they are sampled.
-    pub(crate) fn graph_checksum(&self) -> String {
-        let written = checksum_of(|out| {
+        // The graph with its conditions, exactly as they are sampled. Nothing fails here but the memory for a number.
+        let graph = checksum_of(|out| {
             serde_json::to_writer(&mut *out, &self.graph)?;
             write!(out, "{:?}", self.boundary)
         });
-        // Nothing fails here but the memory for a number.
-        written.unwrap_or_default()
+        let (version, graph) = (env!("CARGO_PKG_VERSION"), graph.unwrap_or_default());
+        let options = SamplingOptions { samples: 0, ..options };
+        let all = serde_json::json!({ "willis": version, "graph": graph, "options": options, "samples": samples });
+        checksum(all.to_string().as_bytes())
     }
+}
+
+/// What is known of an input before there are candidates. Its arteries and boundary conditions follow from it and from the graph, and do so
+/// again when a person has decided on that.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct EarlyKnowledge {
+    pub(crate) given: Vec<Given>,
+    pub(crate) inlets_by_labels: Vec<usize>,
+    pub(crate) arteries: EarlyArteries,
+}
+
+impl EarlyKnowledge {
+    /// Whether it may be that of this graph, by the number of its nodes.
+    pub(crate) fn fits(&self, graph: &Network) -> bool {
+        self.given.iter().all(|given| given.node < graph.node_count())
+            && !matches!(&self.arteries, EarlyArteries::Landmarks(found) if !found.circle.fits(graph))
+    }
+
+    /// The arteries of a graph of the input at this path.
+    pub(crate) fn arteries(&self, graph: &Network, path: &Path, run: &RunOptions) -> Result<Option<FoundArteries>> {
+        let phenotypes = &run.infer.phenotypes;
+        match (&self.arteries, &run.infer.arteries) {
+            (EarlyArteries::Landmarks(found), _) => found.clone().with_names(graph, phenotypes).map(Some),
+            (EarlyArteries::Geometry(_, bearings), _) => {
+                arteries::by_geometry(path, graph, Some(bearings), &phenotypes.models()?).map(Some)
+            }
+            (EarlyArteries::Nothing, None | Some(ArterySource::Geometry)) => Ok(None),
+            (EarlyArteries::Nothing, Some(labels)) => labels.find(path, graph, &run.read.scale, phenotypes).map(Some),
+        }
+    }
+
+    /// The stated conditions of a graph, and those that are found: not where a candidate probably leaves.
+    pub(crate) fn boundary(
+        &self,
+        graph: &Network,
+        arteries: Option<&FoundArteries>,
+        outlets: FoundOutlets,
+        options: &InferOptions,
+        follow: &mut dyn Follow,
+    ) -> Result<Boundary> {
+        let known = arteries.map_or_else(|| self.inlets_by_labels.clone(), |found| found.known_inlets(graph));
+        let boundary = Boundary::resolve_knowing(graph, &self.given, outlets, &known)?;
+        let all_stated = boundary.found_outlets.is_empty() && arteries.is_none_or(|found| found.circle.outlets().is_empty());
+        if options.preset == Preset::Willis && options.boundary.found_outlets.is_some() && all_stated {
+            follow.step(Step::OutletsAllStated);
+        }
+        follow.step(Step::Boundary { graph, boundary: &boundary });
+        Ok(boundary)
+    }
+}
+
+/// What is known of the arteries before there are candidates: where they enter and leave is a boundary condition.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) enum EarlyArteries {
+    /// Nothing: labels are looked at when every vessel has its row.
+    Nothing,
+    /// By landmarks, found before candidates make new nodes.
+    Landmarks(FoundArteries),
+    /// By geometry: where they lie was found with the candidates of a first over-connected graph, which pass names over gaps.
+    Geometry(FoundArteries, willis_models::naming::Bearings),
 }

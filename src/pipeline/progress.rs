@@ -1,10 +1,7 @@
 //! What a caller may hear of a run while it is at work, and how it may stop it or resume an earlier one.
 
-use willis_core::flow::Boundary;
-use willis_core::network::Network;
-use willis_core::network::find_by_name::Located;
-use willis_core::sampling::{PartialRun, Progress, SamplingOptions};
-use willis_models::candidates::CandidateOptions;
+use crate::{CandidateOptions, Network, Progress, SamplingOptions};
+use willis_core::{flow::Boundary, network::find_by_name::Located, sampling::PartialRun};
 
 /// Follows a run: what its samples come to, as [`Progress`] has it, and the steps around them. Every method does nothing by default.
 pub trait Follow: Progress {

@@ -1,26 +1,20 @@
 //! The pulse of a simulation: the waveforms that inlets get, and the pulse of both states of the network.
 
-use std::collections::BTreeMap;
-use std::path::Path;
+use std::{collections::BTreeMap, path::Path};
 
 use num_complex::Complex64;
 use serde_json::{Value, json};
 
-use super::flow_options::{FlowOptions, PulseMean, PulseOptions};
-use super::progress::{Follow, Step};
-use super::source_file::SourceFile;
-use willis_core::error::{Error, Result};
-use willis_core::flow::state::State;
-use willis_core::flow::{Boundary, Tube, WallLaw};
+use super::{FlowOptions, Follow, PulseMean, PulseOptions, SourceFile, Step, require};
+use crate::{Error, Network, Result, WallLaw};
+use willis_core::flow::{Boundary, Tube};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_core::network::waveform::{Quantity, Waveform};
-use willis_core::network::{Condition, Network, Role, locate};
+use willis_core::network::{Condition, Role, locate};
 use willis_core::simulation::pulse::fourier::{beyond, coefficients, samples};
-use willis_core::simulation::pulse::typical::{self, Typical};
-use willis_core::simulation::pulse::womersley::Fluid;
-use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, walled};
+use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, typical, walled};
 use willis_core::simulation::{Perturbation, Simulation, perturbed};
-use willis_io::formats::read_waveform;
+use willis_core::{flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
 use willis_report::end_name;
 
 /// What one inlet is driven by.
@@ -60,10 +54,8 @@ impl Waves {
             };
             let table = if is_word(name) { None } else { Some(table(name, progress)?) };
             for node in nodes {
-                let source = match &table {
-                    Some((waveform, file)) => WaveSource::Table { waveform: waveform.clone(), file: file.clone() },
-                    None => WaveSource::Shape(shape(name, &end_name(network, node))),
-                };
+                let shaped = || WaveSource::Shape(shape(name, &end_name(network, node)));
+                let source = table.clone().map_or_else(shaped, |(waveform, file)| WaveSource::Table { waveform, file });
                 match &by_inlet[node] {
                     Some((true, _)) if !is_own => {}
                     Some((own, _)) if *own == is_own => {
@@ -74,11 +66,8 @@ impl Waves {
                 }
             }
         }
-        let sources: Vec<(usize, WaveSource)> =
-            by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
-        if sources.is_empty() {
-            return Err(Error::parameter("pulse", "has no inlet", "expected one that a waveform can drive"));
-        }
+        let sources: Vec<_> = by_inlet.into_iter().enumerate().filter_map(|(node, s)| Some((node, s?.1))).collect();
+        require(!sources.is_empty(), "pulse", "has no inlet", "expected one that a waveform can drive")?;
         let period = period(&sources, options)?;
         let mut all = Vec::new();
         for (_, source) in &sources {
@@ -109,10 +98,8 @@ impl Waves {
                 *stated = condition;
             }
         }
-        if steady.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_))) {
-            let accepted = "expected a pressure or a resistance at one node at least";
-            return Err(Error::parameter("conditions", "are flows only", accepted));
-        }
+        let is_stated = !steady.conditions.iter().all(|(_, c)| matches!(c, Condition::Flow(_)));
+        require(is_stated, "conditions", "are flows only", "expected a pressure or a resistance at one node at least")?;
         Ok(steady)
     }
 
@@ -239,7 +226,7 @@ fn shape(word: &str, inlet: &str) -> Typical {
 fn table(name: &str, progress: &mut dyn Follow) -> Result<(Waveform, SourceFile)> {
     let path = Path::new(name);
     let (bytes, source) = SourceFile::read(path)?;
-    let (waveform, note) = read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
+    let (waveform, note) = willis_io::formats::read_waveform(&bytes).map_err(|fault| fault.in_file(path))?;
     if let Some(note) = note {
         progress.step(Step::Note(&format!("{}: {note}", path.display())));
     }

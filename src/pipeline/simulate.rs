@@ -1,19 +1,18 @@
-//! Forward simulation and resistance modulation of an input, and the folders that hold them.
+//! Forward simulation and resistance modulation of an input; its conditions put into a network for a solver in time.
 
-use std::borrow::Cow;
-use std::time::Instant;
+use std::{borrow::Cow, f64::consts::PI, time::Instant};
 
-use super::pulse::Waves;
+use super::pulse::{Waves, fluid, law};
 use super::{BoundaryOptions, FlowOptions, Follow, Input, Silent, Step};
-use willis_core::error::{Error, Result};
-use willis_core::flow::{Boundary, FoundOutlets, Unfed};
-use willis_core::modulation::{HypertensionByClass, ModulationOptions};
-use willis_core::network::{Network, vessels_called};
-use willis_core::simulation::closures::close_each;
-use willis_core::simulation::transport::Transports;
-use willis_core::simulation::{Change, Perturbation};
-use willis_io::formats::tables::reader::plural;
-use willis_report::{ModulationRun, Provenance, SimulationRun};
+use crate::{
+    Change, Error, FoundOutlets, ModulationOptions, ModulationRun, Network, Result, SimulationRun, Thickness, Unfed, WallLaw,
+};
+use willis_core::network::{Wall, Windkessel, vessels_called};
+use willis_core::{
+    flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::closures::close_each,
+    simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports,
+};
+use willis_io::{formats::SolverSetting, formats::tables::reader::plural};
 
 /// Solves the flow of an input as it is, and beside it with all `changes` at once; each names its vessels, by label or `edge:ROW`.
 ///
@@ -83,14 +82,15 @@ pub(super) struct Solved<'a> {
     outlets: FoundOutlets,
     /// The rows that its vessels have in the input, where some are left out.
     rows: Option<Vec<usize>>,
-    provenance: Cow<'a, Provenance>,
+    provenance: Cow<'a, willis_report::Provenance>,
 }
 
 impl<'a> Solved<'a> {
     pub(super) fn of(input: &'a Input, options: &BoundaryOptions, unfed: Unfed, progress: &mut dyn Follow) -> Result<Self> {
         // The boundary conditions of a network whose vessels are taken as they are, found as infer finds them.
         let outlets = options.found_outlets.unwrap_or_else(|| input.usual_outlets());
-        let boundary = options.resolve(&input.network, outlets, &input.inlets_by_labels(), progress)?;
+        let given = options.given(&input.network, progress)?;
+        let boundary = Boundary::resolve_knowing(&input.network, &given, outlets, &input.inlets_by_labels())?;
         // Every vessel is there, and a condition that was found holds at a free end only.
         let boundary = boundary.held(&input.network, |_| true);
         if options.found_outlets.is_some() && boundary.found_outlets.is_empty() {
@@ -149,4 +149,50 @@ pub fn modulate_with<'a>(
     let seconds = begun.elapsed().as_secs_f64();
     let Solved { network, boundary, outlets, provenance, .. } = solved;
     Ok(ModulationRun { network, boundary, outlets, provenance, params: options, result: modulation, hypertension, seconds })
+}
+
+/// The network of an input with the conditions that [`simulate`](crate::simulate) would give it, for a solver in time: at its ends the Windkessels,
+/// in its vessels the walls, and beside it the courses of inlets and the blood. Vessels that no blood enters stay.
+///
+/// # Errors
+///
+/// As [`simulate`](crate::simulate) of the same options.
+pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Follow) -> Result<(Network, SolverSetting)> {
+    options.validate()?;
+    let Solved { network, mut boundary, .. } = Solved::of(input, &options.boundary, Unfed::Keep, progress)?;
+    let mut setting = SolverSetting { viscosity: options.viscosity, ..SolverSetting::default() };
+    let mut windkessels = options.boundary.windkessels(&network)?;
+    let mut walls: Vec<Option<Wall>> = network.vessels().map(|(_, vessel)| vessel.wall).collect();
+    if let Some(pulse) = &options.pulse {
+        let waves = Waves::load(&network, &boundary, pulse, progress)?;
+        boundary = waves.steady(&boundary)?;
+        let steady = willis_core::simulation::simulate(&network, &boundary, options.viscosity, &[])?.unperturbed;
+        (setting.period, setting.courses, setting.density) = (waves.period, waves.courses(&network, &steady), pulse.density);
+        let (fluid, law) = (fluid(pulse, options.viscosity), law(pulse, &network));
+        let vessels = walled(&network, &Tube::at_rest(&network, options.viscosity), &[], &law, &fluid)?;
+        for (node, found) in
+            terminals(&network, &boundary, &windkessels, &vessels, &fluid, pulse.time_constant).into_iter().enumerate()
+        {
+            if let Some(found) = found.filter(|found| found.compliance > 0.0) {
+                windkessels[node] = Windkessel { proximal: Some(found.proximal), compliance: Some(found.compliance) };
+            }
+        }
+        for (row, (_, vessel)) in network.vessels().enumerate() {
+            let radius = vessel.radius;
+            let compliance = law.compliance(radius, vessel.wall, pulse.density, &network.vessel_name(row))?;
+            walls[row] = match law {
+                WallLaw::Stated => vessel.wall,
+                WallLaw::Elastic { young, thickness: Thickness::Length(thickness) } => Some(Wall::Elastic { young, thickness }),
+                WallLaw::Elastic { young, thickness: Thickness::OfRadius(share) } => {
+                    Some(Wall::Elastic { young, thickness: share * radius })
+                }
+                // The speed that gives this compliance.
+                _ => Some(Wall::Speed((PI * radius * radius / (pulse.density * compliance)).sqrt())),
+            };
+        }
+    }
+    let mut model = boundary.stated_in(network.into_owned());
+    (0..model.node_count()).for_each(|node| model.node_mut(node).windkessel = windkessels[node].stated());
+    (0..model.vessel_count()).for_each(|row| model.vessel_mut(row).wall = walls[row]);
+    Ok((model, setting))
 }

@@ -1,13 +1,30 @@
-//! Files that a run read beside its input, and the words that stand for such a file, as run.json names them.
+//! Files that a run read beside its input, and the words that stand for such a file, as run.json names them; and how such a file, or a value, is refused.
 
-use std::path::{Path, PathBuf};
+use std::{fmt::Display, path::Path, path::PathBuf};
 
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, IntoDeserializer};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned, de::IntoDeserializer, de::value::StrDeserializer};
 
-use willis_core::error::{Fault, Result};
+use crate::{Error, Result};
+use willis_core::error::Fault;
 use willis_io::formats::{bytes_of, checksum};
+
+/// Refuses the value of a field, unless something holds.
+///
+/// # Errors
+///
+/// Names the field, its value and what is accepted.
+pub fn require(holds: bool, name: &str, value: impl Display, accepted: impl Into<String>) -> Result<()> {
+    if holds { Ok(()) } else { Err(Error::parameter(name, value, accepted)) }
+}
+
+/// Refuses a file or folder, unless something holds.
+///
+/// # Errors
+///
+/// Says what was `found` there, and what is accepted.
+pub fn require_in(path: &Path, holds: bool, found: impl Into<String>, accepted: impl Into<String>) -> Result<()> {
+    if holds { Ok(()) } else { Err(Fault::file(found, accepted).in_file(path)) }
+}
 
 /// A file that was read beside the input.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]

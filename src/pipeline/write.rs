@@ -1,11 +1,8 @@
 //! A network written as a file of any format.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::{fs::File, io, io::BufWriter, path::Path, path::PathBuf};
 
-use willis_core::error::{Error, Result};
-use willis_core::network::Network;
+use crate::{Error, Network, Result};
 use willis_io::formats::convert::{Target, losses, refusal, write_into};
 use willis_io::formats::{Written, write_loops, write_openbf_inlet};
 use willis_io::output::StagedFiles;
@@ -69,13 +66,11 @@ pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles
         Error::Write { source, .. } if source.kind() == io::ErrorKind::InvalidInput => refusal(target, &source),
         other => other,
     })?;
-    if !written.loops.is_empty() {
-        staged.write(&target.loops(), |out| write_loops(out, &written.loops))?;
-    }
+    (!written.loops.is_empty()).then(|| staged.write(&target.loops(), |out| write_loops(out, &written.loops))).transpose()?;
     for (number, id) in written.inlets.iter().enumerate() {
-        if let Some(course) = target.setting.courses.get(id) {
+        if let Some(wave) = target.setting.courses.get(id) {
             staged
-                .write(&target.path.with_file_name(format!("inlet-{}.dat", number + 1)), |out| write_openbf_inlet(out, course))?;
+                .write(&target.path.with_file_name(format!("inlet-{}.dat", number + 1)), |out| write_openbf_inlet(out, wave))?;
         }
     }
     notes.append(&mut written.notes);

@@ -44,7 +44,7 @@ const FOR_THE_COMMAND_LINE: &[&str] = &[
 
 /// Outside libraries that only some files of a crate may name: files or folders, after the name of the crate.
 const CONFINED: &[(&str, &[&str])] = &[
-    ("clap", &["willis/main.rs", "willis/cli/", "willis/pipeline/artery_options.rs", "willis/pipeline/boundary_options.rs"]),
+    ("clap", &["willis/main.rs", "willis/cli/", "willis/pipeline/options.rs", "willis/pipeline/boundary_options.rs"]),
     ("libc", &["willis/cli/signals.rs", "io/output/lock.rs", "io/formats/regular.rs"]),
     ("signal_hook", &["willis/cli/signals.rs"]),
     ("indicatif", &["willis/main.rs", "willis/cli/"]),

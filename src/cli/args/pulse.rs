@@ -1,18 +1,15 @@
 //! `--pulse` and its options, with their conversion to those of the library.
 
-use crate::error::{Error, Result};
-use crate::internals::network::INLET_PRESSURE;
-use crate::internals::network::quantity::Dimension;
-use crate::internals::network::units::mmhg;
-use crate::{Friction, PulseMean, PulseOptions, Thickness, WallLaw};
-use clap::Args;
-
-use super::figures::{figure, whole};
+use super::{figure, whole};
+use crate::{
+    Error, Friction, PulseMean, PulseOptions, Result, Thickness, WallLaw, internals::network::INLET_PRESSURE,
+    internals::network::quantity::Dimension, internals::network::units::mmhg, internals::pipeline::of_word,
+};
 
 const WALL: &str = "expected olufsen, olufsen=K1,K2,K3 (Pa, 1/m, Pa), Eh=120N/m, young=0.4MPa,0.3mm (or a share of the radius, 10%), \
                     pwv=8m/s, graph or rigid";
 
-#[derive(Debug, Default, Args)]
+#[derive(Debug, Default, clap::Args)]
 #[command(next_help_heading = "Pulse")]
 pub struct PulseArgs {
     /// Let the flow pulsate: one period at every inlet, or at one, as a table (time_s, and pressure_mmHg or flow_mL_per_min), or as a
@@ -59,18 +56,14 @@ impl PulseArgs {
             return self.alone();
         }
         let usual = PulseOptions::default();
-        let options = PulseOptions {
-            waveforms: self.pulse.clone(),
-            period: self.period,
-            mean: self.pulse_mean,
-            harmonics: self.harmonics.unwrap_or(usual.harmonics),
-            wall: self.wall,
-            wall_viscosity: self.wall_viscosity.unwrap_or(usual.wall_viscosity),
-            time_constant: self.windkessel.unwrap_or(usual.time_constant),
-            friction: self.friction.unwrap_or(usual.friction),
-            density: self.density.unwrap_or(usual.density),
-            times: self.times.unwrap_or(usual.times),
-        };
+        let Self { period, pulse_mean: mean, wall, .. } = *self;
+        let (waveforms, friction) = (self.pulse.clone(), self.friction.unwrap_or(usual.friction));
+        let (harmonics, times) = (self.harmonics.unwrap_or(usual.harmonics), self.times.unwrap_or(usual.times));
+        let (wall_viscosity, density) =
+            (self.wall_viscosity.unwrap_or(usual.wall_viscosity), self.density.unwrap_or(usual.density));
+        let time_constant = self.windkessel.unwrap_or(usual.time_constant);
+        let options =
+            PulseOptions { waveforms, period, mean, harmonics, wall, wall_viscosity, time_constant, friction, density, times };
         options.validate()?;
         Ok(Some(options))
     }
@@ -106,11 +99,7 @@ fn windkessel(text: &str) -> Result<TimeConstant> {
 }
 
 fn friction(text: &str) -> Result<Friction> {
-    match text {
-        "womersley" => Ok(Friction::Womersley),
-        "parabolic" => Ok(Friction::Parabolic),
-        _ => Err(Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic")),
-    }
+    of_word(text).ok_or_else(|| Error::parameter("friction", format!("\"{text}\""), "expected womersley or parabolic"))
 }
 
 fn mean(text: &str) -> Result<PulseMean> {

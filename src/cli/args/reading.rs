@@ -2,22 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::{Error, Fault, Result};
+use super::{Spacing, file_of, length, spacing, words};
 use crate::internals::formats::{Format, FormatTrait, StatedSpacing, byte_count, stated_spacing};
-use crate::internals::network::Frame;
-use crate::internals::network::units::metres;
-use crate::internals::pipeline::RunOptions;
-use crate::internals::support::geometry::Point;
-use crate::{Cavities, InferOptions, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Scale, read, read_run};
-use clap::Args;
-use serde_json::Value;
-
-use super::figures::{Spacing, length, spacing};
-use super::{file_of, words};
-use crate::cli::print::{TextTerminal, say_read};
+use crate::{
+    Cavities, Error, InferOptions, Input, LengthUnit, RadiusFrom, RadiusRule, ReadOptions, Result, Scale,
+    cli::print::TextTerminal, cli::print::say_read, error::Fault, internals::network::Frame, internals::network::units::metres,
+    internals::pipeline::RunOptions, internals::pipeline::require, internals::support::geometry::Point, read, read_run,
+};
 
 /// The file that a command works on.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Input")]
 pub struct InputArgs {
     #[arg(value_name = "INPUT", help = Format::inputs(), value_hint = clap::ValueHint::FilePath, help_heading = None::<&str>)]
@@ -34,7 +28,7 @@ pub fn inputs_of_a_cohort() -> String {
 }
 
 /// The inputs of a command that takes runs and cohorts, and how they are read.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 pub struct RunsArgs {
     /// Vessels in any format that infer reads, or folders of willis infer; several, patterns in quotes, a manifest (CSV with a column
     /// input, a row a subject), or the folder of a cohort make a cohort
@@ -45,7 +39,7 @@ pub struct RunsArgs {
 }
 
 /// How an input is read.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Input")]
 pub struct ReadingArgs {
     /// The unit of coordinates and radii in INPUT [default: mm]
@@ -101,11 +95,8 @@ pub struct ReadingArgs {
 impl ReadingArgs {
     /// Refuses what only commands that build candidates know.
     pub fn refuse_candidates(&self, command: &str) -> Result<()> {
-        if self.observed {
-            let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
-            return Err(Error::parameter("observed", "", why));
-        }
-        Ok(())
+        let why = format!("goes with infer and candidates; {command} uses every vessel as it is");
+        require(!self.observed, "observed", "", why)
     }
 
     /// Reads an input, and says what it is; `command` is the line that repeats its run.
@@ -139,8 +130,8 @@ impl ReadingArgs {
     }
 
     /// The options that many inputs share, for two runs to be compared: those of reading with those of `infer`.
-    pub fn parameters(&self, infer: InferOptions) -> Result<Value> {
-        let mut options = RunOptions { read: self.shared()?, infer }.comparable(&Value::Null);
+    pub fn parameters(&self, infer: InferOptions) -> Result<serde_json::Value> {
+        let mut options = RunOptions { read: self.shared()?, infer }.comparable(&serde_json::Value::Null);
         if self.is_spacing_auto() {
             options["spacing_mm"] = "auto".into();
         }

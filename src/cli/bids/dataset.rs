@@ -1,15 +1,9 @@
 //! What a BIDS dataset holds: its participants, and the mask of the vessels of each of their sessions.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{collections::BTreeSet, fs, path::Path, path::PathBuf};
 
-use crate::cli::print::listed;
-use crate::error::{Error, Fault, Result};
 use crate::internals::formats::{Covariates, is_there, open_regular, read_participants, regular_bytes_of};
-use crate::internals::output::read_json;
-use clap::Args;
-use serde_json::Value;
+use crate::{Error, Result, cli::print::listed, error::Fault, internals::output::read_json, internals::pipeline::require_in};
 
 /// The file that describes a dataset.
 pub const DESCRIPTION: &str = "dataset_description.json";
@@ -52,7 +46,7 @@ pub fn parse_filter(text: &str) -> Result<Filter, String> {
 }
 
 /// Which masks a person asks for.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 pub struct Choice {
     /// Only these participants, with or without sub-
     #[arg(long, alias = "participant_label", value_name = "LABEL", num_args = 1.., value_delimiter = ',', help_heading = "Dataset")]
@@ -161,9 +155,7 @@ impl Dataset {
     ///
     /// A folder that holds no participant.
     pub fn open(root: &Path, output: &Path) -> Result<Self> {
-        if !root.is_dir() {
-            return Err(Fault::file("no such folder", "expected a BIDS dataset").in_file(root));
-        }
+        require_in(root, root.is_dir(), "no such folder", "expected a BIDS dataset")?;
         let below = root.join("derivatives");
         let mut folders = vec![(root.to_owned(), String::new())];
         folders.extend(children(&below, "").into_iter().map(|name| (below.join(&name), name)));
@@ -176,10 +168,8 @@ impl Dataset {
         }
         folders.retain(|(folder, _)| !is_of_willis(folder));
         let participants: BTreeSet<String> = folders.iter().flat_map(|(folder, _)| children(folder, "sub-")).collect();
-        if participants.is_empty() {
-            let accepted = "expected folders sub-LABEL in it or in its derivatives/*, as in a BIDS dataset";
-            return Err(Fault::file("no participant", accepted).in_file(root));
-        }
+        let accepted = "expected folders sub-LABEL in it or in its derivatives/*, as in a BIDS dataset";
+        require_in(root, !participants.is_empty(), "no participant", accepted)?;
         Ok(Self { root: root.to_owned(), folders, participants })
     }
 
@@ -211,8 +201,7 @@ impl Dataset {
         let all: Vec<DatasetMask> = chosen.iter().flat_map(|participant| self.masks_of(participant, choice)).collect();
         let known: BTreeSet<String> = chosen.iter().flat_map(|participant| self.sessions(participant)).flatten().collect();
         check_labels("session_label", &sessions, &known)?;
-        let is_asked =
-            |mask: &&DatasetMask| sessions.is_empty() || mask.session.as_ref().is_some_and(|name| sessions.contains(name));
+        let is_asked = |of: &&DatasetMask| sessions.is_empty() || of.session.as_ref().is_some_and(|name| sessions.contains(name));
         let all: Vec<DatasetMask> = all.iter().filter(is_asked).cloned().collect();
         let (mut masks, mut without) = (Vec::new(), Vec::new());
         for participant in chosen {
@@ -223,9 +212,7 @@ impl Dataset {
                 let could_be = of.iter().copied().filter(|mask| mask.session.as_ref() == session).collect();
                 masks.extend(self.one(could_be, choice)?);
             }
-            if masks.len() == before {
-                without.push(participant.clone());
-            }
+            without.extend((masks.len() == before).then(|| participant.clone()));
         }
         let is_missed = !asked.is_empty() && sessions.is_empty() && !without.is_empty();
         if is_missed || masks.is_empty() { Err(self.none(&without, &all)) } else { Ok((masks, without)) }
@@ -267,11 +254,10 @@ impl Dataset {
         for (folder, pipeline) in &self.folders {
             for session in sessions_in(&folder.join(participant)) {
                 for (path, named) in images(&anatomy(folder, participant, session.as_deref())) {
-                    let is_mask =
-                        suffix.map_or_else(|| SUFFIXES.contains(&named.suffix.as_str()), |suffix| named.suffix == suffix);
+                    let fits = suffix.map_or_else(|| SUFFIXES.contains(&named.suffix.as_str()), |suffix| named.suffix == suffix);
                     let (participant, pipeline) = (participant.to_owned(), pipeline.clone());
                     let mask = DatasetMask { participant, session: session.clone(), path, named, pipeline };
-                    if is_mask && choice.filter.iter().all(|filter| mask.value(&filter.key) == filter.value) {
+                    if fits && choice.filter.iter().all(|filter| mask.value(&filter.key) == filter.value) {
                         masks.push(mask);
                     }
                 }
@@ -328,7 +314,7 @@ impl Dataset {
 
     /// What the dataset calls itself.
     pub fn name(&self) -> Option<String> {
-        let record: Value = read_json(&self.root.join(DESCRIPTION), "").ok()?;
+        let record: serde_json::Value = read_json(&self.root.join(DESCRIPTION), "").ok()?;
         record["Name"].as_str().map(str::to_owned)
     }
 
@@ -342,7 +328,7 @@ impl Dataset {
 
 /// Whether willis made the dataset in a folder.
 pub fn is_of_willis(folder: &Path) -> bool {
-    let record: Result<Value> = read_json(&folder.join(DESCRIPTION), "");
+    let record: Result<serde_json::Value> = read_json(&folder.join(DESCRIPTION), "");
     let makers = record.ok().and_then(|record| record["GeneratedBy"].as_array().cloned()).unwrap_or_default();
     makers.iter().any(|maker| maker["Name"] == "willis")
 }

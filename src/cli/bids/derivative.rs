@@ -1,17 +1,15 @@
 //! The dataset that `willis bids` writes: what describes it, where its runs are, and the files of a run under names of BIDS.
 
-use std::fs;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::{fs, io::Write, path::Path, path::PathBuf};
 
-use crate::error::{Fault, Result};
+use serde_json::{Value, json};
+
+use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, anatomy, is_of_willis};
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
 use crate::internals::output::names::{PAGE, TOPOLOGY};
 use crate::internals::output::{StagedFiles, relative, replace_file, write_error};
 use crate::internals::report::bids_table::{sidecar, write_tsv};
-use serde_json::{Value, json};
-
-use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPANTS_COLUMNS, anatomy, is_of_willis};
+use crate::{Result, internals::pipeline::require_in};
 
 /// The version of BIDS that the names follow.
 const BIDS: &str = "1.10.0";
@@ -49,16 +47,11 @@ impl Derivative {
     /// A folder with something else in it, or one that is the dataset of the masks.
     pub fn new(folder: &Path, source: &Path) -> Result<Self> {
         let same = fs::canonicalize(folder).ok().zip(fs::canonicalize(source).ok()).is_some_and(|(a, b)| a == b);
-        if same {
-            let accepted = "expected another folder, such as BIDS_DIR/derivatives/willis";
-            return Err(Fault::file("is BIDS_DIR", accepted).in_file(folder));
-        }
+        require_in(folder, !same, "is BIDS_DIR", "expected another folder, such as BIDS_DIR/derivatives/willis")?;
         let is_vacant = !folder.exists() || fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_none());
-        if is_vacant || is_of_willis(folder) {
-            return Ok(Self { folder: folder.to_owned() });
-        }
         let accepted = "expected a new folder, or a dataset of willis bids to go on with";
-        Err(Fault::file("holds something else", accepted).in_file(folder))
+        require_in(folder, is_vacant || is_of_willis(folder), "holds something else", accepted)?;
+        Ok(Self { folder: folder.to_owned() })
     }
 
     /// The folder of all runs.
@@ -130,8 +123,7 @@ impl Derivative {
     /// The files of a run under names of BIDS: in the run, and in the dataset.
     fn files(&self, mask: &DatasetMask) -> Vec<(String, PathBuf)> {
         let topology = self.topology(mask).display().to_string();
-        let mut files: Vec<_> =
-            ENDINGS.map(|ending| (format!("{TOPOLOGY}.{ending}"), format!("{topology}.{ending}").into())).into();
+        let mut files: Vec<_> = ENDINGS.map(|end| (format!("{TOPOLOGY}.{end}"), format!("{topology}.{end}").into())).into();
         files.push((PAGE.to_owned(), self.page(mask)));
         files
     }

@@ -3,29 +3,22 @@
 pub(super) mod dataset;
 mod derivative;
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{collections::BTreeSet, fs, path::Path, path::PathBuf};
 
-use crate::error::{Fault, Result};
+use clap::{Args, ValueEnum};
+use dataset::{Choice, Dataset, DatasetMask, MOST, check_labels};
+use derivative::Derivative;
+use serde_json::Value;
+
+use super::cohort::{Cohort, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, make_each, say_notes_of};
+use super::command_line::{infer_words, line_of_words, with_flags, words_at_work};
+use super::print::{TextTerminal, listed, plural};
+use super::{infer::InferenceArgs, infer::Inferences, shell::print_json, signals::listen, subjects::Subject};
 use crate::internals::formats::{Covariates, is_there};
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{StagedFolder, read_json, write_json};
-use crate::internals::report::bids_table::bids_columns;
 use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
-use clap::{Args, ValueEnum};
-use serde_json::Value;
-
-use super::at_work::{self, with_flags};
-use super::cohort::{Cohort, Each, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, say_notes_of};
-use super::command_line::{infer_words, line_of_words};
-use super::infer::{InferenceArgs, Inferences};
-use super::print::{TextTerminal, listed, plural};
-use super::shell::print_json;
-use super::signals::listen;
-use super::subjects::Subject;
-use dataset::{Choice, Dataset, DatasetMask, MOST, check_labels};
-use derivative::Derivative;
+use crate::{Result, error::Fault, internals::pipeline::require_in, internals::report::bids_table::bids_columns};
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
 ///
@@ -86,17 +79,15 @@ impl BidsArgs {
         let parameters = work.of_many()?;
         let (masks, without) = dataset.masks(&self.choice)?;
         let runs: Vec<MaskRun> = masks.iter().map(|mask| MaskRun::of(mask, &places, &work, &parameters, dataset)).collect();
-        let earlier: Vec<Option<Ledger>> =
-            runs.iter().map(|run| read_json(&derivative.run(run.mask).join(LEDGER), "").ok()).collect();
+        let earlier: Vec<Option<_>> = runs.iter().map(|run| read_json(&derivative.run(run.mask).join(LEDGER), "").ok()).collect();
         if !force {
             runs.iter().zip(&earlier).try_for_each(|(run, earlier)| run.check(earlier.as_ref(), &derivative.run(run.mask)))?;
         }
         derivative.describe(dataset, &self.source)?;
         listen(2);
         let people: BTreeSet<&str> = masks.iter().map(|mask| &*mask.participant).collect();
-        let found =
-            format!("{} of {}, in {}", plural(masks.len(), "mask"), plural(people.len(), "participant"), Dataset::places(&masks));
-        terminal.say("found", found);
+        let (count, whose) = (plural(masks.len(), "mask"), plural(people.len(), "participant"));
+        terminal.say("found", format!("{count} of {whose}, in {}", Dataset::places(&masks)));
         if !without.is_empty() {
             terminal.say("note", format!("no mask of vessels of {}", listed(without.into_iter(), MOST)));
         }
@@ -107,10 +98,10 @@ impl BidsArgs {
         };
         let done: Vec<bool> = runs.iter().zip(&earlier).map(is_done).collect();
         let subjects: Vec<Subject> = runs.iter().map(|run| run.subject.clone()).collect();
-        let each = Each { subjects: &subjects, done: &done, heading: "dataset", noun: "run", place: &derivative.runs() };
         let unnamed = masks.iter().zip(&done).filter(|(mask, done)| **done && !derivative.has(mask));
         unnamed.into_iter().try_for_each(|(mask, _)| derivative.export(mask, dataset))?;
-        let ended = each.make(|at| runs[at].make(&work, derivative, dataset, terminal.of_many()), terminal)?;
+        let make = |at: usize| runs[at].make(&work, derivative, dataset, terminal.of_many());
+        let ended = make_each(&subjects, &done, ["dataset", "run"], &derivative.runs(), make, terminal)?;
 
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
         say_notes_of(records.iter().flatten(), terminal);
@@ -137,10 +128,7 @@ impl BidsArgs {
         folders.sort();
         let name_of = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let known: Vec<(String, Option<String>)> = folders.iter().map(|path| of_run(&name_of(path))).collect();
-        if folders.is_empty() {
-            let accepted = "run the level participant first";
-            return Err(Fault::file("no run of a participant", accepted).in_file(&self.output));
-        }
+        require_in(&self.output, !folders.is_empty(), "no run of a participant", "run the level participant first")?;
         let people: BTreeSet<String> = known.iter().map(|(participant, _)| participant.clone()).collect();
         let sessions: BTreeSet<String> = known.iter().filter_map(|(_, session)| session.clone()).collect();
         let asked = self.choice.labels();
@@ -187,7 +175,7 @@ struct MaskRun<'a> {
 
 impl<'a> MaskRun<'a> {
     fn of(mask: &'a DatasetMask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
-        let words = infer_words(at_work::words(), &mask.path.to_string_lossy(), places);
+        let words = infer_words(words_at_work(), &mask.path.to_string_lossy(), places);
         let (name, input, line) = (mask.run(), mask.path.clone(), line_of_words(words.into_iter(), "again"));
         let subject = Subject { name, input, line, row: None };
         let entry = LedgerEntry::of(&subject, work.files(&mask.path));

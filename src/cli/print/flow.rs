@@ -1,18 +1,14 @@
 //! Prints what came out of `willis simulate`: resilience, inflow, and what a perturbation did to them.
 
-use crate::internals::flow::state::{LAMINAR_LIMIT, State};
-use crate::internals::network::Condition;
-use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
-use crate::internals::report::page::lead::change;
-use crate::internals::report::{MOST_COLLATERALS, end_name};
-use crate::internals::simulation::closures::ClosedVessel;
-use crate::internals::simulation::pulse::Pulse;
-use crate::internals::simulation::pulse::indices::Indices;
-use crate::internals::simulation::transport::Transport;
-use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
-use crate::{Change, Network, SimulationRun, Stenosis};
-
 use super::{TextTerminal, brief, count, listed, plural};
+use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
+use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
+use crate::{
+    Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
+    internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
+    internals::report::page::lead::change, internals::simulation::closures::ClosedVessel, internals::simulation::pulse::Pulse,
+    internals::simulation::pulse::indices::Indices, internals::simulation::transport::Transport,
+};
 
 /// The least share of an outlet's blood that is named.
 const LEAST_SHARE: f64 = 0.005;
@@ -28,7 +24,14 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     let transport = simulated.transports.as_ref().map(|found| &found.unperturbed);
     say_state(terminal, simulated, (before, transport, simulated.pulses.as_ref().map(|(found, _)| &found.unperturbed)), "");
     if let Some(closures) = &simulated.closures {
-        say_closures(terminal, network, closures);
+        // In single precision, so that rounding does not choose between equal vessels; of these the first.
+        let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
+        let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
+        if let Some((row, closure)) = most {
+            let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);
+            terminal
+                .say("occluded", format!("each vessel in turn; most is lost without {name}: {lost:.1} % of the outlets' flow"));
+        }
     }
     let Some(after) = &simulated.result.perturbed else { return };
 
@@ -52,17 +55,6 @@ pub fn say_simulated(terminal: TextTerminal, simulated: &SimulationRun<'_>) {
     say_changes(terminal, network, "reversed", "flow turned round in", &turned);
 }
 
-/// The vessel whose loss costs outlets most.
-fn say_closures(terminal: TextTerminal, network: &Network, closures: &[ClosedVessel]) {
-    // In single precision, so that rounding does not choose between equal vessels; of these the first.
-    let costs = |(_, closure): &(usize, &ClosedVessel)| closure.lost_share as f32;
-    let most = closures.iter().enumerate().rev().max_by(|a, b| costs(a).total_cmp(&costs(b)));
-    if let Some((row, closure)) = most {
-        let (name, lost) = (network.vessel_name(row), 100.0 * closure.lost_share);
-        terminal.say("occluded", format!("each vessel in turn; most is lost without {name}: {lost:.1} % of the outlets' flow"));
-    }
-}
-
 /// What is worth knowing of one state, beside its resilience and inflow.
 fn say_state(
     terminal: TextTerminal,
@@ -70,7 +62,12 @@ fn say_state(
     (state, transport, pulse): (&State, Option<&Transport>, Option<&Pulse>),
     when: &str,
 ) {
-    say_beyond_laminar(terminal, &simulated.network, state, when);
+    let network = &simulated.network;
+    let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
+    if !vessels.is_empty() {
+        let above = format!("above {}{when} in {vessels}", count(LAMINAR_LIMIT as u64));
+        terminal.say("warning", format!("Reynolds number {above}: Poiseuille's law no longer holds there"));
+    }
     // Fixed flows into a part that nothing joins to a pressure.
     for (node, condition) in &simulated.boundary.conditions {
         if matches!(condition, Condition::Flow(_)) && state.pressure[*node].is_none() {
@@ -97,15 +94,6 @@ fn say_changes(terminal: TextTerminal, network: &Network, heading: &str, what: &
     };
     terminal.say(heading, format!("{what} {}", listed(changes.iter().map(flows), MOST_COLLATERALS)));
     changes.iter().skip(MOST_COLLATERALS).for_each(|change| terminal.detail(heading, flows(change)));
-}
-
-fn say_beyond_laminar(terminal: TextTerminal, network: &Network, state: &State, when: &str) {
-    let vessels = listed(state.beyond_laminar().map(|(row, re)| format!("{} ({re:.0})", name(network, row))), NAMED);
-    if !vessels.is_empty() {
-        let limit = count(LAMINAR_LIMIT as u64);
-        terminal
-            .say("warning", format!("Reynolds number above {limit}{when} in {vessels}: Poiseuille's law no longer holds there"));
-    }
 }
 
 /// The outlets of each inlet's territory, and when blood reaches them.
@@ -174,10 +162,8 @@ fn words(network: &Network, Perturbation { vessel, change }: &Perturbation) -> S
 }
 
 fn name(network: &Network, row: usize) -> String {
-    match network.vessel(row).label.as_str() {
-        "" => format!("edge {row}"),
-        label => label.to_owned(),
-    }
+    let label = &network.vessel(row).label;
+    if label.is_empty() { format!("edge {row}") } else { label.clone() }
 }
 
 /// The change as a share of what was before, with a minus sign that every terminal has.

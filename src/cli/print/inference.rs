@@ -1,9 +1,8 @@
-//! Prints what came out of `willis infer`.
-
-use crate::internals::report::Outcome;
-use crate::{Keep, Weight};
+//! Prints what came out of `willis infer`, and what it and `willis classify` know of a Circle of Willis.
 
 use super::{TextTerminal, brief, count, plural};
+use crate::internals::circle_of_willis::{Artery, Collateral, Posterior, RING, TERRITORIES, Variant};
+use crate::{Keep, Weight, internals::report::Outcome};
 
 /// Says what was kept, and what the kept graph looks like. Sampling took so many `seconds`.
 pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) {
@@ -57,5 +56,37 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         let above = format!("{} of {}", count(median.kept as u64), plural(median.kept + median.pruned, "uncertain vessel"));
         let shape = format!("{}, {}", plural(median.components, "component"), plural(median.cycles, "independent cycle"));
         say("median", format!("{above} lie above the median of L: {shape}, as topology-median"));
+    }
+}
+
+/// Says what a Circle of Willis has, and how probable that is.
+pub fn say_variant(terminal: TextTerminal, variant: &Variant, hypoplastic: &[Artery], posterior: Option<&Posterior>) {
+    let likely = posterior.map_or_else(String::new, |posterior| {
+        let [p, margin] = [posterior.probability(), posterior.margin()].map(brief);
+        format!(", probability {p}, {margin} before the next")
+    });
+    terminal.say("variant", format!("{} ({}){likely}", variant.name(), variant.completeness().name()));
+    terminal.say("anatomy", variant.words());
+    if !hypoplastic.is_empty() {
+        let names: Vec<String> = hypoplastic.iter().map(ToString::to_string).collect();
+        terminal.say("thin", format!("{} (hypoplastic)", names.join(", ")));
+    }
+    if let Some(posterior) = posterior {
+        let doubtful = RING.iter().zip(posterior.segments).filter(|(_, p)| (0.05..=0.95).contains(p));
+        let words: Vec<String> = doubtful.map(|(artery, p)| format!("{artery} {}", brief(p))).collect();
+        if !words.is_empty() {
+            terminal.say("doubtful", words.join(", "));
+        }
+    }
+}
+
+/// Says what takes over when a feeder is lost.
+pub fn say_collaterals(terminal: TextTerminal, collaterals: &[Collateral]) {
+    for lost in collaterals {
+        let least = TERRITORIES.iter().zip(lost.residual()).filter_map(|(artery, share)| Some((artery, share?)));
+        let least = least.min_by(|a, b| a.1.total_cmp(&b.1));
+        let least = least.map_or_else(String::new, |(to, share)| format!("; least is left to {to}, {:.0} %", 100.0 * share));
+        let over = lost.takes_over.map_or("no communicating artery takes over".into(), |artery| format!("{artery} takes over"));
+        terminal.detail("collateral", format!("without {}: {over}{least}", lost.occluded));
     }
 }

@@ -1,28 +1,20 @@
 //! What a person sees while a command runs: one headed line a fact, progress with rate and time left.
 
-pub mod arteries;
 pub mod flow;
 pub mod inference;
-pub mod notes;
 
-use std::cell::RefCell;
-use std::io::{IsTerminal, Write};
-use std::time::{Duration, Instant};
+use std::{cell::RefCell, collections::BTreeMap, io::IsTerminal, io::Write, time::Duration, time::Instant};
 
-use crate::error::Error;
-use crate::internals::flow::Boundary;
-use crate::internals::flow::boundary_conditions::unfed_fragments;
-use crate::internals::formats::Format;
-use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use crate::internals::network::{Condition, Origin, Role, fragments};
-use crate::internals::pipeline::nothing_built;
-use crate::internals::report::figures::axis::with_commas;
-use crate::internals::support::printable::printable;
-use crate::{Contents, Input, Network, Step};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 
-use crate::cli::at_work::flags_in;
-use crate::cli::signals::{listen, stops};
+use super::{command_line::flags_in, signals::listen, signals::stops};
+use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
+use crate::internals::network::{Condition, Origin, Role, fragments};
+use crate::{
+    Contents, Error, Input, Network, Step, internals::flow::Boundary, internals::flow::boundary_conditions::unfed_fragments,
+    internals::formats::Format, internals::pipeline::nothing_built, internals::report::figures::axis::with_commas,
+    internals::support::printable::printable,
+};
 
 /// Prints facts on standard error, so that standard output stays free for data.
 #[derive(Debug, Clone, Copy)]
@@ -254,10 +246,7 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
         Step::Built { graph, options, by_evidence } => {
             let candidates = graph.vessels().filter(|(_, v)| v.origin == Origin::Candidate).count();
             let (nodes, vessels) = (plural(graph.node_count(), "node"), plural(graph.vessel_count(), "vessel"));
-            let how = match options.k {
-                Some(k) if !by_evidence => format!("k = {k}"),
-                _ => "by evidence".to_owned(),
-            };
+            let how = options.k.filter(|_| !by_evidence).map_or_else(|| "by evidence".to_owned(), |k| format!("k = {k}"));
             terminal.say("built", format!("{} in a graph of {nodes}, {vessels} ({how})", plural(candidates, "candidate")));
             if let Some(note) = nothing_built(graph, options) {
                 terminal.say("note", note);
@@ -332,4 +321,50 @@ fn words(condition: Condition) -> String {
         }
         Condition::Flow(flow) => format!("{} mL/min", brief(ml_per_min(flow))),
     }
+}
+
+/// Up to this many notes of single cases are printed without `--verbose`.
+const MOST: usize = 3;
+
+/// Prints each note with the number of cases that it applies to (each a `noun`): those of several cases always, the others with `--verbose`.
+pub fn say_notes(terminal: TextTerminal, notes: &BTreeMap<String, usize>, noun: &str) {
+    let mut untold = 0;
+    for (note, of) in notes {
+        let line = format!("{note} ({})", plural(*of, noun));
+        if *of > 1 || notes.len() <= MOST {
+            terminal.say("note", line);
+        } else {
+            untold += 1;
+            terminal.detail("note", line);
+        }
+    }
+    if untold > 0 {
+        terminal.say("note", format!("{} of one {noun} each; -v says them", plural(untold, "further note")));
+    }
+}
+
+/// Notes counted; those that differ in their figures alone are one, with `…` for these.
+pub fn counted<'a>(notes: impl IntoIterator<Item = &'a str>) -> BTreeMap<String, usize> {
+    let mut alike: BTreeMap<String, (&str, bool, usize)> = BTreeMap::new();
+    for note in notes {
+        let (first, is_same, of) = alike.entry(without_figures(note)).or_insert((note, true, 0));
+        *is_same &= *first == note;
+        *of += 1;
+    }
+    alike.into_iter().map(|(form, (note, is_same, of))| (if is_same { note.to_owned() } else { form }, of)).collect()
+}
+
+/// A note with `…` for every figure, and one word for one thing and several.
+fn without_figures(note: &str) -> String {
+    let word = |word: &str| {
+        let figure = word.trim_matches(['(', ')', ',', ';', ':']);
+        let is_figure =
+            figure.starts_with(|c: char| c.is_ascii_digit() || c == '-') && figure.ends_with(|c: char| c.is_ascii_digit());
+        match (is_figure, word) {
+            (true, _) => word.replace(figure, "…"),
+            (_, "point" | "vessel" | "link" | "edge") => format!("{word}s"),
+            _ => word.to_owned(),
+        }
+    };
+    note.split(' ').map(word).collect::<Vec<_>>().join(" ")
 }

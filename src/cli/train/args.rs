@@ -1,19 +1,13 @@
 //! The arguments of `willis train`, and what every kind of model has in common: the files to write, and the summary.
 
-use std::io::{self, Write};
-use std::path::PathBuf;
-use std::time::Instant;
+use std::{io, io::Write, path::PathBuf, time::Instant};
 
-use crate::error::{Error, Result};
-use crate::internals::output::StagedFiles;
-use crate::internals::training::TrainParams;
-use clap::Args;
 use serde_json::{Value, json};
 
-use crate::cli::args::figures::whole;
-use crate::cli::command_line::command_line;
-use crate::cli::print::TextTerminal;
-use crate::cli::shell::print_json;
+use crate::{
+    Result, cli::args::whole, cli::command_line::command_line, cli::print::TextTerminal, cli::shell::print_json,
+    internals::output::StagedFiles, internals::pipeline::require, internals::training::TrainParams,
+};
 
 /// Fit the evidence model to extractions whose true connections are known
 ///
@@ -21,7 +15,7 @@ use crate::cli::shell::print_json;
 /// called fragments) and the answer: truth.json as `willis phantom --break` writes it, or links.csv with the columns
 /// ax_mm,ay_mm,az_mm,bx_mm,by_mm,bz_mm, which may be an edges.csv of `willis infer` with `kept` corrected by hand; beside them
 /// inlets.csv (x_mm,y_mm,z_mm) and loops.csv where there are any. Nothing is drawn at random: the same cases give the same bytes.
-#[derive(Debug, Args)]
+#[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   willis train cases -o weights.toml
   willis infer extraction.vtp -o clean --prior weights.toml")]
@@ -75,9 +69,8 @@ impl TrainArgs {
     /// The parameters of the fit of tracings.
     pub fn params(&self) -> Result<TrainParams> {
         let all = TrainParams::default().iterations;
-        if !(1..=all.len()).contains(&self.passes) {
-            return Err(Error::parameter("passes", self.passes, format!("expected a number from 1 to {}", all.len())));
-        }
+        let accepted = format!("expected a number from 1 to {}", all.len());
+        require((1..=all.len()).contains(&self.passes), "passes", self.passes, accepted)?;
         let params = TrainParams { l2: self.l2, iterations: all[..self.passes].to_vec(), ..TrainParams::default() };
         params.validate()?;
         Ok(params)
@@ -85,12 +78,9 @@ impl TrainArgs {
 
     /// The files to write: the weights, then those of the folds.
     pub fn outputs(&self) -> Result<Vec<PathBuf>> {
-        if self.output.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
-            return Err(Error::parameter("output", self.output.display(), "expected an ending .toml"));
-        }
-        if self.save_folds && self.folds == 0 {
-            return Err(Error::parameter("save_folds", "", "goes with --folds of 2 or more"));
-        }
+        let is_toml = self.output.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+        require(is_toml, "output", self.output.display(), "expected an ending .toml")?;
+        require(!self.save_folds || self.folds > 0, "save_folds", "", "goes with --folds of 2 or more")?;
         let folds = if self.save_folds { self.folds } else { 0 };
         let of_fold = |fold| self.output.with_extension(format!("fold-{fold}.toml"));
         Ok([self.output.clone()].into_iter().chain((1..=folds).map(of_fold)).collect())
@@ -123,11 +113,9 @@ impl Output {
     ) -> Result<()> {
         let mut staged = StagedFiles::new(&self.paths[0], self.force)?;
         for (at, (path, model)) in self.paths.iter().zip(models).enumerate() {
-            if at == 0 {
-                staged.write_main(|out| write(model, out))?;
-            } else {
-                staged.write(path, |out| write(model, out))?;
-            }
+            let made =
+                if at == 0 { staged.write_main(|out| write(model, out)) } else { staged.write(path, |out| write(model, out)) };
+            made?;
         }
         staged.commit()?;
         let names: Vec<String> = self.paths.iter().map(|path| path.display().to_string()).collect();

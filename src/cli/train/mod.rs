@@ -1,28 +1,26 @@
 //! `willis train`: fit the evidence model to extractions whose true connections are known.
 
 mod args;
-mod names;
 mod trees;
 
-use std::collections::BTreeSet;
-use std::io::Write;
-use std::time::Instant;
+use std::{collections::BTreeSet, io::Write, time::Instant};
 
-use crate::error::{Error, Result};
-use crate::internals::candidates::joins::model::JoinModel;
+use serde_json::json;
+
 use crate::internals::candidates::model::weights::{Fold, HeldOutScores, Weights};
-use crate::internals::output::StagedFiles;
+use crate::internals::training::names::{NamingModel, fit_names, read_labelled_cases};
 use crate::internals::training::{
     CandidateExample, Case, Cases, ContactModel, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,
     goes_without_inlets, read_cases,
 };
-use serde_json::json;
+use crate::{
+    Error, Result, internals::candidates::joins::model::JoinModel, internals::output::StagedFiles, internals::pipeline::require,
+};
 
 pub use args::TrainArgs;
 use args::{ModelKind, Output, made_by, or_none};
 
-use crate::cli::print::notes::say_notes;
-use crate::cli::print::{TextTerminal, count, plural};
+use crate::cli::print::{TextTerminal, count, plural, say_notes};
 
 impl TrainArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
@@ -33,16 +31,14 @@ impl TrainArgs {
             return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
         }
         if let Some(path) = &self.calibrate_onto {
-            if !matches!(self.model, ModelKind::Contacts) {
-                return Err(Error::parameter("calibrate_onto", path.display(), "goes with --model contacts"));
-            }
+            require(matches!(self.model, ModelKind::Contacts), "calibrate_onto", path.display(), "goes with --model contacts")?;
             return trees::calibrate(path, &self, &output);
         }
         match self.model {
             ModelKind::Tracing => self.fit_tracings(&params, &output),
             ModelKind::Skeleton => trees::run::<JoinModel>(&self, &output),
             ModelKind::Contacts => trees::run::<ContactModel>(&self, &output),
-            ModelKind::Labels => names::run(&self, &output),
+            ModelKind::Labels => fit_labels(&self, &output),
         }
     }
 
@@ -51,9 +47,7 @@ impl TrainArgs {
         let terminal = output.terminal;
         let Cases { cases: all, notes } = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &notes, "case");
-        if self.folds > 0 {
-            check_folds(&all, self.folds)?;
-        }
+        (self.folds > 0).then(|| check_folds(&all, self.folds)).transpose()?;
         let others = read_cases(&self.calibrate_with, Model::Tracing)?;
         say_notes(terminal, &others.notes, "case");
         let calibrating = CandidateExample::measure(others.cases.iter(), true)?;
@@ -61,8 +55,7 @@ impl TrainArgs {
         let bare = |case: &Case| goes_without_inlets(case, params.without_inlets) && !case.inlets.is_empty();
         let unfed = CandidateExample::measure(all.iter().filter(|case| bare(case)), false)?;
         let mut rest = unfed.iter();
-        let training: Vec<&CandidateExample> =
-            judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
+        let training: Vec<_> = judged.iter().map(|e| if bare(e.case) { rest.next().unwrap_or(e) } else { e }).collect();
         say_cases(terminal, &judged);
         say_cases(terminal, &calibrating);
         let calibrating: Vec<&CandidateExample> = calibrating.iter().collect();
@@ -76,8 +69,12 @@ impl TrainArgs {
             let calibrating: Vec<&CandidateExample> = calibrating.iter().copied().filter(stays).collect();
             fit(&inner, &calibrating, params, &mut |step| say_step(terminal, &format!("fold {fold}"), step))
         })?;
-        for of in &figures {
-            say_figures(terminal, of);
+        for figures in &figures {
+            let HeldOutScores { of, log_likelihood, .. } = figures;
+            let [precision, error] = [figures.average_precision, figures.calibration_error].map(or_none);
+            let cases = format!("{} of {}", plural(figures.cases, "case"), plural(figures.subjects, "subject"));
+            let all = format!("{precision}, calibration error {error}, log-likelihood {log_likelihood:.3} ({cases})");
+            terminal.say("held out", format!("{of}: average precision {all}"));
         }
         let of_fold = |of: &Weights| Fold { held_out: of.provenance.held_out.clone(), figures: of.figures.clone() };
         weights.folds = folds.iter().map(of_fold).collect();
@@ -110,10 +107,24 @@ fn say_step(terminal: TextTerminal, heading: &str, step: &FittedPass) {
     terminal.say(heading, format!("pass {pass}: objective {before:.5} -> {after:.5} in {}", plural(*evaluations, "evaluation")));
 }
 
-fn say_figures(terminal: TextTerminal, figures: &HeldOutScores) {
-    let HeldOutScores { of, log_likelihood, .. } = figures;
-    let [precision, error] = [figures.average_precision, figures.calibration_error].map(or_none);
-    let cases = format!("{} of {}", plural(figures.cases, "case"), plural(figures.subjects, "subject"));
-    let all = format!("average precision {precision}, calibration error {error}, log-likelihood {log_likelihood:.3} ({cases})");
-    terminal.say("held out", format!("{of}: {all}"));
+/// Fits the model that names arteries and those of its folds, and writes them.
+fn fit_labels(args: &TrainArgs, output: &Output) -> Result<()> {
+    let terminal = output.terminal;
+    let cases = read_labelled_cases(&args.cases)?;
+    terminal.say("read", plural(cases.len(), "case"));
+    let accepted = "expected 2 or more: which pieces are false is learnt from atlases without the subject";
+    require(args.folds >= 2, "folds", args.folds, accepted)?;
+    let fitted = fit_names(&cases, args.folds, &mut |step| output.say_after("fitted", step))?;
+    for of in &fitted.model.figures {
+        let length = format!("{:.3} of the length right, {:.3} with M1 and M2 as one", of.length_right, of.length_right_mca);
+        let segments = format!("segments {:.3}, variants {:.3} ({})", of.presence_right, of.exact, plural(of.cases, "case"));
+        terminal.say("held out", format!("{}: {length}; {segments}", of.of));
+    }
+    let made_by = made_by();
+    let write = |mut model: NamingModel, out: &mut dyn Write| {
+        model.provenance.made_by.clone_from(&made_by);
+        model.write(out)
+    };
+    let figures = json!(fitted.model.figures);
+    output.save(args, [fitted.model].into_iter().chain(fitted.folds), write, cases.len(), &figures)
 }

@@ -1,28 +1,24 @@
 //! `willis train --model skeleton|contacts`: models of boosted trees for automatic skeletons.
 
-use std::io::{self, Write};
-use std::path::Path;
+use std::{io, io::Write, path::Path};
 
-use crate::error::{Error, Fault, Result};
+use serde_json::json;
+
+use super::args::{Output, TrainArgs, made_by, or_none};
+use crate::cli::print::{count, plural, say_notes};
 use crate::internals::candidates::joins::model::{JoinModel, JoinScores};
-use crate::internals::formats::bytes_of;
 use crate::internals::training::{
     Case, Cases, ContactExample, ContactModel, ContactScores, Example, JoinExample, Model, TreeExample, calibrate_contacts,
     check_folds, cross_validate, read_cases,
 };
-use serde::Serialize;
-use serde_json::json;
-
-use super::args::{Output, TrainArgs, made_by, or_none};
-use crate::cli::print::notes::say_notes;
-use crate::cli::print::{count, plural};
+use crate::{Result, error::Fault, internals::formats::bytes_of, internals::pipeline::require};
 
 /// A model of boosted trees in a file, and what is said of it.
 pub(super) trait TreeModel: Sized + Sync {
     /// A case with what the trees see of it.
     type Seen<'a>: TreeExample<'a, Model = Self, Scores = Self::HeldOut>;
     /// How well a model did.
-    type HeldOut: Clone + Serialize;
+    type HeldOut: Clone + serde::Serialize;
     /// Reads the text of a file.
     const READ: fn(&str) -> Result<Self, Fault>;
     const WRITE: fn(&Self, &mut dyn Write) -> io::Result<()>;
@@ -39,9 +35,7 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
     let Cases { cases, notes } = read_cases(&args.cases, M::Seen::KIND)?;
     say_notes(terminal, &notes, "case");
     let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &cases)).transpose()?;
-    if args.folds > 0 {
-        check_folds(&cases, args.folds)?;
-    }
+    (args.folds > 0).then(|| check_folds(&cases, args.folds)).transpose()?;
     let examples = M::Seen::measure(&cases)?;
     for of_set in examples.chunk_by(|a, b| a.case().data_set == b.case().data_set) {
         let (data_set, held) = (&of_set[0].case().data_set, M::say_read(of_set));
@@ -122,10 +116,8 @@ impl TreeModel for JoinModel {
 
 /// The model that gets the part for images, for cases that have some.
 fn model_for_images<M: TreeModel>(path: &Path, cases: &[Case]) -> Result<M> {
-    if cases.iter().all(|case| case.images.is_empty()) {
-        let accepted = "needs cases with images: image.nii.gz beside the truth";
-        return Err(Error::parameter("images_onto", path.display(), accepted));
-    }
+    let has_images = !cases.iter().all(|case| case.images.is_empty());
+    require(has_images, "images_onto", path.display(), "needs cases with images: image.nii.gz beside the truth")?;
     read_model(path)
 }
 

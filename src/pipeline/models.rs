@@ -1,25 +1,22 @@
-//! The prior: how probable each candidate is before any flow, and the over-connected graph that follows from it.
+//! The models of a run: how probable each candidate is before any flow, with the over-connected graph that follows from it, and where contacts
+//! of observed vessels are opened.
 
-use std::fmt;
-use std::path::PathBuf;
-use std::str::FromStr;
-use std::sync::Arc;
+use std::{fmt, path::Path, path::PathBuf, str::FromStr, sync::Arc};
 
 use serde::{Deserialize, Serialize};
 
-use super::source_file::{ModelSource, SourceFile, ending, of_word};
-use willis_core::decision::{BEST_FIRST, Keep, PRICE, RECONNECT, has_evidence, knows_fragments};
-use willis_core::error::{Error, Result};
-use willis_core::flow::Given;
-use willis_core::network::{Network, Origin, Role};
-use willis_core::support::suggestions::did_you_mean;
-use willis_io::formats::{read_prior_csv, read_prior_npy};
-use willis_io::masks::View;
-use willis_models::candidates::joins::model::JoinModel;
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::model::Weights;
-use willis_models::candidates::search::SearchOptions;
-use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
+use super::{Follow, ModelSource, SourceFile, Step, of_word, require, source_file::ending};
+use crate::{CandidateOptions, Error, Keep, Network, ReadOptions, Result};
+use willis_core::decision::{BEST_FIRST, PRICE, RECONNECT, has_evidence, knows_fragments};
+use willis_core::{flow::Given, network::Origin, network::Role, support::suggestions::did_you_mean};
+use willis_io::formats::{read_mask, read_prior_csv, read_prior_npy};
+use willis_io::masks::{Field, Foreground, Scene, View};
+use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
+use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
+use willis_models::{
+    candidates::joins::model::JoinModel, candidates::kind::CenterlineKind, candidates::model::Weights,
+    contacts::model::ContactModel, contacts::pairings::Pairings, contacts::with_contacts,
+};
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,
 /// or the path of a file.
@@ -50,10 +47,7 @@ pub enum Prior {
 
 impl fmt::Display for Prior {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::File(path) => write!(f, "{}", path.display()),
-            word => word.serialize(f),
-        }
+        if let Self::File(path) = self { write!(f, "{}", path.display()) } else { self.serialize(f) }
     }
 }
 
@@ -62,14 +56,11 @@ impl FromStr for Prior {
 
     fn from_str(text: &str) -> Result<Self> {
         const WORDS: [&str; 6] = ["evidence", "weights:tracing", "weights:tubes", "weights:skeleton", "none", "uniform"];
-        match of_word(text) {
-            Some(Self::File(path)) if !["toml", "npy", "csv"].contains(&ending(&path).as_str()) => {
-                let (meant, words) = (did_you_mean(text, WORDS), WORDS.join(", "));
-                let accepted = format!("{meant}expected {words}, or a file .toml, .npy or .csv");
-                Err(Error::parameter("prior", format!("\"{text}\""), accepted))
-            }
-            prior => Ok(prior.unwrap_or(Self::Evidence)),
-        }
+        let prior = of_word(text).unwrap_or(Self::Evidence);
+        let is_known = if let Self::File(path) = &prior { ["toml", "npy", "csv"].contains(&&*ending(path)) } else { true };
+        let (meant, words) = (did_you_mean(text, WORDS), WORDS.join(", "));
+        let accepted = format!("{meant}expected {words}, or a file .toml, .npy or .csv");
+        require(is_known, "prior", format!("\"{text}\""), accepted).map(|()| prior)
     }
 }
 
@@ -156,15 +147,12 @@ impl LoadedPrior {
     /// The least and the most noise of the images that the model of candidates was fitted to, as shares of the contrast of vessels;
     /// none of a model that does not look at images.
     pub(crate) fn noise_of_images(&self) -> Option<[f64; 2]> {
-        match &self.model {
-            PriorModel::Joins(model) => model.image.as_ref().map(|image| image.noise),
-            _ => None,
-        }
+        if let PriorModel::Joins(model) = &self.model { model.image.as_ref().map(|image| image.noise) } else { None }
     }
 
     /// [`CandidateOptions::k`] where none is given.
     pub(crate) fn usual_k(&self) -> usize {
-        if self.is_evidence() { SearchOptions::default().branches } else { NEAREST }
+        if self.is_evidence() { willis_models::candidates::search::SearchOptions::default().branches } else { NEAREST }
     }
 
     /// The over-connected graph: candidates are built around fragments, given the stated conditions by node, and every candidate gets its prior. The image as it was
@@ -198,5 +186,114 @@ impl LoadedPrior {
             read(bytes, &mut graph).map_err(|fault| fault.in_file(path))?;
         }
         Ok((graph, looked, unlike))
+    }
+}
+
+/// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Cut {
+    /// On automatic skeletons where there is a mask; without one cuts are suggested.
+    #[default]
+    Auto,
+    /// On any centerlines.
+    Always,
+    /// Nowhere.
+    Never,
+    /// As `always`, by a model of one's own (`.toml`, from `willis train --model contacts`).
+    #[serde(untagged)]
+    File(PathBuf),
+}
+
+impl FromStr for Cut {
+    type Err = Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let cut = of_word(text).unwrap_or_default();
+        let is_known = if let Self::File(path) = &cut { ending(path) == "toml" } else { true };
+        let accepted = did_you_mean(text, ["auto", "always", "never"]) + "expected auto, always, never, or a file .toml";
+        require(is_known, "cut", format!("\"{text}\""), accepted).map(|()| cut)
+    }
+}
+
+impl fmt::Display for Cut {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Self::File(path) = self { write!(f, "{}", path.display()) } else { self.serialize(f) }
+    }
+}
+
+/// What is known of the contacts of a graph beside their vessels.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub(crate) struct Contacts {
+    /// How the vessels of those that are opened may be paired.
+    pub(crate) pairings: Vec<Pairings>,
+    /// Those that are left together.
+    pub(crate) suggested: Vec<SuggestedCut>,
+}
+
+/// What contacts are opened by, as run.json has it.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(crate) struct CutRecord {
+    model: ModelSource,
+    /// Whether there is a mask.
+    pub(crate) mask: bool,
+    /// Whether cuts are suggested and not made.
+    pub(crate) only_suggested: bool,
+}
+
+/// The model and the mask by which contacts are opened.
+pub(crate) struct Cuts {
+    model: Arc<ContactModel>,
+    field: Option<Field>,
+    pub(crate) record: CutRecord,
+}
+
+impl Cuts {
+    /// What the vessels of an input are cut by, `lumen` being the mask that they come from; `None` where they are not.
+    ///
+    /// # Errors
+    ///
+    /// A model or a mask that cannot be read.
+    pub fn load(
+        cut: &Cut,
+        mask: Option<&Path>,
+        network: &Network,
+        lumen: Option<&Foreground>,
+        kind: CenterlineKind,
+    ) -> Result<Option<Self>> {
+        let is_skeleton = kind == CenterlineKind::Skeleton;
+        if *cut == Cut::Never || (*cut == Cut::Auto && !is_skeleton) || !network.has_positions() {
+            return Ok(None);
+        }
+        let field = match mask {
+            Some(path) => Foreground::of(&read_mask(path, &ReadOptions::default())?.in_scanner_order()).as_ref().map(Field::of),
+            None => lumen.map(Field::of),
+        };
+        let (model, source) = match cut {
+            Cut::File(path) => {
+                let expected = "expected a model as `willis train --model contacts` writes it";
+                let (model, source) = SourceFile::read_text(path, expected, ContactModel::read)?;
+                (Arc::new(model), ModelSource::File(source))
+            }
+            _ => (ContactModel::shipped()?, ModelSource::Word("shipped".to_owned())),
+        };
+        let only_suggested = *cut == Cut::Auto && mask.is_none() && lumen.is_none();
+        let record = CutRecord { model: source, mask: field.is_some(), only_suggested };
+        Ok(Some(Self { model, field, record }))
+    }
+
+    /// The graph with its contacts opened and how their vessels may be paired, or the graph and the cuts that are only suggested. Beside
+    /// them what to tell a person where P of contacts may be off.
+    pub fn open(&self, graph: Network, scene: Option<&Scene>, follow: &mut dyn Follow) -> (Network, Contacts, Option<String>) {
+        let (opened, note) = with_contacts(&graph, self.field.as_ref(), scene, &self.model);
+        if self.record.only_suggested {
+            let suggested = suggested_cuts(&graph, &opened);
+            follow.step(Step::CutsSuggested { suggested: suggested.len() });
+            return (graph, Contacts { pairings: Vec::new(), suggested }, note);
+        }
+        // Whether contacts are judged by the image too.
+        let with_image = self.record.mask && self.model.image.is_some() && scene.is_some();
+        follow.step(Step::Cut { graph: &opened.graph, with_mask: self.record.mask, with_image });
+        (opened.graph, Contacts { pairings: opened.pairings, suggested: Vec::new() }, note)
     }
 }
