@@ -11,8 +11,7 @@ use crate::error::{Fault, Result};
 use crate::internals::formats::{Covariates, is_there};
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{StagedFolder, read_json, write_json};
-use crate::internals::report::bids_table::bids_columns;
-use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
+use crate::internals::report::cohort::{CohortRow, bids_columns, infer_figures, row_records};
 use clap::{Args, ValueEnum};
 use serde_json::Value;
 

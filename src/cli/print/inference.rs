@@ -1,6 +1,6 @@
 //! Prints what came out of `willis infer`.
 
-use crate::internals::report::Outcome;
+use crate::internals::report::{Outcome, few_perfused};
 use crate::{Keep, Weight};
 
 use super::{TextTerminal, brief, count, plural};
@@ -16,7 +16,8 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
     say("sampled", format!("{took}, {} solver", outcome.solver.flow));
-    if let Some(warning) = outcome.few_perfused() {
+    let Outcome { network, boundary, sampling, result, .. } = outcome;
+    if let Some(warning) = few_perfused(network, boundary, sampling, result.perfused) {
         say("warning", warning);
     }
     if let Some(stable) = outcome.stable {
