@@ -16,7 +16,6 @@ use willis_core::modulation::{
 use willis_core::network::units::{centipoise, ml_per_min, mmhg, mmhg_per_mm2};
 use willis_core::network::{Condition, Network};
 use willis_core::support::Distribution;
-use willis_core::support::gamma::Gamma;
 use willis_io::formats::{Column, NamedArray, Values, write_arrays, write_csv};
 use willis_io::output::{names, write_file, write_record};
 
@@ -395,7 +394,7 @@ fn hypertension_picture(outcome: &ModulationRun<'_>) -> Figure {
         let counts = found.counts.chunks(many).map(|counts| counts.iter().sum::<u64>() as f64);
         let density = counts.zip(edges.windows(2)).map(|(count, bin)| count / (total * (bin[1] - bin[0])));
         let fit = found.fit.filter(|_| found.distance <= FAR / (vessels as f64).sqrt());
-        let fit = fit.map(|fit| Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
+        let fit = fit.map(|fit| willis_core::support::gamma::Gamma { scale: mmhg_per_mm2(fit.gamma.scale), ..fit.gamma });
         let percent = |share: f64| if share.is_nan() { "-".to_owned() } else { format!("{:.1} %", 100.0 * share) };
         let risk = format!("{} at risk", percent(found.above));
         let heading = match fit {

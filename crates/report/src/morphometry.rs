@@ -12,7 +12,6 @@ use willis_core::morphometry::columns::{IN_REGION, MeasuredColumn, OF_BIFURCATIO
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::{Network, Role};
 use willis_core::support::kappa::{CohenKappa, cohen_kappa};
-use willis_core::support::statistics::weighted_quantile;
 use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 
@@ -158,7 +157,7 @@ fn spread(values: &[(f64, f64)]) -> [f64; 3] {
     let known = || values.iter().copied().filter(|(x, _)| x.is_finite());
     let total: f64 = known().map(|(_, weight)| weight).sum();
     let mean = known().map(|(x, weight)| x * weight).sum::<f64>() / total;
-    let quantile = |share| weighted_quantile(known(), share).unwrap_or(f64::NAN);
+    let quantile = |share| willis_core::support::statistics::weighted_quantile(known(), share).unwrap_or(f64::NAN);
     [mean, quantile(0.025), quantile(0.975)]
 }
 

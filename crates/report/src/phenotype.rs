@@ -1,15 +1,10 @@
 //! What is written of a Circle of Willis: phenotype.json, phenotype.csv, collateral.csv, supply.csv, accuracy.csv, and the page of a classification.
 
-use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::ops::Range;
 use std::path::Path;
 
-use serde::Serialize;
 use serde_json::{Map, Value, json};
 
 use crate::page::{PageKind, PageTable, colours, warnings, write_page};
-use crate::simulation::end_name;
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::network::units::{millimetres, milliseconds, ml_per_min};
@@ -25,10 +20,10 @@ use willis_models::circle_of_willis::{
 pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
 
 /// Figures of a whole network, by the names of their columns.
-pub type NamedFigures = Vec<(Cow<'static, str>, f64)>;
+pub type NamedFigures = Vec<(std::borrow::Cow<'static, str>, f64)>;
 
 /// What is said of each artery, by its name.
-pub fn by_artery<T: Serialize>(arteries: &[Artery], said: impl IntoIterator<Item = T>) -> Value {
+pub fn by_artery<T: serde::Serialize>(arteries: &[Artery], said: impl IntoIterator<Item = T>) -> Value {
     arteries.iter().zip(said).map(|(artery, said)| (artery.to_string(), json!(said))).collect()
 }
 
@@ -271,7 +266,7 @@ pub fn write_classified(folder: &Path, subject: &str, record: &Value, run: Optio
 fn name(network: &Network, destination: Destination) -> String {
     match destination {
         Destination::Territory(artery) => artery.to_string(),
-        Destination::Outlet(node) => end_name(network, node),
+        Destination::Outlet(node) => crate::simulation::end_name(network, node),
     }
 }
 
@@ -319,7 +314,7 @@ pub fn supply_json(network: &Network, supplies: &[Supply]) -> Value {
 pub type Segments = [bool; 7];
 
 /// The segments of the front, those of the back, and all: L-A1, R-A1, AComm, then P1 and PComm.
-const PARTS: [(&str, Range<usize>); 3] = [("anterior", 0..3), ("posterior", 3..7), ("circle", 0..7)];
+const PARTS: [(&str, std::ops::Range<usize>); 3] = [("anterior", 0..3), ("posterior", 3..7), ("circle", 0..7)];
 
 /// The columns of accuracy.csv, of pairs of what is true and what was found: a row for each segment, then for the variants of each part of the circle.
 ///
@@ -339,7 +334,7 @@ pub fn accuracy_columns(pairs: &[(Segments, Segments)]) -> Vec<Column> {
         (artery.to_string(), 1, Some(([hit, missed, invented, absent], rates)), share(hit + absent, pairs.len()), mean(&rates))
     });
     let parts = PARTS.into_iter().map(|(name, of)| {
-        let mut variants: BTreeMap<&[bool], [usize; 2]> = BTreeMap::new();
+        let mut variants = std::collections::BTreeMap::<&[bool], [usize; 2]>::new();
         for (truth, found) in pairs {
             let counts = variants.entry(&truth[of.clone()]).or_default();
             counts[0] += usize::from(truth[of.clone()] == found[of.clone()]);

@@ -1,7 +1,5 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
-use std::path::Path;
-
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
@@ -74,7 +72,7 @@ impl RunRecord {
     pub(crate) fn name(&self) -> String {
         let input = self.fields.iter().find(|(name, _)| *name == "input");
         let path = input.and_then(|(_, input)| input["path"].as_str()).unwrap_or_default();
-        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path).to_owned()
+        std::path::Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path).to_owned()
     }
 }
 

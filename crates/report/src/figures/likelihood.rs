@@ -1,7 +1,6 @@
 //! The likelihood matrix L as a picture with logarithmic colours, in the order of the nodes by inlet and fragment; and its convergence with the number of samples.
 
 use std::cmp::Reverse;
-use std::collections::HashSet;
 
 use super::axis::{LogRange, TickLabel, count_ticks, grouped};
 use super::colour::{GREY, INK, KEPT, PAPER, PRUNED, Rgb, ZERO, colour};
@@ -10,7 +9,6 @@ use super::sheet::{
     Align, BOLD, CURVE, FilledBox, HAIR, LegendKey, Mark, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, SMALL, Sheet,
     SheetPlace, TEXT, TICK, fitting,
 };
-use willis_core::flow::Boundary;
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::network::{Network, Origin, Role, fragments};
 use willis_core::sampling::Weight;
@@ -97,7 +95,7 @@ impl LikelihoodMatrix<'_> {
         let whole = self.grid("Likelihood matrix", |_| true, |_| true);
         let open = |at: usize| self.uncertain.get(at) == Some(&true) && self.entries[at].2 > 0.0;
         let of_open = self.entries.iter().enumerate().filter(|(at, _)| open(*at));
-        let nodes: HashSet<usize> = of_open.flat_map(|(_, (a, b, _))| [*a as usize, *b as usize]).collect();
+        let nodes: std::collections::HashSet<usize> = of_open.flat_map(|(_, (a, b, _))| [*a as usize, *b as usize]).collect();
         let some_certain = self.uncertain.contains(&false);
         let alone =
             (some_certain && !nodes.is_empty()).then(|| self.grid("Uncertain vessels", |node| nodes.contains(&node), open));
@@ -236,7 +234,7 @@ fn names(sheet: &mut Sheet, grid: &Grid, left: f64) {
 ///
 /// Within a block a node follows the one before it on the way from the inlet, or from the fragment's first node, smaller branches
 /// first, so that the two ends of an observed vessel stand side by side where they can.
-pub fn node_blocks(network: &Network, boundary: &Boundary) -> Vec<NodeBlock> {
+pub fn node_blocks(network: &Network, boundary: &willis_core::flow::Boundary) -> Vec<NodeBlock> {
     let count = network.node_count();
     let observed = network.vessels().enumerate().filter(|(_, (_, vessel))| vessel.origin == Origin::Observed);
     let at_node = lengths_at(count, observed.map(|(row, (ends, vessel))| (row, ends, vessel.length)));

@@ -4,7 +4,6 @@ use super::axis::LinearRange;
 use super::colour::{EACH, INK, PRUNED, Rgb, WHOLE};
 use super::figure::Figure;
 use super::sheet::{Align, BOLD, CURVE, HAIR, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, Sheet, TEXT, TICK};
-use willis_core::support::gamma::Gamma;
 use willis_io::output::names::{HYPERTENSION_PICTURE, MODULATION_PICTURE};
 
 /// Width of this picture and that of hypertension, points.
@@ -67,7 +66,22 @@ pub fn modulation(classes: &[String], panels: &[Panel; 3]) -> Figure {
     let at = |class: usize| left + room * (class as f64 + 0.5);
     let mut top = TOP;
     for panel in panels {
-        quantity(&mut sheet, panel, top, room, at);
+        let bottom = top + HEIGHT;
+        let figures = panel.boxes.iter().flat_map(|b| b.each.into_iter().chain(b.whole));
+        if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
+            let y = |value: f64| bottom - HEIGHT * range.share(value);
+            sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)));
+            sheet.dashed(SIDES.map(|x| [x, y(panel.unchanged)]), CURVE, INK);
+            for (class, boxes) in panel.boxes.iter().enumerate() {
+                for (quantiles, aside, rgb) in [(boxes.each, -ASIDE, EACH), (boxes.whole, ASIDE, WHOLE)] {
+                    if quantiles.iter().all(|q| q.is_finite()) {
+                        boxed(&mut sheet, at(class) + aside * room, BOX * room, quantiles.map(y), rgb);
+                    }
+                }
+            }
+        }
+        sheet.frame([left, top], [right - left, HEIGHT]);
+        sheet.upright(&panel.name, [NAME_LEFT, top + HEIGHT / 2.0]);
         top += HEIGHT + GAP;
     }
     for (class, name) in classes.iter().enumerate() {
@@ -77,26 +91,6 @@ pub fn modulation(classes: &[String], panels: &[Panel; 3]) -> Figure {
     }
     sheet.plain("modulation u, by class", [middle, foot], Align::Middle);
     Figure::new(MODULATION_PICTURE, [WIDTH, foot + FOOT[1]], sheet)
-}
-
-/// One panel below `top`.
-fn quantity(sheet: &mut Sheet, panel: &Panel, top: f64, room: f64, at: impl Fn(usize) -> f64) {
-    let ([left, right], bottom) = (SIDES, top + HEIGHT);
-    let figures = panel.boxes.iter().flat_map(|b| b.each.into_iter().chain(b.whole));
-    if let Some(range) = LinearRange::of(figures.chain([panel.unchanged])) {
-        let y = |value: f64| bottom - HEIGHT * range.share(value);
-        sheet.ticks_left(SIDES, range.ticks(TICKS).into_iter().map(|tick| (y(tick.at), tick.label)));
-        sheet.dashed(SIDES.map(|x| [x, y(panel.unchanged)]), CURVE, INK);
-        for (class, boxes) in panel.boxes.iter().enumerate() {
-            for (quantiles, aside, rgb) in [(boxes.each, -ASIDE, EACH), (boxes.whole, ASIDE, WHOLE)] {
-                if quantiles.iter().all(|q| q.is_finite()) {
-                    boxed(sheet, at(class) + aside * room, BOX * room, quantiles.map(y), rgb);
-                }
-            }
-        }
-    }
-    sheet.frame([left, top], [right - left, HEIGHT]);
-    sheet.upright(&panel.name, [NAME_LEFT, top + HEIGHT / 2.0]);
 }
 
 /// A box around x, with its quantiles at the heights `y`.
@@ -126,7 +120,7 @@ pub struct Histogram {
     /// The density in each bin, mm²/mmHg.
     pub density: Vec<f64>,
     /// The fit, in mmHg/mm².
-    pub fit: Option<Gamma>,
+    pub fit: Option<willis_core::support::gamma::Gamma>,
 }
 
 /// The forces of all classes.

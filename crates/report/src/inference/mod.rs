@@ -3,7 +3,6 @@
 mod outcome;
 
 use std::borrow::Cow;
-use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -21,10 +20,8 @@ use willis_core::decision::{
 };
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, Network, Node, Origin, fragments};
+use willis_core::network::{Frame, Network, Node, Origin, fragments, millimetres};
 use willis_core::sampling::{Likelihood, Snapshot};
-use willis_core::support::geometry::Point;
 use willis_io::formats::{
     Checksummed, Column, END_POSITION_COLUMNS, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv,
     write_graphml, write_npy, write_npz, write_swc, write_vtp,
@@ -196,7 +193,7 @@ pub fn overview(outcome: &Outcome<'_>, asked: &[Question], name: &str) -> Option
         certain: !outcome.result.uncertain[row],
         kept: answer.kept[row],
     });
-    let ring = |number, place: Point| Ring { place: place.map(millimetres), number };
+    let ring = |number, place: willis_core::support::geometry::Point| Ring { place: place.map(millimetres), number };
     let rings: Vec<Ring> = if asked.is_empty() {
         answer.undecided.iter().map(|row| ring(None, network.middle_of(network.ends(*row), network.vessel(*row)))).collect()
     } else {
@@ -227,17 +224,16 @@ pub fn overview(outcome: &Outcome<'_>, asked: &[Question], name: &str) -> Option
 
 /// Whether what names call left lies where x is less than at what they call right; false without names of both.
 fn left_is_low(outcome: &Outcome<'_>) -> bool {
-    let [mut left, mut right] = [(0.0, 0.0); 2];
     let network = outcome.network;
-    let labels = network.vessels().enumerate().map(|(row, (_, vessel))| (row, vessel.label.as_str()));
-    for (row, name) in labels.chain(outcome.arteries.iter().map(|(row, name)| (*row, name.as_str()))) {
-        let side = if name.starts_with("L-") { &mut left } else { &mut right };
-        if name.starts_with("L-") || name.starts_with("R-") {
-            let x = network.middle_of(network.ends(row), network.vessel(row))[0];
-            *side = (side.0 + x, side.1 + 1.0);
-        }
-    }
-    left.1 > 0.0 && right.1 > 0.0 && left.0 / left.1 < right.0 / right.1
+    let labels = network.vessels().enumerate().map(|(row, (_, vessel))| (row, &vessel.label));
+    let names: Vec<(usize, &String)> = labels.chain(outcome.arteries.iter().map(|(row, name)| (*row, name))).collect();
+    let mean = |side: &str| {
+        let rows = names.iter().filter(|(_, name)| name.starts_with(side)).map(|(row, _)| *row);
+        let x = rows.map(|row| network.middle_of(network.ends(row), network.vessel(row))[0]);
+        let (sum, count) = x.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
+        sum / count
+    };
+    mean("L-") < mean("R-")
 }
 
 /// From the front and from the patient's left as radiologists see it, where it is known which way that is.
@@ -342,7 +338,7 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
     columns.retain(|column| !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
     // What a person decided is certain to the run, and can be taken back on the page.
     let made = page.record["parameters"]["decisions"]["made"].as_array().into_iter().flatten();
-    let by_person: HashSet<usize> = made.filter_map(|d| Some(d["edge"].as_u64()? as usize)).collect();
+    let by_person: std::collections::HashSet<usize> = made.filter_map(|d| Some(d["edge"].as_u64()? as usize)).collect();
     let open = outcome.result.uncertain.iter().enumerate().map(|(row, open)| usize::from(*open || by_person.contains(&row)));
     columns.push(Column::whole(UNCERTAIN, open));
     let mut names = vec![String::new(); outcome.network.vessel_count()];

@@ -9,8 +9,6 @@ use serde_json::{Value, json};
 use crate::page::{ImagePlace, Segmentation};
 use crate::run_record::{CONDITIONS, Provenance, RunRecord, conditions, outlets_found};
 use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology, UNDECIDED_BAND, UNDECIDED_Z};
-use willis_core::flow::boundary_conditions::unfed_fragments;
-use willis_core::flow::floating_components::parts_that_carry;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{centipoise, millimetres};
 use willis_core::network::{Condition, Merged, Network, Origin, Role, dependents, fragments, if_parted, merge, weakest_of_loops};
@@ -438,7 +436,7 @@ fn touches(outcome: &Outcome<'_>, mut taken: BTreeSet<usize>) -> Vec<Question> {
 fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     let (network, answer) = (outcome.network, outcome.answer);
     let parts = fragments(network, |row, _| answer.kept[row]);
-    let carries = parts_that_carry(&parts, &outcome.held());
+    let carries = willis_core::flow::floating_components::parts_that_carry(&parts, &outcome.held());
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut length = vec![0.0; parts.count];
     // By part the probability of the candidate, or less than nothing, its width, its row and the node.
@@ -527,7 +525,7 @@ pub fn infer_record(
         "uncertain": result.uncertain.iter().filter(|u| **u).count(),
         "inlets": outcome.boundary.count(Role::Inlet),
         "outlets": outcome.boundary.count(Role::Outlet),
-        "unfed_fragments": unfed_fragments(network, outcome.boundary),
+        "unfed_fragments": willis_core::flow::boundary_conditions::unfed_fragments(network, outcome.boundary),
         "topology": topology(&outcome.kept),
         "topology_median": topology(&outcome.above_median),
         "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),

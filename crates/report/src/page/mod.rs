@@ -3,16 +3,12 @@
 pub mod lead;
 pub mod scene;
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use flate2::Compression;
-use flate2::write::GzEncoder;
 use serde::{Serialize, Serializer};
-use serde_json::ser::Formatter;
 use serde_json::{Value, json};
 
 use crate::figures::colour::{Rgb, colour};
@@ -20,13 +16,10 @@ use crate::figures::{DEFAULT_DPI, Figure};
 use crate::run_record::{ConditionRecord, RunRecord};
 use scene::PageScene;
 use willis_core::error;
-use willis_core::network::Role;
-use willis_core::network::units::millimetres;
-use willis_core::support::geometry::bounds;
+use willis_core::network::{Role, millimetres};
 use willis_io::formats::{Column, Texts, Values, escape};
 use willis_io::masks::cubes::{SIDE, STEP};
-use willis_io::output::names::PAGE;
-use willis_io::output::write_file;
+use willis_io::output::{names, write_file};
 use willis_models::circle_of_willis::LANDMARK_NOTE_ENDING;
 
 pub use scene::{ImagePlace, Segmentation};
@@ -78,7 +71,7 @@ impl Page {
     ///
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path) -> error::Result<()> {
-        write_file(&folder.join(PAGE), |out| write_page(out, &self.title, RUN, self))
+        write_file(&folder.join(names::PAGE), |out| write_page(out, &self.title, RUN, self))
     }
 }
 
@@ -233,7 +226,7 @@ impl PagePicture {
     /// When `dpi` is out of range, and when a file cannot be written.
     pub fn write(title: &'static str, caption: &str, figure: &Figure, folder: &Path, dpi: u32) -> error::Result<Self> {
         let drawing = figure.write(folder, dpi)?;
-        let mut packer = GzEncoder::new(Vec::new(), Compression::default());
+        let mut packer = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
         let packed = packer.write_all(drawing.as_bytes()).and_then(|()| packer.finish()).unwrap_or_default();
         let is_svg = (1..=LARGEST_SVG).contains(&packed.len());
         let source = STANDARD.encode(if is_svg { packed } else { figure.png(DEFAULT_DPI)? });
@@ -286,7 +279,7 @@ impl Serialize for PageScene {
     /// The points as four u16 each (x, y, z, radius), with the corner and the two step sizes that convert them to mm.
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let points = || self.vessels.iter().flatten().chain(self.markers.iter().map(|(place, ..)| place));
-        let [low, high] = bounds(points().map(|[x, y, z, _]| [*x, *y, *z]));
+        let [low, high] = willis_core::support::geometry::bounds(points().map(|[x, y, z, _]| [*x, *y, *z]));
         let widest = points().map(|[.., radius]| *radius).fold(0.0, f64::max);
         let extent = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
         let step = |range: f64| if range > 0.0 { range / f64::from(u16::MAX) } else { 1.0 };
@@ -351,7 +344,7 @@ fn integers(values: &[i64]) -> Value {
 
 /// The distinct words in the order of their first rows, and the number of the word for each row.
 fn words(values: &Texts) -> (Vec<&str>, Vec<i64>) {
-    let (mut number, mut list) = (HashMap::new(), Vec::new());
+    let (mut number, mut list) = (std::collections::HashMap::new(), Vec::new());
     let number_of = |text| {
         let next = number.len() as i64;
         *number.entry(text).or_insert_with(|| {
@@ -454,7 +447,7 @@ const UNSAFE: [char; 5] = ['<', '>', '&', '\u{2028}', '\u{2029}'];
 /// Writes JSON so that it is safe within a script element.
 struct ScriptSafe;
 
-impl Formatter for ScriptSafe {
+impl serde_json::ser::Formatter for ScriptSafe {
     fn write_string_fragment<W: Write + ?Sized>(&mut self, out: &mut W, text: &str) -> io::Result<()> {
         for part in text.split_inclusive(UNSAFE) {
             match part.char_indices().next_back().filter(|(_, last)| UNSAFE.contains(last)) {

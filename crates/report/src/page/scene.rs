@@ -6,8 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::figures::CoursePoint;
 use willis_core::flow::Boundary;
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, Role};
+use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
 use willis_io::masks::cubes::ImageCube;
 use willis_io::masks::{Affine, Foreground, RunLengths};

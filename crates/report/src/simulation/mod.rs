@@ -6,9 +6,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::figures::colour::Rgb;
 use super::figures::{SaveOptions, VesselFlow, flow_bars};
-use super::inference::condition_columns;
 use super::page::{ColourScale, Colouring, Page, PagePicture, PageTable, condition_table, facts, lead, list, scene, take};
 use super::run_record::{CONDITIONS, RunRecord, conditions, counts, outlets_found};
 use states::{
@@ -18,15 +16,13 @@ use states::{
 use willis_core::error::Result;
 use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
-use willis_core::morphometry::{MeasureContext, network_figures};
 use willis_core::network::units::{centipoise, millimetres, milliseconds, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Network, Node};
-use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, Simulation, gains, reversals};
 use willis_io::formats::{
-    Column, END_POSITION_COLUMNS, NamedArray, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns,
-    write_arrays, write_csv, write_vtp,
+    Column, END_POSITION_COLUMNS, NamedArray, vessel_columns, wall_columns, windkessel_columns, write_arrays, write_csv,
+    write_vtp,
 };
 use willis_io::output::names::{EDGES, HARMONICS, NODES, OCCLUSIONS, TERRITORIES, TOPOLOGY, TRANSIT, WAVEFORM_TABLE, WAVEFORMS};
 use willis_io::output::{StagedFolder, write_file, write_record};
@@ -46,7 +42,30 @@ impl SimulationRun<'_> {
 
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
     pub fn tables(&self) -> [Vec<Column>; 2] {
-        [node_columns(self), vessel_columns(self)]
+        let Self { network, boundary, result, .. } = self;
+        let (before, after) = (&result.unperturbed, result.perturbed.as_ref());
+        let mut nodes = super::inference::node_columns(network, boundary, &before.pressure, &vec![0; network.node_count()]);
+        nodes.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
+        let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
+        nodes.extend(after.map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter())));
+        nodes.extend(super::inference::condition_columns(network, boundary));
+        nodes.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
+        let mut vessels = vessel_columns(network);
+        vessels.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
+        vessels.extend(flow_columns(before, ""));
+        if let Some(after) = after {
+            vessels.extend(flow_columns(after, PERTURBED));
+            let pairs = before.vessels.iter().zip(&after.vessels);
+            let change = pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow));
+            vessels.push(Column::real("flow_change", change));
+        }
+        vessels.extend(wall_columns(network));
+        if let Some((pulses, _)) = &self.pulses {
+            nodes.extend(pulse_node_columns(pulses));
+            vessels.extend(pulse_vessel_columns(pulses));
+        }
+        vessels.extend(self.transports.as_ref().map(|found| transport_columns(self, found)).unwrap_or_default());
+        [nodes, vessels]
     }
 
     /// The tables of who feeds what and when blood arrives, as territories.csv and transit.csv have them, if that was asked for.
@@ -62,7 +81,7 @@ impl SimulationRun<'_> {
         let names = picture_names(network);
         let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));
         let gain = |row: usize| closures[row].takes_over.map_or(0.0, |change| change.gain());
-        let text = |name, of: &dyn Fn(&ClosedVessel) -> Option<String>| {
+        let text = |name, of: &dyn Fn(&willis_core::simulation::closures::ClosedVessel) -> Option<String>| {
             Column::text(name, closures.iter().map(|closure| of(closure).unwrap_or_default()))
         };
         Some(vec![
@@ -172,7 +191,7 @@ impl SimulationRun<'_> {
         };
         let list = |found: &[FlowChange]| found.iter().map(collateral).collect::<Value>();
         // The exponent that the radii of the network have at its bifurcations, beside the one by which outlets found have their resistance.
-        let figures = network_figures(network, |node| boundary.roles[node], MeasureContext::default());
+        let figures = willis_core::morphometry::network_figures(network, |node| boundary.roles[node], Default::default());
         let murray = json!({
             "exponent_median": Some(figures.murray).filter(|k| k.is_finite()),
             "bifurcations": figures.bifurcations,
@@ -215,38 +234,6 @@ fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbatio
         }
     }
     value
-}
-
-/// The columns of nodes.csv.
-pub fn node_columns(simulated: &SimulationRun<'_>) -> Vec<Column> {
-    let (network, boundary, result) = (&*simulated.network, &simulated.boundary, &simulated.result);
-    let mut columns =
-        super::inference::node_columns(network, boundary, &result.unperturbed.pressure, &vec![0; network.node_count()]);
-    columns.retain(|column| !["radius_mm", "component"].contains(&&*column.name));
-    let pressure = |state: &State| state.pressure.iter().map(|p| p.map_or(f64::NAN, mmhg)).collect::<Vec<_>>();
-    let perturbed = result.perturbed.as_ref().map(|state| Column::real("pressure_mmHg_perturbed", pressure(state).into_iter()));
-    columns.extend(perturbed);
-    columns.extend(condition_columns(network, boundary));
-    columns.extend(windkessel_columns(&network.nodes().map(Node::windkessel).collect::<Vec<_>>()));
-    columns.extend(simulated.pulses.as_ref().map(|(pulses, _)| pulse_node_columns(pulses)).unwrap_or_default());
-    columns
-}
-
-/// The columns of edges.csv.
-pub fn vessel_columns(simulated: &SimulationRun<'_>) -> Vec<Column> {
-    let (network, result) = (&*simulated.network, &simulated.result);
-    let mut columns = vessel_columns_of_graph(network);
-    columns.retain(|column| column.name != "origin" && !END_POSITION_COLUMNS.as_flattened().contains(&&*column.name));
-    columns.extend(flow_columns(&result.unperturbed, ""));
-    if let Some(perturbed) = &result.perturbed {
-        columns.extend(flow_columns(perturbed, PERTURBED));
-        let pairs = result.unperturbed.vessels.iter().zip(&perturbed.vessels);
-        columns.push(Column::real("flow_change", pairs.map(|(before, after)| ml_per_min(after.flow) - ml_per_min(before.flow))));
-    }
-    columns.extend(wall_columns(network));
-    columns.extend(simulated.pulses.as_ref().map(|(pulses, _)| pulse_vessel_columns(pulses)).unwrap_or_default());
-    columns.extend(simulated.transports.as_ref().map(|found| transport_columns(simulated, found)).unwrap_or_default());
-    columns
 }
 
 /// The columns of the flow in each vessel; `suffix` ends their names.
@@ -355,7 +342,7 @@ fn colourings(perturbed: bool) -> Vec<Colouring> {
 }
 
 /// The colourings by where blood comes from and when; the colours are in the table `at`.
-fn transport_colourings(legend: Vec<(String, Rgb)>, at: usize, perturbed: bool) -> [Colouring; 2] {
+fn transport_colourings(legend: Vec<(String, super::figures::colour::Rgb)>, at: usize, perturbed: bool) -> [Colouring; 2] {
     let supply = Colouring { legend, ..Colouring::new("blood from", "", ColourScale::Mixed, variants(at, MIXED, perturbed)) };
     let arrival = variants(0, "arrival_ms", perturbed);
     [supply, Colouring::new("mean time since entry", "ms", ColourScale::Linear, arrival)]

@@ -1,19 +1,14 @@
 //! A simulation with everything that its files need, and what is written of its transport and its pulse, in each state: as it is and perturbed.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
-use std::f64::consts::TAU;
 
 use num_complex::Complex64;
-use serde_json::Value;
 
 use crate::figures::colour::{EACH, GREEN, GREY, KEPT, PRUNED, PURPLE, Rgb, WHOLE, YELLOW};
 use crate::figures::{ArteryWaveform, Figure, OutletSupply, supply_bars, waveform_panels};
-use crate::run_record::Provenance;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
 use willis_core::network::{Network, RadiusRule, Vessel};
-use willis_core::simulation::closures::ClosedVessel;
 use willis_core::simulation::pulse::fourier::samples;
 use willis_core::simulation::pulse::indices::Indices;
 use willis_core::simulation::pulse::womersley::{TubeSegment, womersley_number};
@@ -32,7 +27,7 @@ pub struct SimulationRun<'a> {
     /// The condition of outlets without one.
     pub outlets: FoundOutlets,
     /// The command and input of the run.
-    pub provenance: Cow<'a, Provenance>,
+    pub provenance: Cow<'a, crate::run_record::Provenance>,
     /// Which radius stands for a vessel.
     pub radius_rule: RadiusRule,
     /// The changes.
@@ -44,14 +39,14 @@ pub struct SimulationRun<'a> {
     /// Where the blood comes from and when, if it was asked for.
     pub transports: Option<Transports>,
     /// What each closed vessel does, if that was asked for.
-    pub closures: Option<Vec<ClosedVessel>>,
+    pub closures: Option<Vec<willis_core::simulation::closures::ClosedVessel>>,
     /// The pulse, if it was asked for, and its record.
-    pub pulses: Option<(Pulses, Value)>,
+    pub pulses: Option<(Pulses, serde_json::Value)>,
 }
 
 /// What each vessel is called in pictures: its label; where this is empty or not unique the name has the row.
 pub(super) fn picture_names(network: &Network) -> Vec<String> {
-    let mut uses = BTreeMap::new();
+    let mut uses = std::collections::BTreeMap::new();
     network.vessels().for_each(|(_, vessel)| *uses.entry(vessel.label.as_str()).or_insert(0_usize) += 1);
     let name = |(row, (_, vessel)): (usize, (_, &Vessel))| match vessel.label.as_str() {
         "" => format!("edge {row}"),
@@ -246,7 +241,7 @@ pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
             pulse.vessels.iter().map(|v| v.pressure.as_ref().map(|p| Indices::of(p, period, 0.0))).collect();
         let shears: Vec<[f64; 3]> = rows.clone().map(|row| shear(pulses, pulse, row)).collect();
         let speed = |row: usize, of: &dyn Fn(&TubeSegment) -> f64| pulse.walls[row].halves[0].first().map_or(f64::NAN, of);
-        let frequency = TAU / period;
+        let frequency = std::f64::consts::TAU / period;
         let mut push = |name: &str, of: &dyn Fn(usize) -> f64| {
             columns.push(Column::real(format!("{name}{suffix}"), rows.clone().map(of)));
         };
