@@ -10,7 +10,6 @@ use serde_json::{Map, Value, json};
 
 use crate::figures::{FRONT, units};
 use crate::page::{PageKind, PageTable, write_page};
-use crate::phenotype::CircleFigures;
 use willis_core::error::Result;
 use willis_io::formats::tables::reader::plural;
 use willis_io::formats::{Column, Covariates, Values, escape_formula, write_csv};
@@ -249,7 +248,8 @@ pub fn phenotype_figures(record: &Value) -> Figures {
         let of_segment = |segment| (format!("p_{segment}").into(), json!(probabilities["segments"][segment].as_f64()));
         figures.extend(segments().map(of_segment));
     }
-    figures.extend(CircleFigures::in_phenotype(phenotype).columns().into_iter().map(|(name, x)| (name, json!(x))));
+    figures
+        .extend(crate::phenotype::CircleFigures::in_phenotype(phenotype).columns().into_iter().map(|(name, x)| (name, json!(x))));
     for feeder in FEEDERS.map(|artery| artery.to_string()) {
         let Some(collateral) = record["collateral"].get(&feeder) else { continue };
         figures.push((format!("takes_over_{feeder}").into(), text(&collateral["takes_over"])));

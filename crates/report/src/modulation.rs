@@ -1,14 +1,12 @@
 //! What is written of a resistance modulation: tables, arrays, pictures, its record and its page.
 
 use std::borrow::Cow;
-use std::path::Path;
 
 use serde_json::{Value, json};
 
 use crate::figures::{Boxes, Figure, Histogram, Histograms, Panel, SaveOptions, hypertension, modulation};
 use crate::page::{ColourScale, Colouring, Page, PagePicture, PageTable, condition_table, facts, lead, scene};
 use crate::run_record::{CONDITIONS, Provenance, RunRecord, conditions, counts, outlets_found};
-use willis_core::error::Result;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::modulation::{
     BINS, Class, Hypertension, HypertensionByClass, Instances, Modulation, ModulationOptions, Reading,
@@ -98,7 +96,7 @@ impl ModulationRun<'_> {
     /// # Errors
     ///
     /// A file that cannot be written.
-    pub fn write(&self, folder: &Path, instances: bool, options: &SaveOptions) -> Result<()> {
+    pub fn write(&self, folder: &std::path::Path, instances: bool, options: &SaveOptions) -> willis_core::error::Result<()> {
         options.validate()?;
         let tables = [class_columns(self), node_columns(self), vessel_columns(self), hypertension_columns(self)];
         for (name, columns) in [names::CLASSES, names::NODES, names::EDGES, names::HYPERTENSION].into_iter().zip(&tables) {
@@ -399,8 +397,11 @@ fn hypertension_picture(outcome: &ModulationRun<'_>) -> Figure {
         let risk = format!("{} at risk", percent(found.above));
         let heading = match fit {
             Some(gamma) => {
-                let (shape, mean, by_fit) = (gamma.shape, three_digits(gamma.shape * gamma.scale), percent(found.above_by_fit));
-                format!("u {}: {risk}, {by_fit} by the fit (shape {shape:.2}, mean {mean} mmHg/mm\u{b2})", name(class))
+                let (shape, mean, by_fit) = (gamma.shape, gamma.shape * gamma.scale, percent(found.above_by_fit));
+                // With three digits.
+                let decimals = (2.0 - mean.log10().floor()).clamp(0.0, 9.0) as usize;
+                let fit = format!("shape {shape:.2}, mean {mean:.decimals$} mmHg/mm\u{b2}");
+                format!("u {}: {risk}, {by_fit} by the fit ({fit})", name(class))
             }
             None if found.distance.is_nan() => format!("u {}: {risk}", name(class)),
             None => format!("u {}: {risk}; no gamma distribution fits", name(class)),
@@ -413,22 +414,13 @@ fn hypertension_picture(outcome: &ModulationRun<'_>) -> Figure {
     hypertension(&histograms)
 }
 
-/// A positive number with three digits.
-fn three_digits(x: f64) -> String {
-    let decimals = (2.0 - x.log10().floor()).clamp(0.0, 9.0) as usize;
-    format!("{x:.decimals$}")
-}
-
-/// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns, column of its variation.
-const QUANTITIES: [(&str, &str, &str, &str); 4] = [
-    ("flow", "mL/min", "flow_mL_per_min", "flow_variation"),
-    ("pressure drop", "mmHg", "drop_mmHg", "drop_variation"),
-    ("resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation"),
-    ("hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation"),
+/// The quantities of a vessel in the order of edges.csv: name, unit, start of the names of its columns; column of its variation, and name of that.
+const QUANTITIES: [[&str; 5]; 4] = [
+    ["flow", "mL/min", "flow_mL_per_min", "flow_variation", "variation of flow"],
+    ["pressure drop", "mmHg", "drop_mmHg", "drop_variation", "variation of pressure drop"],
+    ["resilience \u{3c1}", "W/m\u{b3}", "resilience_W_per_m3", "resilience_variation", "variation of resilience"],
+    ["hypertension", "mmHg/mm\u{b2}", "hypertension_mmHg_per_mm2", "hypertension_variation", "variation of hypertension"],
 ];
-/// The names of the colourings by variation.
-const VARIATION: [&str; 4] =
-    ["variation of flow", "variation of pressure drop", "variation of resilience", "variation of hypertension"];
 
 /// The figures of the page.
 const FACTS: [(&str, &str, &str); 8] = [
@@ -469,9 +461,8 @@ fn of_class(outcome: &ModulationRun<'_>, tidy: &[Column], class: usize) -> Vec<C
     };
     let first = |column: &&Column| ["edge", "node_a", "node_b", "label"].contains(&&*column.name);
     let rows: Vec<usize> = (0..vessels).map(|vessel| row(vessel, 0)).collect();
-    let of_rows: Vec<Column> = tidy.iter().filter(first).cloned().collect();
-    let mut columns = crate::inference::select(&of_rows, &rows);
-    for (quantity, (_, _, name, variation_name)) in QUANTITIES.into_iter().enumerate() {
+    let mut columns: Vec<Column> = tidy.iter().filter(first).map(|column| crate::inference::picked(column, &rows)).collect();
+    for (quantity, [_, _, name, variation_name, _]) in QUANTITIES.into_iter().enumerate() {
         let of = |name: &str| (0..vessels).map(|v| figures(name)[row(v, quantity)]).collect::<Vec<f64>>();
         let (mean, std) = (of("mean"), of("std"));
         let variation = mean.iter().zip(&std).map(|(mean, std)| if *mean == 0.0 { f64::NAN } else { std / mean.abs() });
@@ -491,7 +482,7 @@ fn colourings(classes: &[String]) -> Vec<Colouring> {
         let variant = move |(at, class): (usize, &String)| (format!("u in {class}"), at, column.clone());
         classes.iter().enumerate().map(variant)
     };
-    let each = QUANTITIES.into_iter().zip(VARIATION).map(|((name, unit, column, variation), of)| {
+    let each = QUANTITIES.into_iter().map(|[name, unit, column, variation, of]| {
         let at_rest = std::iter::once(("unperturbed".to_owned(), 0, format!("{column}_unperturbed")));
         let mean = Colouring::new(name, unit, ColourScale::Log, by_class(format!("{column}_mean")).chain(at_rest).collect());
         [mean, Colouring::new(of, "std / |mean|", ColourScale::Log, by_class(variation.to_owned()).collect())]

@@ -1,6 +1,6 @@
 //! The tables of what is measured: vessels.csv, bifurcations.csv, ends.csv, intervals.csv, the row of a subject in subjects.csv, what two readers say, and the page of a comparison.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 use std::io::{self, Write};
 
 use serde_json::{Value, json};
@@ -219,12 +219,10 @@ pub fn kappa_of(read: &[TwiceRead]) -> CohenKappa {
 
 /// The columns of readers.csv: a row for each kind of question, and one for all.
 pub fn reader_columns(read: &[TwiceRead]) -> Vec<Column> {
-    let mut kinds: Vec<&str> = read.iter().map(|row| row.kind).collect();
-    kinds.sort_unstable();
-    kinds.dedup();
+    let kinds: BTreeSet<&str> = read.iter().map(|row| row.kind).collect();
     let of = |kind: &str| read.iter().filter(|row| row.kind == kind).cloned().collect::<Vec<_>>();
-    let mut rows: Vec<(&str, Vec<TwiceRead>)> = kinds.into_iter().map(|kind| (kind, of(kind))).collect();
-    rows.push(("all", read.to_vec()));
+    let each = kinds.into_iter().map(|kind| (kind, of(kind)));
+    let rows: Vec<(&str, Vec<TwiceRead>)> = each.chain([("all", read.to_vec())]).collect();
     let found: Vec<CohenKappa> = rows.iter().map(|(_, read)| kappa_of(read)).collect();
     let counted = |name: String, counts: &dyn Fn(&TwiceRead) -> bool| {
         Column::whole(name, rows.iter().map(|(_, read)| read.iter().filter(|row| counts(row)).count()))

@@ -12,10 +12,9 @@ use tiny_skia::{
     Rect, Shader, SpreadMode, Stroke, StrokeDash, Transform,
 };
 
-use super::colour::{INK, MAP, Rgb};
 use super::sheet::{Align, DASH, EXPONENT, FilledBox, LIFT, LineStyle, Mark, POINTS_PER_INCH, Sheet, SheetPlace, em};
+use super::{INK, MAP, Rgb};
 use willis_core::error::{Error, Result};
-use willis_io::formats::escape;
 use willis_io::output::write_file;
 
 /// The default resolution, pixels per inch.
@@ -266,7 +265,7 @@ fn element(name: &str, mark: &Mark) -> io::Result<String> {
                 "" => String::new(),
                 exponent => format!("<tspan dy=\"{up}\" font-size=\"{small}\">{exponent}</tspan>"),
             };
-            let (fill, size, text) = (hex(INK), size(*height), escape(&label.text));
+            let (fill, size, text) = (hex(INK), size(*height), willis_io::formats::escape(&label.text));
             let font = format!("font-family=\"{FONTS}\" font-weight=\"300\" font-size=\"{size}\"");
             format!("<text x=\"{x}\" y=\"{y}\" fill=\"{fill}\" {font}{anchor}{turned}>{text}{raised}</text>\n")
         }

@@ -3,12 +3,12 @@
 use std::cmp::Reverse;
 
 use super::axis::{LogRange, TickLabel, count_ticks, grouped};
-use super::colour::{GREY, INK, KEPT, PAPER, PRUNED, Rgb, ZERO, colour};
 use super::figure::Figure;
 use super::sheet::{
     Align, BOLD, CURVE, FilledBox, HAIR, LegendKey, Mark, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, SMALL, Sheet,
     SheetPlace, TEXT, TICK, fitting,
 };
+use super::{GREY, INK, KEPT, PAPER, PRUNED, Rgb, ZERO, colour};
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::network::{Network, Origin, Role, fragments};
 use willis_core::sampling::Weight;
@@ -134,7 +134,28 @@ pub fn heat_map(matrix: &LikelihoodMatrix<'_>, weight: Weight) -> Figure {
     let range = LogRange::of(grids.iter().flat_map(|grid| grid.cells.iter().map(|cell| cell.1)));
     let mut sheet = Sheet::default();
     for (at, grid) in grids.iter().enumerate() {
-        draw(&mut sheet, grid, left + at as f64 * (left + SIDE), range);
+        let left = left + at as f64 * (left + SIDE);
+        let ground = ([[left, TOP], [left + SIDE, TOP + SIDE]], ZERO);
+        let squares = range.map(|range| squares(grid, left, range)).unwrap_or_default();
+        sheet.marks.push(Mark::Boxes([ground].into_iter().chain(squares).collect()));
+        borders(&mut sheet, grid, left);
+        sheet.frame([left, TOP], [SIDE, SIDE]);
+        let middle = [left + SIDE / 2.0, TOP + SIDE / 2.0];
+        if grid.blocks.is_empty() {
+            if grid.rows > 0 {
+                for tick in count_ticks(grid.rows as u64 - 1, 6) {
+                    let at = (tick.at + 0.5) / grid.rows as f64 * SIDE;
+                    sheet.tick_below([left + at, TOP + SIDE], &tick.label, TEXT);
+                    sheet.tick_left([left, TOP + at], &tick.label, TEXT);
+                }
+            }
+            sheet.plain("node", [middle[0], TOP + SIDE + TICK + NAME_BELOW - 1.0], Align::Middle);
+            sheet.upright("node", [left - LEFT[0] + NAME_LEFT, middle[1]]);
+        } else {
+            names(&mut sheet, grid, left);
+            sheet.plain("nodes, by nearest inlet or by fragment", [middle[0], TOP + SIDE + 15.0], Align::Middle);
+        }
+        sheet.title(&grid.title, left);
     }
     let right = grids.len() as f64 * (left + SIDE);
     if let Some(range) = range {
@@ -147,30 +168,6 @@ pub fn heat_map(matrix: &LikelihoodMatrix<'_>, weight: Weight) -> Figure {
         sheet.plain("no likelihood above zero", [left + SIDE / 2.0, TOP + SIDE / 2.0], Align::Middle);
     }
     Figure::new(LIKELIHOOD_PICTURE, [right + RIGHT, HEIGHT], sheet)
-}
-
-fn draw(sheet: &mut Sheet, grid: &Grid, left: f64, range: Option<LogRange>) {
-    let ground = ([[left, TOP], [left + SIDE, TOP + SIDE]], ZERO);
-    let squares = range.map(|range| squares(grid, left, range)).unwrap_or_default();
-    sheet.marks.push(Mark::Boxes([ground].into_iter().chain(squares).collect()));
-    borders(sheet, grid, left);
-    sheet.frame([left, TOP], [SIDE, SIDE]);
-    let middle = [left + SIDE / 2.0, TOP + SIDE / 2.0];
-    if grid.blocks.is_empty() {
-        if grid.rows > 0 {
-            for tick in count_ticks(grid.rows as u64 - 1, 6) {
-                let at = (tick.at + 0.5) / grid.rows as f64 * SIDE;
-                sheet.tick_below([left + at, TOP + SIDE], &tick.label, TEXT);
-                sheet.tick_left([left, TOP + at], &tick.label, TEXT);
-            }
-        }
-        sheet.plain("node", [middle[0], TOP + SIDE + TICK + NAME_BELOW - 1.0], Align::Middle);
-        sheet.upright("node", [left - LEFT[0] + NAME_LEFT, middle[1]]);
-    } else {
-        names(sheet, grid, left);
-        sheet.plain("nodes, by nearest inlet or by fragment", [middle[0], TOP + SIDE + 15.0], Align::Middle);
-    }
-    sheet.title(&grid.title, left);
 }
 
 /// Both squares of every cell, at least as wide as a mark.

@@ -1,9 +1,9 @@
 //! The response to resistance modulation, a box over all vessels or nodes for each class and one for the whole network; and for each class the distribution of hypertension forces.
 
 use super::axis::LinearRange;
-use super::colour::{EACH, INK, PRUNED, Rgb, WHOLE};
 use super::figure::Figure;
 use super::sheet::{Align, BOLD, CURVE, HAIR, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, REFERENCE, Sheet, TEXT, TICK};
+use super::{EACH, INK, PRUNED, Rgb, WHOLE};
 use willis_io::output::names::{HYPERTENSION_PICTURE, MODULATION_PICTURE};
 
 /// Width of this picture and that of hypertension, points.

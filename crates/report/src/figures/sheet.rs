@@ -6,7 +6,7 @@ use ab_glyph::{Font, FontRef, GlyphId, OutlineCurve, Point};
 use tiny_skia::{Path, PathBuilder};
 
 use super::axis::TickLabel;
-use super::colour::{GRID, INK, Rgb};
+use super::{GRID, INK, Rgb};
 
 /// Places and lengths on a page are in points.
 pub const POINTS_PER_INCH: f64 = 72.0;

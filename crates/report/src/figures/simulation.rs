@@ -1,11 +1,11 @@
 //! What is drawn of a simulation: the flow of each vessel as bars, whose blood every outlet gets, and the flow of arteries over a cycle.
 
 use super::axis::{LinearRange, TickLabel};
-use super::colour::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use super::figure::Figure;
 use super::sheet::{
     Align, HAIR, LEGEND_AT, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, SMALL, Sheet, TEXT, TICK, fitting, room,
 };
+use super::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
 use willis_io::output::names::{FLOW_PICTURE, TERRITORY_PICTURE, WAVEFORM_PICTURE};
 
 /// Width of a figure of bars, points.

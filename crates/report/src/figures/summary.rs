@@ -1,10 +1,9 @@
 //! A run in one picture: the vessels from two sides with their courses smoothed, the candidates by their probability, and the counts.
 
 use super::axis::TickLabel;
-use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 use super::figure::Figure;
 use super::sheet::{Align, LEGEND_AT, LineStyle, POINTS_PER_INCH, SMALL, Sheet, SheetPlace, TEXT, TITLE, fitting};
-use willis_io::output::names::SUMMARY_PICTURE;
+use super::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 
 const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 4.1 * POINTS_PER_INCH];
 /// Left edge of each panel, their top, and their width and height, points.
@@ -103,10 +102,16 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             sheet.plain(text, [x, centre[1]], Align::Middle);
         }
     }
-    scale_bar(&mut sheet, scale);
+    // The scale bar.
+    let widest = 60.0 / scale;
+    let ten = 10_f64.powf(widest.log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
+    let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
+    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0);
+    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin);
     let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, TickLabel::plain(share.to_string())));
     sheet.colour_bar(BAR, BAR_HEIGHT, ticks, "probability");
-    Figure::new(SUMMARY_PICTURE, PAGE, sheet)
+    Figure::new(willis_io::output::names::SUMMARY_PICTURE, PAGE, sheet)
 }
 
 /// A piece of a vessel on the page: how near it is, its course, its width and its colour.
@@ -154,8 +159,7 @@ fn seen(p: &[f64; 4], view: &Projection) -> [f64; 2] {
 
 /// The pieces of all vessels from far to near; those that are uncertain come last, so that nothing hides them.
 fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn(&[f64; 4]) -> [f64; 2]) -> Vec<DrawnPiece> {
-    let ([a, b, c], [d, e, f]) = (view.right, view.up);
-    let back = [b * f - c * e, c * d - a * f, a * e - b * d];
+    let back = willis_core::support::geometry::cross(view.right, view.up);
     let depth = |p: &[f64; 4]| (0..3).map(|axis| back[axis] * p[axis]).sum::<f64>();
     let certain = || vessels.iter().filter(|vessel| vessel.certain).flat_map(|vessel| &vessel.course).map(&depth);
     let [far, near] = [certain().fold(f64::INFINITY, f64::min), certain().fold(f64::NEG_INFINITY, f64::max)];
@@ -184,15 +188,6 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
     }
     all.sort_by(|a: &DrawnPiece, b| a.0.total_cmp(&b.0));
     all
-}
-
-fn scale_bar(sheet: &mut Sheet, scale: f64) {
-    let widest = 60.0 / scale;
-    let ten = 10_f64.powf(widest.log10().floor());
-    let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
-    let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
-    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0);
-    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin);
 }
 
 /// x, y, z and radius, mm.

@@ -32,8 +32,8 @@ use willis_io::output::names::{
 use willis_io::output::{write_file, write_record};
 
 pub use outcome::{
-    Outcome, SolverRecord, agreement, condition_columns, few_perfused, infer_record, node_columns, questions, review_columns,
-    select, vessel_columns,
+    Outcome, SolverRecord, agreement, condition_columns, few_perfused, infer_record, node_columns, picked, questions,
+    review_columns, vessel_columns,
 };
 
 /// The largest matrix written densely, in nodes.
@@ -159,7 +159,8 @@ fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], not
     vessels.extend(stated_columns(graph));
     let file = |ending: &str| folder.join(format!("{name}.{ending}"));
     // A copy only of what differs.
-    let mut some = (merged.nodes.len() < outcome.network.node_count()).then(|| select(&all_nodes, &merged.nodes));
+    let mut some = (merged.nodes.len() < outcome.network.node_count())
+        .then(|| all_nodes.iter().map(|column| picked(column, &merged.nodes)).collect::<Vec<_>>());
     let nodes = some.as_mut().unwrap_or(&mut all_nodes);
     nodes.extend(windkessel_columns(&graph.nodes().map(Node::windkessel).collect::<Vec<_>>()));
     write_file(&file("graphml"), |out| write_graphml(out, graph, nodes, &vessels))?;
@@ -384,12 +385,9 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
-    if !outcome.suggested_cuts.is_empty() {
-        names.push(("suggested cuts", "/counts/suggested_cuts", ""));
-    }
+    names.extend((!outcome.suggested_cuts.is_empty()).then_some(("suggested cuts", "/counts/suggested_cuts", "")));
     if outcome.contacts() > 0 {
-        names.push(("contacts of vessels", "/counts/contacts", ""));
-        names.push(("cut of these", "/counts/cut", ""));
+        names.extend([("contacts of vessels", "/counts/contacts", ""), ("cut of these", "/counts/cut", "")]);
     }
     if evidence {
         names.push(("expected wrong connections", "/expected_errors/wrong", ""));
@@ -400,25 +398,18 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
     let (vessels, nodes) = (Some(table("Vessels", columns, true)), Some(table("Nodes", nodes, false)));
     page.tables = [vessels, suggested, pairings, nodes, condition_table(&run.conditions)].into_iter().flatten().collect();
     page.facts = facts(&page.record, &names);
-    page.colourings = colourings(unit, evidence);
-    page.threshold = threshold(outcome, unit);
-    page
-}
-
-fn colourings(unit: &'static str, evidence: bool) -> Vec<Colouring> {
     let colouring = |name, unit, scale, uncertain_only, column| Colouring {
         uncertain_only,
         ..Colouring::new(name, unit, scale, vec![(String::new(), 0, String::from(column))])
     };
-    let mut all = vec![
+    page.colourings.extend(evidence.then(|| colouring("probability P", "", ColourScale::Share, true, "probability")));
+    page.colourings.extend([
         colouring("likelihood L", unit, ColourScale::Log, true, "likelihood"),
         colouring("frequency in the forest", "", ColourScale::Share, true, "frequency"),
         colouring("radius", "mm", ColourScale::Linear, false, "radius_mm"),
-    ];
-    if evidence {
-        all.insert(0, colouring("probability P", "", ColourScale::Share, true, "probability"));
-    }
-    all
+    ]);
+    page.threshold = threshold(outcome, unit);
+    page
 }
 
 /// The threshold on a column of the first table that the reader can move.

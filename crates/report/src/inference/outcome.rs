@@ -208,7 +208,7 @@ pub fn merged_columns(network: &Network, merged: &Merged<'_>, vessels: Vec<Colum
         }
         (name, _) => match own.iter().position(|own| own.name == name && name != "edge") {
             Some(at) => own.swap_remove(at),
-            None => Column { values: picked(&all.values, &first), name: all.name },
+            None => picked(&all, &first),
         },
     };
     vessels.into_iter().map(column).chain([edges]).collect()
@@ -292,17 +292,14 @@ pub fn pairing_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
     (!outcome.pairings.is_empty()).then_some(columns)
 }
 
-/// The rows of some columns.
-pub fn select(columns: &[Column], rows: &[usize]) -> Vec<Column> {
-    columns.iter().map(|c| Column { name: c.name.clone(), values: picked(&c.values, rows) }).collect()
-}
-
-fn picked(values: &Values, rows: &[usize]) -> Values {
-    match values {
+/// Some rows of a column.
+pub fn picked(column: &Column, rows: &[usize]) -> Column {
+    let values = match &column.values {
         Values::Real(v) => Values::Real(rows.iter().map(|r| v[*r]).collect()),
         Values::Integer(v) => Values::Integer(rows.iter().map(|r| v[*r]).collect()),
         Values::Text(v) => Values::Text(rows.iter().map(|r| &v[*r]).collect()),
-    }
+    };
+    Column { name: column.name.clone(), values }
 }
 
 /// A part without flow is asked about from this length on, and what is kept of masks if it is expected to be wrong about more than this, m.

@@ -11,8 +11,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
-use crate::figures::colour::{Rgb, colour};
-use crate::figures::{DEFAULT_DPI, Figure};
+use crate::figures::{DEFAULT_DPI, Figure, Rgb, colour};
 use crate::run_record::{ConditionRecord, RunRecord};
 use scene::PageScene;
 use willis_core::error;
@@ -356,13 +355,10 @@ fn words(values: &Texts) -> (Vec<&str>, Vec<i64>) {
     (list, rows)
 }
 
-/// The frame around the content of every page.
-const FRAME: &str = include_str!("assets/frame.html");
 /// The section of a Circle of Willis, which several pages have.
 const CIRCLE: &str = include_str!("assets/circle.html");
 /// How to repeat a run, on the pages that say so.
 const RUN_SECTION: &str = include_str!("assets/run.html");
-const STYLE: &str = include_str!("assets/page.css");
 /// The scripts by name, in the order that they have on any page; each has one purpose and uses those before it.
 const SCRIPTS: [(&str, &str); 31] = [
     ("dom", include_str!("assets/dom.js")),
@@ -420,13 +416,13 @@ pub(crate) fn write_page(
     [goal, main, scripts]: PageKind,
     data: &impl Serialize,
 ) -> io::Result<()> {
-    let mut rest = FRAME;
+    let mut rest = include_str!("assets/frame.html");
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
         out.write_all(before.as_bytes())?;
         match name {
             "title" => out.write_all(escape(title).as_bytes())?,
-            "style" => out.write_all(STYLE.as_bytes())?,
+            "style" => out.write_all(include_bytes!("assets/page.css"))?,
             "goal" => out.write_all(goal.as_bytes())?,
             "main" => out.write_all(main.replace("{{circle}}", CIRCLE).replace("{{run}}", RUN_SECTION).as_bytes())?,
             "data" => data.serialize(&mut serde_json::Serializer::with_formatter(&mut *out, ScriptSafe))?,

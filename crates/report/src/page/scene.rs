@@ -5,7 +5,6 @@ use base64::engine::general_purpose::STANDARD;
 use serde::{Deserialize, Serialize};
 
 use crate::figures::CoursePoint;
-use willis_core::flow::Boundary;
 use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
 use willis_io::masks::cubes::ImageCube;
@@ -32,7 +31,7 @@ pub type Marker = (CoursePoint, &'static str, String);
 /// # Errors
 ///
 /// A message for the reader when nodes have no coordinates.
-pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String> {
+pub fn scene(network: &Network, boundary: &willis_core::flow::Boundary) -> Result<PageScene, String> {
     if !network.has_positions() {
         return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
     }

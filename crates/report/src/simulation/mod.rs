@@ -2,8 +2,6 @@
 
 mod states;
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 
 use super::figures::{SaveOptions, VesselFlow, flow_bars};
@@ -13,7 +11,6 @@ use states::{
     MIXED, flow_samples, harmonics, inlet_colours, picture_names, pulse_node_columns, supply_columns, supply_picture,
     territory_columns, transit_columns, transport_columns, waveform_arrays, waveform_columns, waveform_picture,
 };
-use willis_core::error::Result;
 use willis_core::flow::FoundOutlets;
 use willis_core::flow::state::{LAMINAR_LIMIT, State, VesselState};
 use willis_core::network::units::{centipoise, millimetres, milliseconds, ml_per_min, mmhg, mmhg_s_per_ml};
@@ -113,7 +110,7 @@ impl SimulationRun<'_> {
     /// # Errors
     ///
     /// The folder exists, or cannot be written.
-    pub fn save(&self, folder: &Path, force: bool, options: &SaveOptions) -> Result<Vec<String>> {
+    pub fn save(&self, folder: &std::path::Path, force: bool, options: &SaveOptions) -> willis_core::error::Result<Vec<String>> {
         options.validate()?;
         let staged = StagedFolder::new(folder, force)?;
         let (folder, dpi, mut notes) = (&staged.path(), options.dpi, Vec::new());
@@ -125,7 +122,13 @@ impl SimulationRun<'_> {
         } else {
             notes.push("topology.vtp is left out: the nodes have no coordinates".to_owned());
         }
-        let bars = flow_bars(&flows(self));
+        let Simulation { unperturbed, perturbed } = &self.result;
+        let flow = |(row, name): (usize, String)| VesselFlow {
+            name,
+            unperturbed: ml_per_min(unperturbed.vessels[row].flow),
+            perturbed: perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
+        };
+        let bars = flow_bars(&picture_names(&self.network).into_iter().enumerate().map(flow).collect::<Vec<_>>());
         let caption = "The flow of every vessel, and its flow in the perturbed network if there is one.";
         let mut figures = vec![PagePicture::write("Flow", caption, &bars, folder, dpi)?];
         if let Some((transports, [territories, transit])) = self.transports.as_ref().zip(self.transport_tables()) {
@@ -220,20 +223,15 @@ impl SimulationRun<'_> {
 }
 
 fn perturbation(network: &Network, Perturbation { vessel, change }: &Perturbation) -> Value {
-    let mut value = json!({ "edge": vessel, "label": network.vessel(*vessel).label });
+    let label = &network.vessel(*vessel).label;
     match change {
-        Change::Occlusion => value["kind"] = json!("occlusion"),
-        Change::Tortuosity(factor) => {
-            value["kind"] = json!("tortuosity");
-            value["length_factor"] = json!(factor);
-        }
-        Change::Stenosis(stenosis) => {
-            value["kind"] = json!("stenosis");
-            value["open_diameter_share"] = json!(stenosis.open_diameter);
-            value["stretch_mm"] = json!(stenosis.stretch.map(millimetres));
-        }
+        Change::Occlusion => json!({ "edge": vessel, "label": label, "kind": "occlusion" }),
+        Change::Tortuosity(factor) => json!({ "edge": vessel, "label": label, "kind": "tortuosity", "length_factor": factor }),
+        Change::Stenosis(stenosis) => json!({
+            "edge": vessel, "label": label, "kind": "stenosis",
+            "open_diameter_share": stenosis.open_diameter, "stretch_mm": stenosis.stretch.map(millimetres),
+        }),
     }
-    value
 }
 
 /// The columns of the flow in each vessel; `suffix` ends their names.
@@ -249,17 +247,6 @@ fn flow_columns(state: &State, suffix: &str) -> Vec<Column> {
         figure("resilience_W_per_m3", |v| v.resilience),
         Column::whole(format!("diffused{suffix}"), state.vessels.iter().map(|v| usize::from(v.diffused))),
     ]
-}
-
-/// The flow of every vessel.
-fn flows(simulated: &SimulationRun<'_>) -> Vec<VesselFlow> {
-    let result = &simulated.result;
-    let flow = |(row, name): (usize, String)| VesselFlow {
-        name,
-        unperturbed: ml_per_min(result.unperturbed.vessels[row].flow),
-        perturbed: result.perturbed.as_ref().map(|state| ml_per_min(state.vessels[row].flow)),
-    };
-    picture_names(&simulated.network).into_iter().enumerate().map(flow).collect()
 }
 
 /// The figures that colour the vessels: name, unit, column.
@@ -294,9 +281,16 @@ fn page(
     let (tables, colours) = (&mut page.tables, &mut page.colourings);
     tables.extend([PageTable::new("Vessels", vessels, true), PageTable::new("Nodes", nodes, false)]);
     tables.extend(lists.into_iter().flatten());
-    colours.extend(colourings(perturbed));
+    let of = |(name, unit, column)| Colouring::new(name, unit, ColourScale::Log, variants(0, column, perturbed));
+    colours.extend(COLOURINGS.map(of));
+    let of_change = perturbed.then(|| vec![(String::new(), 0, "flow_change".to_owned())]);
+    colours.extend(of_change.map(|column| Colouring::new("change of flow", "mL/min", ColourScale::Diverging, column)));
     if let Some(transports) = &simulated.transports {
-        colours.extend(transport_colourings(inlet_colours(simulated, transports), tables.len(), perturbed));
+        // By where blood comes from and when; the colours are in the next table.
+        let (legend, mixed) = (inlet_colours(simulated, transports), variants(tables.len(), MIXED, perturbed));
+        colours.push(Colouring { legend, ..Colouring::new("blood from", "", ColourScale::Mixed, mixed) });
+        let arrival = variants(0, "arrival_ms", perturbed);
+        colours.push(Colouring::new("mean time since entry", "ms", ColourScale::Linear, arrival));
         tables.push(PageTable::new("Blood of each vessel by inlet", supply_columns(simulated, transports), true));
         tables.push(PageTable::new("Arrival", transit_columns(simulated, transports), false));
     }
@@ -331,21 +325,6 @@ const PERTURBED_FACTS: [(&str, &str, &str); 5] = [
 fn variants(at: usize, column: &str, perturbed: bool) -> Vec<(String, usize, String)> {
     let states = [("perturbed", PERTURBED), ("unperturbed", "")].into_iter().filter(|(_, suffix)| perturbed || suffix.is_empty());
     states.map(|(name, suffix)| (name.to_owned(), at, format!("{column}{suffix}"))).collect()
-}
-
-fn colourings(perturbed: bool) -> Vec<Colouring> {
-    let each =
-        COLOURINGS.map(|(name, unit, column)| Colouring::new(name, unit, ColourScale::Log, variants(0, column, perturbed)));
-    let of_change = vec![(String::new(), 0, "flow_change".to_owned())];
-    let change = Colouring::new("change of flow", "mL/min", ColourScale::Diverging, of_change);
-    each.into_iter().chain(perturbed.then_some(change)).collect()
-}
-
-/// The colourings by where blood comes from and when; the colours are in the table `at`.
-fn transport_colourings(legend: Vec<(String, super::figures::colour::Rgb)>, at: usize, perturbed: bool) -> [Colouring; 2] {
-    let supply = Colouring { legend, ..Colouring::new("blood from", "", ColourScale::Mixed, variants(at, MIXED, perturbed)) };
-    let arrival = variants(0, "arrival_ms", perturbed);
-    [supply, Colouring::new("mean time since entry", "ms", ColourScale::Linear, arrival)]
 }
 
 /// At how many times of the cycle the slider stops, and up to how many figures in all the page holds.

@@ -4,8 +4,10 @@ use std::borrow::Cow;
 
 use num_complex::Complex64;
 
-use crate::figures::colour::{EACH, GREEN, GREY, KEPT, PRUNED, PURPLE, Rgb, WHOLE, YELLOW};
-use crate::figures::{ArteryWaveform, Figure, OutletSupply, supply_bars, waveform_panels};
+use crate::figures::{
+    ArteryWaveform, EACH, Figure, GREEN, GREY, KEPT, OutletSupply, PRUNED, PURPLE, Rgb, WHOLE, YELLOW, supply_bars,
+    waveform_panels,
+};
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
 use willis_core::network::{Network, RadiusRule, Vessel};
