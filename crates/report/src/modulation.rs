@@ -214,7 +214,7 @@ fn of_network(outcome: &ModulationRun<'_>, instances: &Instances) -> [(&'static 
 
 /// classes.csv: the figures of the whole network. Mean drops are means of |ΔP|; mean pressures leave out nodes of fixed pressure.
 /// Floating components are left out.
-pub fn class_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+fn class_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     let mut rows = Vec::new();
     let at_rest = of_network(outcome, &outcome.result.unperturbed);
     for (class, instances) in &outcome.result.classes {
@@ -249,7 +249,7 @@ fn by_item(outcome: &ModulationRun<'_>, items: usize, quantities: &[InstanceFigu
 }
 
 /// nodes.csv: the pressure of every node by class.
-pub fn node_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+fn node_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     let network = &*outcome.network;
     let rows = by_item(outcome, network.node_count(), &[("pressure_mmHg", |i| &i.pressure, mmhg)]);
     let of_node = vec![
@@ -261,7 +261,7 @@ pub fn node_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
 }
 
 /// edges.csv: flow, drop, resilience and hypertension of every vessel by class. Flow and drop are positive from `node_a` to `node_b`.
-pub fn vessel_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+fn vessel_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     let network = &*outcome.network;
     let quantities: [InstanceFigure; 4] = [
         ("flow_mL_per_min", |i| &i.flow, ml_per_min),
@@ -282,32 +282,26 @@ pub fn vessel_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
 /// A row of hypertension.csv: class, kind and quantity; the range of forces (Pa/m²); value and its standard error.
 type HypertensionRow<'a> = ([&'a str; 3], [f64; 2], [f64; 2]);
 
-fn hypertension_rows<'a>(class: &'a str, found: &Hypertension, edges: &[f64], threshold: f64) -> Vec<HypertensionRow<'a>> {
-    const NONE: f64 = f64::NAN;
-    let bins = edges.windows(2).zip(&found.counts);
-    let mut rows: Vec<HypertensionRow<'_>> =
-        bins.map(|(bin, count)| ([class, "histogram", "count"], [bin[0], bin[1]], [*count as f64, NONE])).collect();
-    if let Some(fit) = &found.fit {
-        let positive = [0.0, f64::INFINITY];
-        rows.push(([class, "fit", "shape"], positive, [fit.gamma.shape, fit.shape_error]));
-        rows.push(([class, "fit", "scale_mmHg_per_mm2"], positive, [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2)));
-        rows.push(([class, "fit", "ks_distance"], positive, [found.distance, NONE]));
-    }
-    rows.push(([class, "fit", "share_without_force"], [NONE; 2], [found.without_force, NONE]));
-    let above = [threshold, f64::INFINITY];
-    rows.push(([class, "risk", "share_empirical"], above, [found.above, NONE]));
-    rows.push(([class, "risk", "share_by_fit"], above, [found.above_by_fit, NONE]));
-    rows
-}
-
 /// hypertension.csv: histogram, fit and share at risk, of the unperturbed network and by class.
-pub fn hypertension_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+fn hypertension_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
+    const NONE: f64 = f64::NAN;
     let found = &outcome.hypertension;
     let names: Vec<String> = outcome.result.classes.iter().map(|(class, _)| class.to_string()).collect();
     let by_class = names.iter().map(String::as_str).zip(&found.classes);
-    let all = std::iter::once(("unperturbed", &found.unperturbed)).chain(by_class);
-    let rows: Vec<_> =
-        all.flat_map(|(class, of_class)| hypertension_rows(class, of_class, &found.edges, found.threshold)).collect();
+    let [positive, above] = [0.0, found.threshold].map(|from| [from, f64::INFINITY]);
+    let mut rows: Vec<HypertensionRow<'_>> = Vec::new();
+    for (class, of_class) in std::iter::once(("unperturbed", &found.unperturbed)).chain(by_class) {
+        let bins = found.edges.windows(2).zip(&of_class.counts);
+        rows.extend(bins.map(|(bin, count)| ([class, "histogram", "count"], [bin[0], bin[1]], [*count as f64, NONE])));
+        if let Some(fit) = &of_class.fit {
+            rows.push(([class, "fit", "shape"], positive, [fit.gamma.shape, fit.shape_error]));
+            rows.push(([class, "fit", "scale_mmHg_per_mm2"], positive, [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2)));
+            rows.push(([class, "fit", "ks_distance"], positive, [of_class.distance, NONE]));
+        }
+        rows.push(([class, "fit", "share_without_force"], [NONE; 2], [of_class.without_force, NONE]));
+        rows.push(([class, "risk", "share_empirical"], above, [of_class.above, NONE]));
+        rows.push(([class, "risk", "share_by_fit"], above, [of_class.above_by_fit, NONE]));
+    }
     let text = |name: &'static str, at: usize| Column::text(name, rows.iter().map(move |row| row.0[at].to_owned()));
     let real = |name: &'static str, of: fn(&HypertensionRow<'_>) -> f64| Column::real(name, rows.iter().map(of));
     vec![
@@ -327,7 +321,7 @@ fn name(class: Class) -> String {
 }
 
 /// The picture `modulation`: change of pressure, and flow and resilience divided by those of the unperturbed network.
-pub fn response(outcome: &ModulationRun<'_>) -> Figure {
+fn response(outcome: &ModulationRun<'_>) -> Figure {
     let (rest, classes) = (&outcome.result.unperturbed, &outcome.result.classes);
     let free = outcome.free();
     let pressure_at_rest = outcome.mean_pressure(rest)[0];

@@ -49,13 +49,12 @@ impl RunRecord {
 
     /// A field; a new one comes before the notes.
     pub fn field(&mut self, name: &'static str) -> &mut Value {
-        let place = |fields: &[(&str, Value)], name| fields.iter().position(|(field, _)| *field == name);
-        let at = place(&self.fields, name).unwrap_or_else(|| {
-            let at = place(&self.fields, "notes").unwrap_or(self.fields.len());
-            self.fields.insert(at, (name, Value::Null));
-            at
-        });
-        &mut self.fields[at].1
+        let place = |name: &str| self.fields.iter().position(|(field, _)| *field == name);
+        let (known, new) = (place(name), place("notes").unwrap_or(self.fields.len()));
+        if known.is_none() {
+            self.fields.insert(new, (name, Value::Null));
+        }
+        &mut self.fields[known.unwrap_or(new)].1
     }
 
     /// The fields for the page, without what differs between two runs of one command and without lists that the tables show.

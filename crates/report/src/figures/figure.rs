@@ -51,7 +51,7 @@ impl SaveOptions {
 /// A figure that can be written in any format.
 pub struct Figure {
     name: &'static str,
-    inches: [f64; 2],
+    pub(crate) inches: [f64; 2],
     sheet: Sheet,
 }
 
@@ -64,11 +64,6 @@ impl Figure {
     /// The name of its files, without the endings.
     pub fn name(&self) -> &'static str {
         self.name
-    }
-
-    /// Whether it is so wide for its height that it needs the width of a page.
-    pub fn is_wide(&self) -> bool {
-        self.inches[0] > 1.7 * self.inches[1]
     }
 
     /// The PNG file, 8-bit RGB, with its resolution: `dpi` pixels per inch (36 to 1200).

@@ -239,16 +239,15 @@ fn left_is_low(outcome: &Outcome<'_>) -> bool {
 
 /// From the front and from the patient's left as radiologists see it, where it is known which way that is.
 fn views(outcome: &Outcome<'_>) -> [Projection; 2] {
-    let view = |name, right, up, edges| Projection { name, right, up, edges };
     let up = [0.0, 0.0, 1.0];
+    let along_y = |name, x, edges| Projection { name, right: [x, 0.0, 0.0], up, edges };
+    let along_x = |name, y, edges| Projection { name, right: [0.0, y, 0.0], up, edges };
     match outcome.network.frame {
-        Frame::Ras => [view("front", [-1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, -1.0, 0.0], up, ["A", "P"])],
-        Frame::Lps => [view("front", [1.0, 0.0, 0.0], up, ["R", "L"]), view("left side", [0.0, 1.0, 0.0], up, ["A", "P"])],
+        Frame::Ras => [along_y("front", -1.0, ["R", "L"]), along_x("left side", -1.0, ["A", "P"])],
+        Frame::Lps => [along_y("front", 1.0, ["R", "L"]), along_x("left side", 1.0, ["A", "P"])],
         // The patient's left is on the right of the page, where names say which side it is.
-        Frame::Unknown if left_is_low(outcome) => {
-            [view("along y", [-1.0, 0.0, 0.0], up, ["x", ""]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])]
-        }
-        Frame::Unknown => [view("along y", [1.0, 0.0, 0.0], up, ["", "x"]), view("along x", [0.0, 1.0, 0.0], up, ["", "y"])],
+        Frame::Unknown if left_is_low(outcome) => [along_y("along y", -1.0, ["x", ""]), along_x("along x", 1.0, ["", "y"])],
+        Frame::Unknown => [along_y("along y", 1.0, ["", "x"]), along_x("along x", 1.0, ["", "y"])],
     }
 }
 
@@ -275,7 +274,16 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pa
     let series: Vec<Vec<f64>> = (0..uncertain.len()).map(mean).collect();
     let of_likelihood = outcome.rule.figure() == DecidingFigure::Likelihood;
     let (cut, rule) = if of_likelihood { (CutLine::Threshold, outcome.rule) } else { (CutLine::Median, Keep::Median) };
-    let cuts: Vec<f64> = result.trace.iter().map(|s| running_threshold(rule, result.samples, s)).collect();
+    // The threshold on L/n that the samples so far would give; NaN where there is none.
+    let running = |Snapshot { samples, likelihood, .. }: &Snapshot| {
+        if let Keep::Value(x) = rule {
+            return x / result.samples as f64;
+        }
+        let uncertain = vec![true; likelihood.len()];
+        let so_far = Likelihood { likelihood: likelihood.clone(), uncertain, ..Likelihood::default() };
+        threshold_of(rule, &so_far).map_or(f64::NAN, |cut| cut / *samples as f64)
+    };
+    let cuts: Vec<f64> = result.trace.iter().map(running).collect();
     let kept: Vec<bool> = uncertain.iter().map(|row| outcome.answer.kept[*row]).collect();
     let traces = convergence(&samples, &series, (cut, &cuts), &kept, outcome.sampling.weight);
     let cut = match cut {
@@ -288,16 +296,6 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pa
          lines that are still moving at the right end call for more samples."
     );
     Ok(vec![matrix, PagePicture::write("Convergence", &says, &traces, folder, dpi)?])
-}
-
-/// The threshold of a rule on L/n that the samples so far would give; NaN where there is none. `samples`: of the whole run.
-fn running_threshold(rule: Keep, samples: u64, snapshot: &Snapshot) -> f64 {
-    if let Keep::Value(x) = rule {
-        return x / samples as f64;
-    }
-    let (likelihood, uncertain) = (snapshot.likelihood.clone(), vec![true; snapshot.likelihood.len()]);
-    let so_far = Likelihood { likelihood, uncertain, ..Likelihood::default() };
-    threshold_of(rule, &so_far).map_or(f64::NAN, |cut| cut / snapshot.samples as f64)
 }
 
 /// The column of the page that is 1 where a vessel is uncertain.

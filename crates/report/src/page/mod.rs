@@ -229,13 +229,18 @@ impl PagePicture {
         let packed = packer.write_all(drawing.as_bytes()).and_then(|()| packer.finish()).unwrap_or_default();
         let is_svg = (1..=LARGEST_SVG).contains(&packed.len());
         let source = STANDARD.encode(if is_svg { packed } else { figure.png(DEFAULT_DPI)? });
-        Ok(Self { title, caption: caption.to_owned(), source, is_svg, wide: figure.is_wide() })
+        Ok(Self { title, caption: caption.to_owned(), source, is_svg, wide: figure.inches[0] > 1.7 * figure.inches[1] })
     }
 }
 
 /// A table with one row per item. A column holds numbers where all its values are numbers. `None` without an item.
 pub(crate) fn list(title: &str, items: &Value, columns: &[&'static str]) -> Option<PageTable> {
     let items = items.as_array().filter(|items| !items.is_empty())?;
+    let word = |value: &Value| match value {
+        Value::Null => String::new(),
+        Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
+        value => value.as_str().map_or_else(|| value.to_string(), str::to_owned),
+    };
     let column = |&name: &&'static str| {
         let values = || items.iter().map(|item| &item[name]);
         let are_numbers = values().all(|v| v.is_null() || v.is_number());
@@ -243,15 +248,6 @@ pub(crate) fn list(title: &str, items: &Value, columns: &[&'static str]) -> Opti
         if are_numbers { Column::real(name, reals()) } else { Column::text(name, values().map(word)) }
     };
     Some(PageTable::new(title, columns.iter().map(column).collect(), false))
-}
-
-fn word(value: &Value) -> String {
-    match value {
-        Value::Null => String::new(),
-        Value::String(text) => text.clone(),
-        Value::Bool(yes) => (if *yes { "yes" } else { "no" }).to_owned(),
-        other => other.to_string(),
-    }
 }
 
 /// The boundary conditions of a run; `None` without one.
