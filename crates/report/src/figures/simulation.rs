@@ -143,7 +143,6 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     rows.sort_unstable();
     let shown: Vec<&OutletSupply> = rows.into_iter().map(|row| &outlets[row]).collect();
     let which = if outlets.len() > MOST { format!("the {MOST} outlets of largest flow") } else { "every outlet".to_owned() };
-    let title = format!("Blood of {which}, by inlet");
     let height = |outlet: &OutletSupply| GAP + BAR[1] * outlet.states.len() as f64;
     let top = TOP[1] + LEGEND * inlets.len().div_ceil(IN_A_LINE) as f64;
     let bottom = top + shown.iter().map(|outlet| height(outlet)).sum::<f64>();
@@ -152,7 +151,7 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     let right = WIDTH - 14.0 - ROOM[1];
     let x = |share: f64| left + (right - left) * share;
     let mut sheet = Sheet::default();
-    sheet.title(&title, left);
+    sheet.title(&format!("Blood of {which}, by inlet"), left);
     // The colours of the inlets, between the title and the bars.
     let step = (WIDTH - left - 14.0) / IN_A_LINE as f64;
     for (at, (name, rgb)) in inlets.iter().enumerate() {
@@ -168,14 +167,11 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
     sheet.plain(name, [f64::midpoint(left, right), bottom + TICK + NAME_BELOW], Align::Middle);
     let mut above = top;
     for (outlet, name) in shown.into_iter().zip(names) {
-        let small = |text: String, sheet: &mut Sheet, place| {
-            sheet.small(&TickLabel::plain(text), place, Align::Begin);
-        };
         sheet.plain(&name, [left - 8.0, above + height(outlet) / 2.0], Align::End);
         for (at, state) in outlet.states.iter().enumerate() {
             let place = above + GAP / 2.0 + BAR[1] * at as f64;
             let Some((shares, time)) = state else {
-                small("no blood".to_owned(), &mut sheet, [left + 3.0, place + BAR[1] / 2.0]);
+                sheet.small(&TickLabel::plain("no blood"), [left + 3.0, place + BAR[1] / 2.0], Align::Begin);
                 continue;
             };
             let mut from = 0.0;
@@ -183,7 +179,7 @@ pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure
                 sheet.rectangle([x(from), place], [x(*share) - left, BAR[1] - 1.0], *rgb);
                 from += share;
             }
-            small(format!("{time:.0} ms"), &mut sheet, [right + 4.0, place + BAR[1] / 2.0]);
+            sheet.small(&TickLabel::plain(format!("{time:.0} ms")), [right + 4.0, place + BAR[1] / 2.0], Align::Begin);
         }
         above += height(outlet);
     }
@@ -227,12 +223,11 @@ pub fn waveform_panels(arteries: &[ArteryWaveform], period: f64) -> Figure {
     rows.sort_unstable();
     let shown: Vec<&ArteryWaveform> = rows.iter().map(|row| &arteries[*row]).collect();
     let some = (arteries.len() > MOST_PANELS).then(|| format!(" in {MOST_PANELS} of {} vessels", arteries.len()));
-    let title = format!("Flow over a cycle{}", some.unwrap_or_default());
     let lines = shown.len().div_ceil(IN_A_ROW).max(1) as f64;
     let width = MARGIN + IN_A_ROW as f64 * (LEFT + PANEL[0]) + RIGHT;
     let height = AROUND[0] + lines * (ABOVE + PANEL[1] + BELOW) + AROUND[1];
     let (mut sheet, count) = (Sheet::default(), shown.len());
-    sheet.title(&title, MARGIN + LEFT);
+    sheet.title(&format!("Flow over a cycle{}", some.unwrap_or_default()), MARGIN + LEFT);
     if shown.iter().any(|artery| artery.states.len() > 1) {
         let keys = [("as it is", LegendKey::Line(LINE), UNPERTURBED), ("perturbed", LegendKey::Line(LINE), PERTURBED)];
         sheet.legend(MARGIN + LEFT, &keys);

@@ -467,18 +467,6 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).filter_map(question).collect()
 }
 
-/// How candidates were built, as run.json has it.
-fn candidate_parameters(p: &CandidateOptions) -> Value {
-    json!({
-        "k": p.k,
-        "max_gap_mm": p.max_gap.map(millimetres),
-        "attach": p.attach,
-        "candidate_radius": p.radius,
-        "max_candidate_radius_mm": p.max_radius.map(millimetres),
-        "radius": p.radius_rule.name(),
-    })
-}
-
 fn topology(t: &Topology) -> Value {
     json!({
         "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates, "pruned_observed": t.observed[1],
@@ -508,7 +496,14 @@ pub fn infer_record(
         "keep": outcome.rule,
         "viscosity_cP": centipoise(outcome.sampling.viscosity),
         "outlets_found": outlets_found(outlets),
-        "candidates": built.map(candidate_parameters),
+        "candidates": built.map(|p| json!({
+            "k": p.k,
+            "max_gap_mm": p.max_gap.map(millimetres),
+            "attach": p.attach,
+            "candidate_radius": p.radius,
+            "max_candidate_radius_mm": p.max_radius.map(millimetres),
+            "radius": p.radius_rule.name(),
+        })),
     });
     let counts = json!({
         "nodes": network.node_count(),
