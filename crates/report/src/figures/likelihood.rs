@@ -320,19 +320,14 @@ pub enum CutLine {
 ///
 /// - `samples`: n at each checkpoint, positive and rising.
 /// - `series`: for each vessel L/n at each checkpoint. Of more than 400 that are kept, or pruned, only a regular selection is drawn.
-/// - `threshold`: the threshold or median on L/n at each checkpoint, as `cut` says; NaN where there is none.
+/// - `line`: whether it is the threshold or the median, and that on L/n at each checkpoint; NaN where there is none.
 /// - `kept`: for each vessel whether it is kept.
 /// - `weight`: what L adds up, from which its unit follows.
 ///
 /// Zeros, and values more than twelve decades below the largest, lie on a line of their own below the smallest positive value; curves
 /// do not join the two. A single checkpoint is drawn as dashes. A picture without a vessel, a checkpoint or a positive value is one sentence.
-pub fn convergence(
-    samples: &[u64],
-    series: &[Vec<f64>],
-    (cut, threshold): (CutLine, &[f64]),
-    kept: &[bool],
-    weight: Weight,
-) -> Figure {
+pub fn convergence(samples: &[u64], series: &[Vec<f64>], line: (CutLine, &[f64]), kept: &[bool], weight: Weight) -> Figure {
+    let (cut, threshold) = line;
     let mut sheet = Sheet::default();
     let [left, top, right, bottom] = BOX;
     sheet.title("Convergence of the likelihood of uncertain vessels", left);

@@ -406,12 +406,8 @@ const RUN: PageKind = [
 /// # Errors
 ///
 /// An error of the writer.
-pub(crate) fn write_page(
-    out: &mut impl Write,
-    title: &str,
-    [goal, main, scripts]: PageKind,
-    data: &impl Serialize,
-) -> io::Result<()> {
+pub(crate) fn write_page(out: &mut impl Write, title: &str, kind: PageKind, data: &impl Serialize) -> io::Result<()> {
+    let [goal, main, scripts] = kind;
     let mut rest = include_str!("assets/frame.html");
     while let Some((before, after)) = rest.split_once("{{") {
         let (name, after) = after.split_once("}}").unwrap_or((after, ""));
