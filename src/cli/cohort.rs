@@ -15,7 +15,7 @@ use crate::internals::formats::{Covariates, checksum_of_file, companion_files, i
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
 use crate::internals::pipeline::{RunOptions, require_in};
-use crate::internals::report::cohort::{CohortRow, CohortRun, Figures, infer_figures, row_records, write_cohort};
+use crate::internals::report::cohort::{CohortRow, Figures, infer_figures, row_records, write_cohort};
 use crate::{
     Error, Result, error::Fault, internals::circle_of_willis::LANDMARK_NOTE_ENDING, internals::output::atomic::clear_leftovers,
 };
@@ -230,8 +230,7 @@ impl Cohort<'_> {
     fn write_table(&self, folder: &Path, rows: &[CohortRow]) -> Result<()> {
         // A BIDS app has its output among its words.
         let line = command_line(if self.command == "bids" { "" } else { "again" });
-        let about = CohortRun { command: self.command, line, parameters: &self.parameters };
-        write_cohort(folder, rows, &about)?;
+        write_cohort(folder, rows, self.command, &line, &self.parameters)?;
         if self.json { row_records(rows).iter().try_for_each(print_json) } else { Ok(()) }
     }
 

@@ -16,7 +16,7 @@ use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
 use crate::internals::report::{TwiceRead, difference_columns, kappa_of, reader_columns};
 use crate::{
     BoundaryOptions, ComparisonOptions, Error, MeasureOptions, Measurement, Result, compare_groups, error::Fault,
-    internals::network::units::millimetres, internals::pipeline::require, internals::report::page::write_comparison_page,
+    internals::network::units::millimetres, internals::pipeline::require, internals::report::write_comparison_page,
     internals::support::suggestions::did_you_mean, measure, twice_read, two_groups,
 };
 

@@ -189,7 +189,7 @@ fn phenotype(
     let supplies = boundary.as_ref().map_or_else(Vec::new, who_feeds);
     let counted = kept.iter().filter(|kept| **kept).count();
     let circle = found.circle_figures(network, &variant, &kept, phenotypes);
-    let json = phenotype_json(network, &variant, &circle, posterior.as_ref());
+    let json = phenotype_json(network, (&variant, &circle, posterior.as_ref()));
     let Provenance { command, notes: of_input, .. } = &input.provenance;
     let record = json!({
         "willis": env!("CARGO_PKG_VERSION"),
@@ -216,7 +216,7 @@ impl Phenotype {
     ///
     /// A file that cannot be written.
     pub fn write(&self, folder: &Path, subject: &str) -> Result<()> {
-        write_phenotype(folder, subject, (&self.variant, &self.circle), self.posterior.as_ref(), &self.json)?;
+        write_phenotype(folder, subject, (&self.variant, &self.circle, self.posterior.as_ref()), &self.json)?;
         write_file(&folder.join(SUPPLY), |out| write_csv(out, &self.supply_table))?;
         let run = self.of_run.as_ref().filter(|page| page.is_file()).and_then(|page| relative(page, &final_path(folder)));
         write_classified(folder, subject, &self.record, run.as_deref(), collateral_columns(&self.collaterals))

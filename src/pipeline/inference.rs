@@ -16,7 +16,7 @@ use willis_io::{formats::Column, formats::write_csv, output::names::SUPPLY};
 use willis_models::circle_of_willis::{Artery, Posterior, Supply, supplies as who_feeds};
 use willis_report::{
     CircleFigures, Outcome, RunRecord, SolverRecord, infer_record, phenotype_json, questions, review_columns, supply_columns,
-    supply_json, topology_columns, vessel_columns, write_outcome, write_phenotype, write_tables,
+    supply_json, topology_columns, vessel_columns, write_phenotype,
 };
 
 /// What a run found.
@@ -324,7 +324,7 @@ impl Inference {
         let outcome = self.outcome();
         let mut run = prepared.options.clone();
         run.infer.sampling = SamplingOptions { uniform_prior: false, ..sampling.clone() };
-        let tables = write_tables(folder, &outcome)?;
+        let tables = outcome.write_tables(folder)?;
         let built = prepared.candidates.as_ref();
         let mut record = infer_record(&outcome, &prepared.provenance, &run, built, prepared.outlets);
         if let Value::Object(sources) = json!(prepared.records) {
@@ -334,9 +334,10 @@ impl Inference {
         record.field("time").clone_from(time);
         if let (Some((posterior, _)), Some(circle), Some(found)) = (&self.posterior, &self.circle, &prepared.arteries) {
             let variant = posterior.best();
-            let phenotype = phenotype_json(&prepared.graph, &variant, circle, Some(posterior));
+            let of = (&variant, circle, Some(posterior));
+            let phenotype = phenotype_json(&prepared.graph, of);
             let subject = stem(Path::new(&prepared.provenance.input));
-            write_phenotype(folder, &subject, (&variant, circle), Some(posterior), &phenotype)?;
+            write_phenotype(folder, &subject, of, &phenotype)?;
             *record.field("phenotype") = phenotype;
             record.field("parameters")["arteries"] = json!(found.known_by);
             record.field("parameters")["landmarks"] = json!(found.landmarks);
@@ -348,7 +349,7 @@ impl Inference {
             write_file(&folder.join(SUPPLY), |out| write_csv(out, &supply_columns(&prepared.graph, &self.supplies)))?;
             found.write_landmarks(folder)?;
         }
-        let notes = write_outcome(folder, &outcome, tables, &mut record, options.dpi)?;
+        let notes = outcome.write(folder, tables, &mut record, options.dpi)?;
         // Known only once all else is written.
         record.field("time")["wall_s"] = json!(prepared.started.elapsed().as_secs_f64());
         write_record(folder, &record)?;

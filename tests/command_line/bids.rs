@@ -12,8 +12,7 @@ use crate::command::{folder, stderr, willis};
 use std::borrow::Cow;
 use willis::cli::internals::{BidsName, Filter, parse_filter};
 use willis::internals::circle_of_willis::{FEEDERS, TERRITORIES};
-use willis::internals::report::bids_table::{bids_columns, sidecar, write_tsv};
-use willis::internals::report::cohort::{CohortRow, describe, infer_figures};
+use willis::internals::report::cohort::{CohortRow, bids_columns, describe, infer_figures, sidecar, write_tsv};
 
 /// A mask of 36 x 14 x 7 voxels of half a millimetre as NIfTI-1: a tube of radius 2 along x with a gap of 4 voxels.
 fn draw(path: &Path) {

@@ -8,7 +8,7 @@ use crate::grown::grown;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
-use willis::internals::report::figures::course::CoursePoint;
+use willis::internals::report::figures::CoursePoint;
 use willis::internals::report::page::lead::{Part, modulation, simulation};
 use willis::internals::report::page::scene::thinned;
 

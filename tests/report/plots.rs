@@ -3,13 +3,11 @@
 use proptest::prelude::{Just, Strategy, prop_assert, prop_oneof, proptest};
 use willis::internals::modulation::BINS;
 use willis::internals::report::figures::axis::{LinearRange, LogRange, Tick, TickLabel, count_ticks};
-use willis::internals::report::figures::course::{CoursePoint, smoothed};
 use willis::internals::report::figures::{
-    Boxes, CutLine, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, LikelihoodMatrix, Panel, Projection, VesselFlow, ZERO,
-    colour, convergence, flow_bars, heat_map, hypertension, modulation, summary,
+    Boxes, CoursePoint, CutLine, DEFAULT_DPI, DrawnVessel, Histogram, Histograms, LikelihoodMatrix, Panel, Projection,
+    VesselFlow, ZERO, colour, convergence, flow_bars, heat_map, hypertension, modulation, orders, smoothed, summary,
 };
-use willis::internals::report::modulation::pictures::bins_in_one;
-use willis::internals::report::node_blocks::orders;
+use willis::internals::report::modulation::bins_in_one;
 use willis::internals::sampling::Weight;
 use willis::internals::support::gamma::Gamma;
 

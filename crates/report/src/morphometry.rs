@@ -1,13 +1,18 @@
-//! The tables of what is measured: vessels.csv, bifurcations.csv, ends.csv, intervals.csv, and the row of a subject in subjects.csv.
+//! The tables of what is measured: vessels.csv, bifurcations.csv, ends.csv, intervals.csv, the row of a subject in subjects.csv, what two readers say, and the page of a comparison.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::io::{self, Write};
 
-use super::circle_figures::{CircleFigures, NamedFigures, SIDES, asymmetry};
+use serde_json::{Value, json};
+
+use crate::cohort::CohortRow;
+use crate::page::{PageKind, PageTable, write_page};
+use crate::phenotype::{CircleFigures, NamedFigures, SIDES, asymmetry};
 use willis_core::morphometry::columns::{IN_REGION, MeasuredColumn, OF_BIFURCATION, OF_END, OF_NETWORK, OF_TOTALS, OF_VESSEL};
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::{Network, Role};
-use willis_core::support::statistics::weighted_quantile;
-use willis_io::formats::{Column, POSITION_COLUMNS, coordinate_columns, coordinates};
+use willis_core::support::kappa::{CohenKappa, cohen_kappa};
+use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 
 /// What was measured of a subject, and of which network.
@@ -152,10 +157,152 @@ fn spread(values: &[(f64, f64)]) -> [f64; 3] {
     let known = || values.iter().copied().filter(|(x, _)| x.is_finite());
     let total: f64 = known().map(|(_, weight)| weight).sum();
     let mean = known().map(|(x, weight)| x * weight).sum::<f64>() / total;
-    let quantile = |share| weighted_quantile(known(), share).unwrap_or(f64::NAN);
+    let quantile = |share| willis_core::support::statistics::weighted_quantile(known(), share).unwrap_or(f64::NAN);
     [mean, quantile(0.025), quantile(0.975)]
 }
 
 fn finite(x: f64) -> f64 {
     if x.is_finite() { x } else { f64::NAN }
+}
+
+/// What a reader says of a connection.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ReadBy {
+    /// Whether it is there; none where the reader is unsure.
+    pub accepted: Option<bool>,
+    /// Who decided; may be empty.
+    pub who: String,
+    /// What was said of it; may be empty.
+    pub comment: String,
+}
+
+/// The answers that a reader may give.
+const ANSWERS: [(Option<bool>, &str); 3] = [(Some(true), "accept"), (Some(false), "reject"), (None, "unsure")];
+
+impl ReadBy {
+    fn answer(&self) -> usize {
+        ANSWERS.iter().position(|(accepted, _)| *accepted == self.accepted).unwrap_or_default()
+    }
+}
+
+/// A connection that one of two readers decided on at least.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TwiceRead {
+    /// The subject.
+    pub subject: String,
+    /// The kind of question: `candidate` or `contact`.
+    pub kind: &'static str,
+    /// Its row in edges.csv.
+    pub edge: usize,
+    /// The ids of its two nodes.
+    pub ids: [String; 2],
+    /// Where it is, mm.
+    pub middle: [f64; 3],
+    /// What the run says; not a number without evidence.
+    pub probability: f64,
+    /// What the readers say; none of one who did not decide.
+    pub read: [Option<ReadBy>; 2],
+}
+
+impl TwiceRead {
+    /// The answers of both, where both decided.
+    fn answers(&self) -> Option<[usize; 2]> {
+        let [a, b] = &self.read;
+        Some([a.as_ref()?.answer(), b.as_ref()?.answer()])
+    }
+}
+
+/// Kappa over all connections.
+pub fn kappa_of(read: &[TwiceRead]) -> CohenKappa {
+    cohen_kappa(&read.iter().filter_map(TwiceRead::answers).collect::<Vec<_>>(), ANSWERS.len())
+}
+
+/// The columns of readers.csv: a row for each kind of question, and one for all.
+pub fn reader_columns(read: &[TwiceRead]) -> Vec<Column> {
+    let kinds: BTreeSet<&str> = read.iter().map(|row| row.kind).collect();
+    let of = |kind: &str| read.iter().filter(|row| row.kind == kind).cloned().collect::<Vec<_>>();
+    let each = kinds.into_iter().map(|kind| (kind, of(kind)));
+    let rows: Vec<(&str, Vec<TwiceRead>)> = each.chain([("all", read.to_vec())]).collect();
+    let found: Vec<CohenKappa> = rows.iter().map(|(_, read)| kappa_of(read)).collect();
+    let counted = |name: String, counts: &dyn Fn(&TwiceRead) -> bool| {
+        Column::whole(name, rows.iter().map(|(_, read)| read.iter().filter(|row| counts(row)).count()))
+    };
+    let real = |name, of: fn(&CohenKappa) -> f64| Column::real(name, found.iter().map(of));
+    let mut columns = vec![
+        Column::text("kind", rows.iter().map(|(kind, _)| (*kind).to_owned())),
+        Column::whole("decided", found.iter().map(|found| found.count)),
+        Column::whole("alike", found.iter().map(|found| found.alike)),
+        real("kappa", |found| found.kappa),
+        real("kappa_low", |found| found.interval[0]),
+        real("kappa_high", |found| found.interval[1]),
+    ];
+    for (a, (_, first)) in ANSWERS.iter().enumerate() {
+        for (b, (_, second)) in ANSWERS.iter().enumerate() {
+            columns.push(counted(format!("{first}_{second}"), &|row| row.answers() == Some([a, b])));
+        }
+    }
+    columns.push(counted("only_a".to_owned(), &|row| row.read[1].is_none()));
+    columns.push(counted("only_b".to_owned(), &|row| row.read[0].is_none()));
+    columns
+}
+
+/// The columns of differences.csv: the connections that both decided otherwise, or only one.
+pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
+    let rows: Vec<&TwiceRead> = read.iter().filter(|row| row.answers().is_none_or(|[a, b]| a != b)).collect();
+    let text = |name: String, of: &dyn Fn(&TwiceRead) -> String| Column::text(name, rows.iter().map(|row| of(row)));
+    let mut columns = vec![
+        text("subject".to_owned(), &|row| row.subject.clone()),
+        text("kind".to_owned(), &|row| row.kind.to_owned()),
+        Column::whole("edge", rows.iter().map(|row| row.edge)),
+        text("id_a".to_owned(), &|row| row.ids[0].clone()),
+        text("id_b".to_owned(), &|row| row.ids[1].clone()),
+    ];
+    columns.extend(coordinate_columns(POSITION_COLUMNS, || rows.iter().map(|row| row.middle)));
+    columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
+    let of_reader: [(&str, fn(&ReadBy) -> String); 3] = [
+        ("decision", |read| ANSWERS[read.answer()].1.to_owned()),
+        ("who", |read| read.who.clone()),
+        ("comment", |read| read.comment.clone()),
+    ];
+    for (name, of) in of_reader {
+        for (reader, letter) in ["a", "b"].into_iter().enumerate() {
+            columns.push(text(format!("{name}_{letter}"), &|row| row.read[reader].as_ref().map_or_else(String::new, of)));
+        }
+    }
+    columns
+}
+
+const COMPARISON: PageKind = ["measures", include_str!("page/assets/comparison.html"), "dom data table record comparison"];
+
+/// Writes the page of a comparison from its record and the columns of comparison.csv. `first` says which of the subjects are of the first group; none for
+/// one that is in neither.
+///
+/// # Errors
+///
+/// An error of the writer.
+pub fn write_comparison_page(
+    out: &mut impl Write,
+    record: &Value,
+    comparison: Vec<Column>,
+    rows: &[CohortRow],
+    first: &[Option<bool>],
+) -> io::Result<()> {
+    let mut record = record.clone();
+    record["subjects"].take();
+    let compared: Vec<(&CohortRow, bool)> =
+        rows.iter().zip(first).filter(|(row, _)| row.figures.is_ok()).filter_map(|(row, first)| Some((row, (*first)?))).collect();
+    let mut subjects = vec![Column::text("subject", compared.iter().map(|(row, _)| row.subject.clone()))];
+    if let Some(Values::Text(measures)) = comparison.first().map(|column| &column.values) {
+        subjects
+            .extend(measures.iter().map(|name| Column::real(name.to_owned(), compared.iter().map(|(row, _)| row.number(name)))));
+    }
+    let column = record["parameters"]["compare"].as_str().unwrap_or_default().to_owned();
+    let data = json!({
+        "record": record,
+        "compare": column,
+        "first": compared.iter().map(|(_, first)| *first).collect::<Vec<bool>>(),
+        "subjects": PageTable::new("Subjects", subjects, false),
+        "comparison": PageTable::new("Comparison", comparison, false),
+    });
+    write_page(out, &format!("willis measure: groups by {column}"), COMPARISON, &data)
 }

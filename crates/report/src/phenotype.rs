@@ -1,26 +1,126 @@
-//! The output of a classification: phenotype.json, phenotype.csv, collateral.csv and the record.
+//! What is written of a Circle of Willis: phenotype.json, phenotype.csv, collateral.csv, supply.csv, accuracy.csv, and the page of a classification.
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
-use super::circle_figures::{CircleFigures, by_artery};
-use super::page::phenotype::write_phenotype_page;
+use crate::page::{PageKind, PageTable, colours, warnings, write_page};
 use willis_core::error::Result;
 use willis_core::network::Network;
-use willis_core::network::units::ml_per_min;
+use willis_core::network::units::{millimetres, milliseconds, ml_per_min};
 use willis_io::formats::{Column, write_csv};
 use willis_io::output::names::{COLLATERAL, PAGE, PHENOTYPE, PHENOTYPE_TABLE};
 use willis_io::output::{write_file, write_json, write_record};
 use willis_models::circle_of_willis::{
-    Artery, BodySide, Collateral, DecidingCandidate, FENESTRATED, Posterior, RING, TERRITORIES, Variant,
+    Artery, BodySide, Collateral, DecidingCandidate, Destination, FEEDERS, FENESTRATED, Posterior, RING, Spread, Supply,
+    TERRITORIES, Variant,
 };
+
+/// The sides of a body in the names of arteries.
+pub(crate) const SIDES: [&str; 2] = ["L-", "R-"];
+
+/// Figures of a whole network, by the names of their columns.
+pub type NamedFigures = Vec<(std::borrow::Cow<'static, str>, f64)>;
+
+/// What is said of each artery, by its name.
+pub fn by_artery<T: serde::Serialize>(arteries: &[Artery], said: impl IntoIterator<Item = T>) -> Value {
+    arteries.iter().zip(said).map(|(artery, said)| (artery.to_string(), json!(said))).collect()
+}
+
+/// 2 (L - R)/(L + R).
+pub(crate) fn asymmetry(left: f64, right: f64) -> f64 {
+    2.0 * (left - right) / (left + right)
+}
+
+/// The segments of [`RING`] and the posterior cerebral arteries in a topology.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CircleFigures {
+    /// The mean diameter of each segment that is there, mm.
+    diameters: [Option<f64>; 7],
+    /// Whether each segment that is there is hypoplastic.
+    hypoplastic: [Option<bool>; 7],
+    /// Whether the left and the right posterior cerebral artery are of fetal type.
+    fetal: [Option<bool>; 2],
+}
+
+impl CircleFigures {
+    /// Of a variant whose segments have these diameters, m; `thin` are those too thin.
+    pub fn of(variant: &Variant, diameters: &[Option<f64>; 7], thin: [bool; 7]) -> Self {
+        let there = |at: usize| variant.has(RING[at]);
+        Self {
+            diameters: std::array::from_fn(|at| diameters[at].filter(|_| there(at)).map(millimetres)),
+            hypoplastic: std::array::from_fn(|at| there(at).then_some(thin[at])),
+            fetal: variant.fetal.map(Some),
+        }
+    }
+
+    /// The segments that are there and thin.
+    pub fn thin(&self) -> Vec<Artery> {
+        RING.into_iter().zip(self.hypoplastic).filter(|(_, thin)| *thin == Some(true)).map(|(artery, _)| artery).collect()
+    }
+
+    /// The columns of tables of subjects: of each segment and each pair of them, and the fetal type. No number for a segment that is not there.
+    pub fn columns(&self) -> NamedFigures {
+        let flag = |is: Option<bool>| is.map_or(f64::NAN, |is| f64::from(u8::from(is)));
+        let diameters = self.diameters.map(|diameter| diameter.unwrap_or(f64::NAN));
+        let (mut columns, mut pairs) = (NamedFigures::new(), NamedFigures::new());
+        for (at, artery) in RING.iter().enumerate() {
+            columns.push((format!("circle_{artery}_diameter_mm").into(), diameters[at]));
+            columns.push((format!("circle_{artery}_hypoplastic").into(), flag(self.hypoplastic[at])));
+            let opposite = RING.iter().position(|other| *other == artery.opposite()).filter(|other| *other > at);
+            if let Some(right) = opposite {
+                let name = artery.to_string();
+                let name = format!("circle_{}_asymmetry", name.trim_start_matches(SIDES[0]));
+                pairs.push((name.into(), asymmetry(diameters[at], diameters[right])));
+            }
+        }
+        columns.extend(pairs);
+        columns.extend(["fetal_L-PCA", "fetal_R-PCA"].into_iter().zip(self.fetal).map(|(name, is)| (name.into(), flag(is))));
+        columns
+    }
+
+    /// Those that a phenotype states.
+    pub(crate) fn in_phenotype(phenotype: &Value) -> Self {
+        let thin: Vec<&str> = phenotype["hypoplastic"].as_array().into_iter().flatten().filter_map(Value::as_str).collect();
+        let names = RING.map(|artery| artery.to_string());
+        let is_there = |name: &str| phenotype["segments"][name].as_bool() == Some(true);
+        Self {
+            diameters: std::array::from_fn(|at| phenotype["diameters_mm"][&names[at]].as_f64()),
+            hypoplastic: std::array::from_fn(|at| is_there(&names[at]).then(|| thin.contains(&&*names[at]))),
+            fetal: ["L-PCA", "R-PCA"].map(|side| phenotype["fetal"][side].as_bool()),
+        }
+    }
+}
+
+/// A variant, its segments, and what topologies say of it where they are uncertain.
+pub type Classified<'a> = (&'a Variant, &'a CircleFigures, Option<&'a Posterior>);
 
 /// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
 /// segments with their diameters, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
-pub fn phenotype_json(network: &Network, variant: &Variant, circle: &CircleFigures, posterior: Option<&Posterior>) -> Value {
-    let mut phenotype = anatomy_json(variant);
-    circle.put(&mut phenotype);
+pub fn phenotype_json(network: &Network, (variant, circle, posterior): Classified<'_>) -> Value {
+    let has = |artery| variant.has(artery);
+    let [left, right] = BodySide::BOTH;
+    let segments: Value = presence(variant).map(|(artery, present)| (artery.to_string(), json!(present))).collect();
+    let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
+    let mut phenotype = json!({
+        "anterior": {
+            "L-A1": has(Artery::A1(left)), "Acom": has(Artery::AComm), "3rd-A2": variant.third_a2, "R-A1": has(Artery::A1(right)),
+        },
+        "posterior": {
+            "L-Pcom": has(Artery::PComm(left)), "L-P1": has(Artery::P1(left)),
+            "R-P1": has(Artery::P1(right)), "R-Pcom": has(Artery::PComm(right)),
+        },
+        "fetal": { "L-PCA": variant.fetal[0], "R-PCA": variant.fetal[1] },
+        "fenestration": { "L-A1": l_a1, "Acom": acomm, "R-A1": r_a1, "L-P1": l_p1, "R-P1": r_p1 },
+        "willis": env!("CARGO_PKG_VERSION"),
+        "variant": variant.name(),
+        "published": variant.is_published(),
+        "completeness": variant.completeness().name(),
+        "words": variant.words(),
+        "segments": segments,
+        "diameters_mm": by_artery(&RING, circle.diameters),
+        "hypoplastic": names(&circle.thin()),
+    });
     if let Some(posterior) = posterior {
         phenotype["probabilities"] = probabilities_json(network, posterior);
     }
@@ -64,31 +164,6 @@ fn names(arteries: &[Artery]) -> Vec<String> {
     arteries.iter().map(ToString::to_string).collect()
 }
 
-/// The anatomy of a variant.
-fn anatomy_json(variant: &Variant) -> Value {
-    let has = |artery| variant.has(artery);
-    let [left, right] = BodySide::BOTH;
-    let segments: Value = presence(variant).map(|(artery, present)| (artery.to_string(), json!(present))).collect();
-    let [l_a1, acomm, r_a1, l_p1, r_p1] = variant.fenestration;
-    json!({
-        "anterior": {
-            "L-A1": has(Artery::A1(left)), "Acom": has(Artery::AComm), "3rd-A2": variant.third_a2, "R-A1": has(Artery::A1(right)),
-        },
-        "posterior": {
-            "L-Pcom": has(Artery::PComm(left)), "L-P1": has(Artery::P1(left)),
-            "R-P1": has(Artery::P1(right)), "R-Pcom": has(Artery::PComm(right)),
-        },
-        "fetal": { "L-PCA": variant.fetal[0], "R-PCA": variant.fetal[1] },
-        "fenestration": { "L-A1": l_a1, "Acom": acomm, "R-A1": r_a1, "L-P1": l_p1, "R-P1": r_p1 },
-        "willis": env!("CARGO_PKG_VERSION"),
-        "variant": variant.name(),
-        "published": variant.is_published(),
-        "completeness": variant.completeness().name(),
-        "words": variant.words(),
-        "segments": segments,
-    })
-}
-
 /// The segments of the ring and the feeding arteries, with whether each is present.
 fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
     let feeders =
@@ -97,7 +172,7 @@ fn presence(variant: &Variant) -> impl Iterator<Item = (Artery, bool)> {
 }
 
 /// The columns of phenotype.csv, which has one row.
-fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures), posterior: Option<&Posterior>) -> Vec<Column> {
+fn phenotype_columns(subject: &str, (variant, circle, posterior): Classified<'_>) -> Vec<Column> {
     let text = |name: &'static str, text: &str| Column::text(name, [text.to_owned()].into_iter());
     let flag = |name: String, flag: bool| Column::whole(name, [usize::from(flag)].into_iter());
     let share = |name: String, share: f64| Column::real(name, [share].into_iter());
@@ -123,16 +198,9 @@ fn phenotype_columns(subject: &str, (variant, circle): (&Variant, &CircleFigures
 /// # Errors
 ///
 /// A file that cannot be written.
-pub fn write_phenotype(
-    folder: &Path,
-    subject: &str,
-    (variant, circle): (&Variant, &CircleFigures),
-    posterior: Option<&Posterior>,
-    phenotype: &Value,
-) -> Result<()> {
+pub fn write_phenotype(folder: &Path, subject: &str, of: Classified<'_>, phenotype: &Value) -> Result<()> {
     write_json(&folder.join(PHENOTYPE), phenotype)?;
-    let columns = phenotype_columns(subject, (variant, circle), posterior);
-    write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &columns))
+    write_file(&folder.join(PHENOTYPE_TABLE), |out| write_csv(out, &phenotype_columns(subject, of)))
 }
 
 /// For each feeder that is closed the artery that takes over and, for each territory, the share of its flow that is left.
@@ -169,6 +237,9 @@ pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
     ]
 }
 
+const CLASSIFIED: PageKind =
+    ["circle", include_str!("page/assets/phenotype.html"), "dom data colour table record circle phenotype"];
+
 /// Writes collateral.csv, the page and the record of a classification of a `subject` into a folder; `run`: the page of its run, seen from there.
 ///
 /// # Errors
@@ -176,6 +247,118 @@ pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
 /// A file that cannot be written.
 pub fn write_classified(folder: &Path, subject: &str, record: &Value, run: Option<&str>, collaterals: Vec<Column>) -> Result<()> {
     write_file(&folder.join(COLLATERAL), |out| write_csv(out, &collaterals))?;
-    write_file(&folder.join(PAGE), |out| write_phenotype_page(out, subject, record, run, collaterals))?;
+    let mut shown = record.clone();
+    let phenotype = shown["phenotype"].take();
+    shown["collateral"].take();
+    let data = json!({
+        "phenotype": phenotype,
+        "run": run,
+        "warnings": warnings(&shown, &[]),
+        "record": shown,
+        "colours": colours(),
+        "collaterals": PageTable::new("Flow without each feeder", collaterals, false),
+    });
+    let title = format!("willis classify: {subject}");
+    write_file(&folder.join(PAGE), |out| write_page(out, &title, CLASSIFIED, &data))?;
     write_record(folder, record)
+}
+
+fn name(network: &Network, destination: Destination) -> String {
+    match destination {
+        Destination::Territory(artery) => artery.to_string(),
+        Destination::Outlet(node) => crate::simulation::end_name(network, node),
+    }
+}
+
+/// The columns of supply.csv: a row for every territory and outlet and every feeder.
+pub fn supply_columns(network: &Network, supplies: &[Supply]) -> Vec<Column> {
+    let rows = || supplies.iter().flat_map(|supply| (0..FEEDERS.len()).map(move |feeder| (supply, feeder)));
+    let text = |name: &'static str, of: &dyn Fn(&Supply, usize) -> String| Column::text(name, rows().map(|(s, f)| of(s, f)));
+    let real = |name: &'static str, of: &dyn Fn(&Supply, usize) -> f64| Column::real(name, rows().map(|(s, f)| of(s, f)));
+    let spread = |names: [&'static str; 3], of: &dyn Fn(&Supply, usize) -> Spread| {
+        [
+            real(names[0], &|s, f| of(s, f).middle),
+            real(names[1], &|s, f| of(s, f).interval[0]),
+            real(names[2], &|s, f| of(s, f).interval[1]),
+        ]
+    };
+    let arrival = |supply: &Supply, _: usize| {
+        let Spread { middle, interval } = supply.arrival;
+        Spread { middle: milliseconds(middle), interval: interval.map(milliseconds) }
+    };
+    let mut columns = vec![
+        text("kind", &|s, _| if matches!(s.destination, Destination::Outlet(_)) { "outlet" } else { "territory" }.to_owned()),
+        text("name", &|s, _| name(network, s.destination)),
+        text("feeder", &|_, f| FEEDERS[f].to_string()),
+        real("p_fed", &|s, _| s.fed),
+    ];
+    columns.extend(spread(["supply", "supply_low", "supply_high"], &|s, f| s.shares[f]));
+    columns.extend(spread(["arrival_ms", "arrival_low_ms", "arrival_high_ms"], &arrival));
+    columns
+}
+
+/// For each territory the shares of its blood by feeder, with their means, and the mean time since it entered in ms, with its median; each with its interval.
+pub fn supply_json(network: &Network, supplies: &[Supply]) -> Value {
+    let spread = |middle: &str, spread: &Spread, unit: fn(f64) -> f64| json!({ middle: unit(spread.middle), "interval_90": spread.interval.map(unit) });
+    let each = |supply: &Supply| {
+        let shares = FEEDERS.iter().zip(&supply.shares).map(|(feeder, share)| (feeder.to_string(), spread("mean", share, |x| x)));
+        let shares: Map<String, Value> = shares.collect();
+        let arrival = spread("median", &supply.arrival, milliseconds);
+        (name(network, supply.destination), json!({ "p_fed": supply.fed, "shares": shares, "arrival_ms": arrival }))
+    };
+    let territories = supplies.iter().filter(|supply| matches!(supply.destination, Destination::Territory(_)));
+    Value::Object(territories.map(each).collect())
+}
+
+/// Which segments of [`RING`] are there.
+pub type Segments = [bool; 7];
+
+/// The segments of the front, those of the back, and all: L-A1, R-A1, AComm, then P1 and PComm.
+const PARTS: [(&str, std::ops::Range<usize>); 3] = [("anterior", 0..3), ("posterior", 3..7), ("circle", 0..7)];
+
+/// The columns of accuracy.csv, of pairs of what is true and what was found: a row for each segment, then for the variants of each part of the circle.
+///
+/// The balanced accuracy of a segment is the mean of sensitivity and specificity. That of a part is the mean, over the variants that are true of any subject, of the share
+/// of their subjects in whom every segment of the part is right: the variant-balanced accuracy of TopCoW (Yang et al. 2023, arXiv:2312.17670).
+pub fn accuracy_columns(pairs: &[(Segments, Segments)]) -> Vec<Column> {
+    let share = |part: usize, of: usize| if of > 0 { part as f64 / of as f64 } else { f64::NAN };
+    let mean = |of: &[f64]| {
+        let known: Vec<f64> = of.iter().copied().filter(|x| x.is_finite()).collect();
+        known.iter().sum::<f64>() / known.len() as f64
+    };
+    let segments = RING.iter().enumerate().map(|(at, artery)| {
+        let count = |truth: bool, found: bool| pairs.iter().filter(|(t, f)| (t[at], f[at]) == (truth, found)).count();
+        let [hit, missed, invented, absent] =
+            [(true, true), (true, false), (false, true), (false, false)].map(|(t, f)| count(t, f));
+        let rates = [share(hit, hit + missed), share(absent, absent + invented)];
+        (artery.to_string(), 1, Some(([hit, missed, invented, absent], rates)), share(hit + absent, pairs.len()), mean(&rates))
+    });
+    let parts = PARTS.into_iter().map(|(name, of)| {
+        let mut variants = std::collections::BTreeMap::<&[bool], [usize; 2]>::new();
+        for (truth, found) in pairs {
+            let counts = variants.entry(&truth[of.clone()]).or_default();
+            counts[0] += usize::from(truth[of.clone()] == found[of.clone()]);
+            counts[1] += 1;
+        }
+        let right: usize = variants.values().map(|[right, _]| right).sum();
+        let each: Vec<f64> = variants.values().map(|[right, all]| share(*right, *all)).collect();
+        (name.to_owned(), variants.len(), None, share(right, pairs.len()), mean(&each))
+    });
+    let rows: Vec<_> = segments.chain(parts).collect();
+    let counted =
+        |name, at: usize| Column::real(name, rows.iter().map(move |row| row.2.map_or(f64::NAN, |(counts, _)| counts[at] as f64)));
+    let rate = |name, at: usize| Column::real(name, rows.iter().map(move |row| row.2.map_or(f64::NAN, |(_, rates)| rates[at])));
+    vec![
+        Column::text("what", rows.iter().map(|row| row.0.clone())),
+        Column::whole("subjects", rows.iter().map(|_| pairs.len())),
+        Column::real("variants", rows.iter().map(|row| if row.2.is_some() { f64::NAN } else { row.1 as f64 })),
+        counted("there_found", 0),
+        counted("there_missed", 1),
+        counted("absent_found", 2),
+        counted("absent_missed", 3),
+        rate("sensitivity", 0),
+        rate("specificity", 1),
+        Column::real("accuracy", rows.iter().map(|row| row.3)),
+        Column::real("balanced_accuracy", rows.iter().map(|row| row.4)),
+    ]
 }

@@ -1,18 +1,13 @@
 //! run.json: how the run was made and what came out, enough to repeat it.
 
-use std::path::Path;
-
 use serde::ser::SerializeMap as _;
 use serde::{Deserialize, Serialize, Serializer};
 use serde_json::{Value, json};
 
-use super::inference::Outcome;
-use willis_core::decision::{Topology, UNDECIDED_BAND, UNDECIDED_Z};
-use willis_core::flow::boundary_conditions::{Total, unfed_fragments};
+use willis_core::flow::boundary_conditions::Total;
 use willis_core::flow::{Boundary, FoundOutlets};
-use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
-use willis_core::network::{Condition, Frame, Network, Origin, Role, fragments};
-use willis_models::candidates::CandidateOptions;
+use willis_core::network::units::{ml_per_min, mmhg, mmhg_s_per_ml};
+use willis_core::network::{Condition, Frame, Network, Role};
 
 /// Where a run comes from.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -41,35 +36,25 @@ pub struct RunRecord {
     pub(crate) conditions: Vec<ConditionRecord>,
 }
 
-/// The field of the boundary conditions.
-const CONDITIONS: &str = "boundary_conditions";
+/// The place of the boundary conditions among the fields.
+pub(crate) const CONDITIONS: (&str, Value) = ("boundary_conditions", Value::Null);
 
 impl RunRecord {
-    /// The record of a run: what comes before its boundary conditions and after them.
-    pub(crate) fn new(
-        provenance: &Provenance,
-        before: impl IntoIterator<Item = (&'static str, Value)>,
-        conditions: Vec<ConditionRecord>,
-        after: impl IntoIterator<Item = (&'static str, Value)>,
-    ) -> Self {
-        let source = [
-            ("willis", json!(env!("CARGO_PKG_VERSION"))),
-            ("command", json!(provenance.command)),
-            ("input", provenance.of_input()),
-        ];
-        let fields = source.into_iter().chain(before).chain([(CONDITIONS, Value::Null)]).chain(after);
-        Self { fields: fields.collect(), conditions }
+    /// The record of a run: its fields behind those of its source, with [`CONDITIONS`] among them.
+    pub(crate) fn new(provenance: &Provenance, conditions: Vec<ConditionRecord>, fields: Vec<(&'static str, Value)>) -> Self {
+        let version = json!(env!("CARGO_PKG_VERSION"));
+        let source = [("willis", version), ("command", json!(provenance.command)), ("input", provenance.of_input())];
+        Self { fields: source.into_iter().chain(fields).collect(), conditions }
     }
 
     /// A field; a new one comes before the notes.
     pub fn field(&mut self, name: &'static str) -> &mut Value {
-        let place = |fields: &[(&str, Value)], name| fields.iter().position(|(field, _)| *field == name);
-        let at = place(&self.fields, name).unwrap_or_else(|| {
-            let at = place(&self.fields, "notes").unwrap_or(self.fields.len());
-            self.fields.insert(at, (name, Value::Null));
-            at
-        });
-        &mut self.fields[at].1
+        let place = |name: &str| self.fields.iter().position(|(field, _)| *field == name);
+        let (known, new) = (place(name), place("notes").unwrap_or(self.fields.len()));
+        if known.is_none() {
+            self.fields.insert(new, (name, Value::Null));
+        }
+        &mut self.fields[known.unwrap_or(new)].1
     }
 
     /// The fields for the page, without what differs between two runs of one command and without lists that the tables show.
@@ -86,7 +71,7 @@ impl RunRecord {
     pub(crate) fn name(&self) -> String {
         let input = self.fields.iter().find(|(name, _)| *name == "input");
         let path = input.and_then(|(_, input)| input["path"].as_str()).unwrap_or_default();
-        Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path).to_owned()
+        std::path::Path::new(path).file_name().and_then(|name| name.to_str()).unwrap_or(path).to_owned()
     }
 }
 
@@ -94,7 +79,7 @@ impl Serialize for RunRecord {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
         for (name, value) in &self.fields {
-            if *name == CONDITIONS {
+            if *name == CONDITIONS.0 {
                 map.serialize_entry(name, &self.conditions)?;
             } else {
                 map.serialize_entry(name, value)?;
@@ -122,18 +107,6 @@ pub fn outlets_found(outlets: FoundOutlets) -> Value {
         FoundOutlets::Murray(Total::Flow(flow)) => json!({ "murray_mL_per_min": ml_per_min(flow) }),
         FoundOutlets::Murray(Total::Resistance(resistance)) => json!({ "murray_mmHg_s_per_mL": mmhg_s_per_ml(resistance) }),
     }
-}
-
-/// How candidates were built, as run.json has it.
-fn candidate_parameters(p: &CandidateOptions) -> Value {
-    json!({
-        "k": p.k,
-        "max_gap_mm": p.max_gap.map(millimetres),
-        "attach": p.attach,
-        "candidate_radius": p.radius,
-        "max_candidate_radius_mm": p.max_radius.map(millimetres),
-        "radius": p.radius_rule.name(),
-    })
 }
 
 /// How large a network is, and how many inlets and outlets it has.
@@ -195,82 +168,4 @@ pub(crate) fn conditions(network: &Network, boundary: &Boundary, held: Option<&B
         }
     });
     each.collect()
-}
-
-fn topology(t: &Topology) -> Value {
-    json!({
-        "kept": t.kept, "pruned": t.pruned, "kept_candidates": t.kept_candidates, "pruned_observed": t.observed[1],
-        "components": t.components, "cycles": t.cycles, "unperfused_components": t.unperfused,
-    })
-}
-
-/// Gathers the record of a run of infer with its `options` as they were given, which every later command reads back; candidates were `built`
-/// so, where the input was no graph of them.
-pub fn infer_record(
-    outcome: &Outcome<'_>,
-    provenance: &Provenance,
-    options: &impl Serialize,
-    built: Option<&CandidateOptions>,
-    outlets: FoundOutlets,
-) -> RunRecord {
-    let (network, result, answer) = (outcome.network, outcome.result, outcome.answer);
-    let count = |origin: Origin| network.vessels().filter(|(_, v)| v.origin == origin).count();
-    let by_evidence = outcome.rule.asks_evidence();
-    let both = answer.kept.iter().zip(&answer.above_median).zip(&result.uncertain).filter(|(_, u)| **u);
-    let parameters = json!({
-        "epsilon": outcome.sampling.epsilon,
-        "samples": result.samples,
-        "exact": outcome.sampling.exact,
-        "uncertain": outcome.sampling.uncertain.name(),
-        "weight": outcome.sampling.weight.name(),
-        "keep": outcome.rule,
-        "viscosity_cP": centipoise(outcome.sampling.viscosity),
-        "outlets_found": outlets_found(outlets),
-        "candidates": built.map(candidate_parameters),
-    });
-    let counts = json!({
-        "nodes": network.node_count(),
-        "observed": count(Origin::Observed),
-        "candidates": count(Origin::Candidate),
-        "contacts": outcome.contacts(),
-        "cut": outcome.cuts().count(),
-        "suggested_cuts": outcome.suggested_cuts.len(),
-        "left_open": answer.left_open.len(),
-        "fragments": fragments(network, |_, v| v.origin == Origin::Observed).count,
-        "uncertain": result.uncertain.iter().filter(|u| **u).count(),
-        "inlets": outcome.boundary.count(Role::Inlet),
-        "outlets": outcome.boundary.count(Role::Outlet),
-        "unfed_fragments": unfed_fragments(network, outcome.boundary),
-        "topology": topology(&outcome.kept),
-        "topology_median": topology(&outcome.above_median),
-        "decisions_shared_with_median": both.filter(|((kept, above), _)| kept == above).count(),
-    });
-    let convergence = json!({
-        "perfused_share": result.perfused,
-        "undecided": answer.undecided.len(),
-        "stable": outcome.stable,
-        "undecided_edges": answer.undecided,
-        "within_standard_errors": (!by_evidence).then_some(UNDECIDED_Z),
-        "within_probability": by_evidence.then_some(UNDECIDED_BAND),
-    });
-    let mut solver = json!(outcome.solver);
-    solver["residual"] = json!(result.residual);
-    RunRecord::new(
-        provenance,
-        [("seed", json!(outcome.sampling.seed)), ("options", json!(options)), ("parameters", parameters)],
-        conditions(network, outcome.boundary, Some(&outcome.held())),
-        [
-            ("counts", counts),
-            ("threshold", json!({ "rule": outcome.rule, "value": answer.threshold, "median": answer.median })),
-            ("convergence", convergence),
-            ("expected_errors", outcome.expected.map_or(Value::Null, |e| json!({ "wrong": e.wrong, "missed": e.missed }))),
-            ("rho_G_W_per_m3", json!(result.network_resilience)),
-            ("solver", solver),
-            ("graph", Value::Null),
-            ("phenotype", Value::Null),
-            ("notes", json!(provenance.notes)),
-            // What differs between two runs of one command.
-            ("time", Value::Null),
-        ],
-    )
 }

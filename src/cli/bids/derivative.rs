@@ -8,7 +8,7 @@ use super::dataset::{DESCRIPTION, Dataset, DatasetMask, PARTICIPANTS, PARTICIPAN
 use crate::internals::formats::{Column, Covariates, open_regular, regular_bytes_of};
 use crate::internals::output::names::{PAGE, TOPOLOGY};
 use crate::internals::output::{StagedFiles, relative, replace_file, write_error};
-use crate::internals::report::bids_table::{sidecar, write_tsv};
+use crate::internals::report::cohort::{sidecar, write_tsv};
 use crate::{Result, internals::pipeline::require_in};
 
 /// The version of BIDS that the names follow.

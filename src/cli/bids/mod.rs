@@ -18,7 +18,7 @@ use crate::internals::formats::{Covariates, is_there};
 use crate::internals::output::names::{FAILURE, LEDGER, RECORD};
 use crate::internals::output::{StagedFolder, read_json, write_json};
 use crate::internals::report::cohort::{CohortRow, infer_figures, row_records};
-use crate::{Result, error::Fault, internals::pipeline::require_in, internals::report::bids_table::bids_columns};
+use crate::{Result, error::Fault, internals::pipeline::require_in, internals::report::cohort::bids_columns};
 
 /// Infer the topology of every mask of vessels in a BIDS dataset
 ///

@@ -2,7 +2,7 @@
 
 use super::{TextTerminal, brief, count, plural};
 use crate::internals::circle_of_willis::{Artery, Collateral, Posterior, RING, TERRITORIES, Variant};
-use crate::{Keep, Weight, internals::report::Outcome};
+use crate::{Keep, Weight, internals::report::Outcome, internals::report::few_perfused};
 
 /// Says what was kept, and what the kept graph looks like. Sampling took so many `seconds`.
 pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) {
@@ -15,7 +15,8 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         format!("{} samples in {seconds:.2} s, {} a second", count(outcome.result.samples), count(rate as u64))
     };
     say("sampled", format!("{took}, {} solver", outcome.solver.flow));
-    if let Some(warning) = outcome.few_perfused() {
+    let Outcome { network, boundary, sampling, result, .. } = outcome;
+    if let Some(warning) = few_perfused(network, boundary, sampling, result.perfused) {
         say("warning", warning);
     }
     if let Some(stable) = outcome.stable {

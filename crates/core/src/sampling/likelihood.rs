@@ -122,7 +122,7 @@ pub struct Snapshot {
 }
 
 /// The result of the samples, per vessel.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Likelihood {
     /// L of each vessel, W/m³.
     #[serde(with = "as_bits")]

@@ -1,7 +1,6 @@
 //! The ranges of axes and their ticks: counts, logarithmic and linear axes.
 
 use plotters::coord::ranged1d::{BoldPoints, Ranged};
-use plotters::coord::types::RangedCoordf64;
 
 /// The text at a tick: `text`, then an exponent.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -163,7 +162,7 @@ impl LinearRange {
         if !(rough.is_finite() && rough > (1e-12 * self.low.abs().max(self.high.abs())).max(1e-300)) {
             return Vec::new();
         }
-        let points = RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(most));
+        let points = plotters::coord::types::RangedCoordf64::from(self.low..self.high).key_points(BoldPoints(most));
         let [first, second, ..] = points[..] else { return Vec::new() };
         let step = second - first;
         let power = (step.log10() + 1e-6).floor() as i32;

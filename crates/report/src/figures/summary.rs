@@ -1,13 +1,9 @@
-//! A run in one picture: the vessels from two sides, the candidates by their probability, and the counts.
+//! A run in one picture: the vessels from two sides with their courses smoothed, the candidates by their probability, and the counts.
 
 use super::axis::TickLabel;
-use super::colour::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
-use super::colour_bar::colour_bar;
-use super::course::smoothed;
 use super::figure::Figure;
-use super::sheet::{Align, Sheet, SheetPlace, TextDirection};
-use super::style::{self, LEGEND_AT, POINTS_PER_INCH, SMALL, TEXT, TITLE};
-use willis_io::output::names::SUMMARY_PICTURE;
+use super::sheet::{Align, LEGEND_AT, LineStyle, POINTS_PER_INCH, SMALL, Sheet, SheetPlace, TEXT, TITLE, fitting};
+use super::{DEPTHS, INK, PAPER, Rgb, colour, mixed};
 
 const PAGE: [f64; 2] = [6.4 * POINTS_PER_INCH, 4.1 * POINTS_PER_INCH];
 /// Left edge of each panel, their top, and their width and height, points.
@@ -78,9 +74,9 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
     let rings = &rings[..rings.len().min(MOST_RINGS)];
     let mut sheet = Sheet::default();
     let wide = PAGE[0] - 2.0 * LEFT[0];
-    sheet.title(&style::fitting(title, wide, TITLE), LEFT[0]);
+    sheet.title(&fitting(title, wide, TITLE), LEFT[0]);
     for (line, below) in words.iter().zip([-3.0, 10.0]) {
-        sheet.plain(&style::fitting(line, wide, TEXT), [LEFT[0], LEGEND_AT + below], Align::Begin);
+        sheet.plain(&fitting(line, wide, TEXT), [LEFT[0], LEGEND_AT + below], Align::Begin);
     }
     let boxes = [0, 1].map(|at| extent(&vessels, &views[at]));
     // One scale for both views, points a millimetre.
@@ -96,8 +92,8 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             let [x, y] = seen(p, view);
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
-        for one in pieces(&vessels, view, scale, place) {
-            sheet.tube(one.path, one.width, one.rgb);
+        for (_, path, width, rgb) in pieces(&vessels, view, scale, place) {
+            sheet.stroke(path, LineStyle::Tube, width, rgb, 1.0);
         }
         let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();
         ringed(&mut sheet, &centres, rings);
@@ -106,19 +102,20 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             sheet.plain(text, [x, centre[1]], Align::Middle);
         }
     }
-    scale_bar(&mut sheet, scale);
+    // The scale bar.
+    let widest = 60.0 / scale;
+    let ten = 10_f64.powf(widest.log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
+    let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
+    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0);
+    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin);
     let ticks = [0.0, 0.5, 1.0].map(|share: f64| (share, TickLabel::plain(share.to_string())));
-    colour_bar(&mut sheet, BAR, BAR_HEIGHT, ticks, "probability");
-    Figure::new(SUMMARY_PICTURE, PAGE, sheet)
+    sheet.colour_bar(BAR, BAR_HEIGHT, ticks, "probability");
+    Figure::new(willis_io::output::names::SUMMARY_PICTURE, PAGE, sheet)
 }
 
-/// A piece of a vessel on the page: how far off, its course, and how it is drawn.
-struct DrawnPiece {
-    near: f64,
-    path: Vec<[f64; 2]>,
-    width: f64,
-    rgb: Rgb,
-}
+/// A piece of a vessel on the page: how near it is, its course, its width and its colour.
+type DrawnPiece = (f64, Vec<SheetPlace>, f64, Rgb);
 
 /// Draws rings around places of the page, each with its number where fewest other rings and numbers are.
 fn ringed(sheet: &mut Sheet, centres: &[SheetPlace], rings: &[Ring]) {
@@ -139,7 +136,7 @@ fn ringed(sheet: &mut Sheet, centres: &[SheetPlace], rings: &[Ring]) {
         };
         let around = [1, 3, 5, 7, 0, 2, 4, 6].map(|eighths| away(*centre, RING[2], f64::from(eighths) / 8.0));
         if let Some(at) = around.into_iter().min_by_key(crowd) {
-            sheet.text(&TickLabel::plain(number.to_string()), at, SMALL, Align::Middle, TextDirection::Right);
+            sheet.small(&TickLabel::plain(number.to_string()), at, Align::Middle);
             numbers.push(at);
         }
     }
@@ -162,8 +159,7 @@ fn seen(p: &[f64; 4], view: &Projection) -> [f64; 2] {
 
 /// The pieces of all vessels from far to near; those that are uncertain come last, so that nothing hides them.
 fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn(&[f64; 4]) -> [f64; 2]) -> Vec<DrawnPiece> {
-    let ([a, b, c], [d, e, f]) = (view.right, view.up);
-    let back = [b * f - c * e, c * d - a * f, a * e - b * d];
+    let back = willis_core::support::geometry::cross(view.right, view.up);
     let depth = |p: &[f64; 4]| (0..3).map(|axis| back[axis] * p[axis]).sum::<f64>();
     let certain = || vessels.iter().filter(|vessel| vessel.certain).flat_map(|vessel| &vessel.course).map(&depth);
     let [far, near] = [certain().fold(f64::INFINITY, f64::min), certain().fold(f64::NEG_INFINITY, f64::max)];
@@ -185,23 +181,69 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
             let mean = |of: &dyn Fn(&[f64; 4]) -> f64| part.iter().map(of).sum::<f64>() / part.len() as f64;
             let at = mean(&depth);
             let share_near = ((at - far) / (near - far).max(1e-9)).clamp(0.0, 1.0);
-            DrawnPiece {
-                near: order + at,
-                path: part.iter().map(&place).collect(),
-                width: (2.0 * share * scale * mean(&|p| p[3])).max(thin),
-                rgb: if vessel.certain { mixed(DEPTHS[0], DEPTHS[1], share_near) } else { own },
-            }
+            let width = (2.0 * share * scale * mean(&|p| p[3])).max(thin);
+            let rgb = if vessel.certain { mixed(DEPTHS[0], DEPTHS[1], share_near) } else { own };
+            (order + at, part.iter().map(&place).collect(), width, rgb)
         }));
     }
-    all.sort_by(|a, b| a.near.total_cmp(&b.near));
+    all.sort_by(|a: &DrawnPiece, b| a.0.total_cmp(&b.0));
     all
 }
 
-fn scale_bar(sheet: &mut Sheet, scale: f64) {
-    let widest = 60.0 / scale;
-    let ten = 10_f64.powf(widest.log10().floor());
-    let length = [5.0, 2.0, 1.0].map(|m| m * ten).into_iter().find(|length| *length <= widest).unwrap_or(ten);
-    let (x, y) = (LEFT[0], TOP + SIZE[1] + FOOT);
-    sheet.line([[x, y], [x + scale * length, y]], 1.2, INK, 1.0);
-    sheet.plain(&format!("{length} mm"), [x + scale * length + 5.0, y], Align::Begin);
+/// x, y, z and radius, mm.
+pub type CoursePoint = [f64; 4];
+
+/// Radii are averaged over so many radii to either side, as on the page.
+const REACH: f64 = 6.0;
+/// An inner point moves at most so many radii.
+const MOST: f64 = 0.3;
+
+/// The course with the mean of its piecewise linear radius over 6 mean radii to either side of each point, by the trapezoid rule, and
+/// with each inner point half way nearer to the line between its neighbours, by at most 0.3 radii. The ends stay where they are.
+pub fn smoothed(course: &[CoursePoint]) -> Vec<CoursePoint> {
+    let last = course.len().saturating_sub(1);
+    let mut along = vec![0.0];
+    let mut sum = vec![0.0];
+    for pair in course.windows(2) {
+        let step = distance(&pair[0], &pair[1]);
+        let at = along.len() - 1;
+        sum.push(sum[at] + step * f64::midpoint(pair[0][3], pair[1][3]));
+        along.push(along[at] + step);
+    }
+    let length = along[along.len() - 1];
+    if course.len() < 3 || length <= 0.0 {
+        return course.to_vec();
+    }
+    let mean = sum[last] / length;
+    // The integral of the radius from the beginning to s.
+    let integral = |s: f64| {
+        let low = along.partition_point(|at| *at <= s).saturating_sub(1).min(last - 1);
+        let (part, whole) = (s - along[low], (along[low + 1] - along[low]).max(f64::MIN_POSITIVE));
+        let radius = course[low][3] + (course[low + 1][3] - course[low][3]) * part / whole;
+        sum[low] + part * f64::midpoint(course[low][3], radius)
+    };
+    let radius = |s: f64| {
+        let [from, to] = [(s - REACH * mean).max(0.0), (s + REACH * mean).min(length)];
+        if to > from { (integral(to) - integral(from)) / (to - from) } else { mean }
+    };
+    let point = |at: usize| {
+        let ([x, y, z, _], radius) = (course[at], radius(along[at]));
+        let [x, y, z] = if at == 0 || at == last { [x, y, z] } else { calmed(course, &along, at, MOST * radius) };
+        [x, y, z, radius]
+    };
+    (0..=last).map(point).collect()
+}
+
+/// The inner point `at`, moved by at most `most`.
+fn calmed(course: &[CoursePoint], along: &[f64], at: usize, most: f64) -> [f64; 3] {
+    let (before, place, after) = (&course[at - 1], &course[at], &course[at + 1]);
+    let share = (along[at] - along[at - 1]) / (along[at + 1] - along[at - 1]).max(f64::MIN_POSITIVE);
+    let moved: [f64; 3] = std::array::from_fn(|axis| 0.5 * (before[axis] + share * (after[axis] - before[axis]) - place[axis]));
+    let by = moved.iter().map(|x| x * x).sum::<f64>().sqrt();
+    let part = if by > most { most / by } else { 1.0 };
+    std::array::from_fn(|axis| place[axis] + part * moved[axis])
+}
+
+fn distance(a: &CoursePoint, b: &CoursePoint) -> f64 {
+    (0..3).map(|axis| (a[axis] - b[axis]).powi(2)).sum::<f64>().sqrt()
 }

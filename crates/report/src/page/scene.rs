@@ -1,10 +1,14 @@
-//! The vessels of a page in space: their centerlines, without points that make no visible difference.
+//! What a page holds of space: centerlines without points that make no visible difference, the image around doubtful vessels, and the segmentation.
 
-use crate::figures::course::CoursePoint;
-use willis_core::flow::Boundary;
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, Role};
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use serde::{Deserialize, Serialize};
+
+use crate::figures::CoursePoint;
+use willis_core::network::{Network, Role, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
+use willis_io::masks::cubes::ImageCube;
+use willis_io::masks::{Affine, Foreground, RunLengths};
 
 /// Points nearer to the line than this share of the box around the network are left out, since no screen shows them.
 const INVISIBLE: f64 = 1.0 / 4000.0;
@@ -18,23 +22,16 @@ pub struct PageScene {
     pub markers: Vec<Marker>,
 }
 
-/// A place that the page marks: a node with a condition, or a contact that is cut.
-#[derive(Debug, Clone)]
-pub struct Marker {
-    /// The position of the node and the radius of its widest vessel, or the middle of the contact and its radius.
-    pub place: CoursePoint,
-    /// What is there: `inlet`, `outlet`, `cut` or `suggested`.
-    pub kind: &'static str,
-    /// The node's label or id, or the probability of the contact.
-    pub name: String,
-}
+/// A place that the page marks: the position of a node with a condition and the radius of its widest vessel, or the middle of a contact that is cut
+/// and its radius; what is there (`inlet`, `outlet`, `cut` or `suggested`); and the node's label or id, or the probability of the contact.
+pub type Marker = (CoursePoint, &'static str, String);
 
 /// A network in space.
 ///
 /// # Errors
 ///
 /// A message for the reader when nodes have no coordinates.
-pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String> {
+pub fn scene(network: &Network, boundary: &willis_core::flow::Boundary) -> Result<PageScene, String> {
     if !network.has_positions() {
         return Err("The nodes have no coordinates, so the vessels cannot be drawn in space.".to_owned());
     }
@@ -56,22 +53,15 @@ pub fn scene(network: &Network, boundary: &Boundary) -> Result<PageScene, String
     let markers = markers.map(|(row, role)| {
         let node = network.node(row);
         let name = if node.label.is_empty() { node.id.clone() } else { node.label.clone() };
-        Marker { place: place(position(row), widest[row]), kind: role.name(), name }
+        (place(position(row), widest[row]), role.name(), name)
     });
     Ok(PageScene { vessels, markers: markers.collect() })
-}
-
-/// A mark at a contact, where two vessels only touch.
-pub fn cut_at(network: &Network, row: usize) -> Marker {
-    let vessel = network.vessel(row);
-    let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability);
-    cut("cut", network.middle_of(network.ends(row), vessel), vessel.radius, probability)
 }
 
 /// A mark of a kind where vessels touch that are one with a probability.
 pub fn cut(kind: &'static str, position: Point, radius: f64, probability: f64) -> Marker {
     let [x, y, z] = position.map(millimetres);
-    Marker { place: [x, y, z, millimetres(radius)], kind, name: format!("P = {probability:.3}") }
+    ([x, y, z, millimetres(radius)], kind, format!("P = {probability:.3}"))
 }
 
 /// A line without the points within `distance` of the remaining line, in position and radius (Douglas & Peucker 1973).
@@ -98,4 +88,55 @@ fn from_segment(p: CoursePoint, a: CoursePoint, b: CoursePoint) -> f64 {
     let share = if length > 0.0 { (product(from, along) / length).clamp(0.0, 1.0) } else { 0.0 };
     let off: CoursePoint = std::array::from_fn(|i| from[i] - share * along[i]);
     product(off, off).sqrt()
+}
+
+/// What the image shows around a doubtful vessel or contact, for the page; see [`ImageCube`].
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct ImagePlace {
+    /// The rows of the vessels that lie there.
+    pub vessels: Vec<usize>,
+    /// The middle of the cube, mm.
+    pub centre: [f64; 3],
+    /// [`ImageCube::held`].
+    pub held: [f64; 2],
+    /// [`ImageCube::shown`].
+    pub shown: [f64; 2],
+    /// Whether vessels are dark.
+    pub is_dark: bool,
+    /// [`ImageCube::samples`] in base64.
+    pub samples: String,
+}
+
+impl ImagePlace {
+    /// A cube around a place (m) at which vessels lie, by row.
+    pub fn of(vessels: Vec<usize>, centre: Point, cube: &ImageCube) -> Self {
+        let samples = STANDARD.encode(&cube.samples);
+        Self { vessels, centre: centre.map(millimetres), held: cube.held, shown: cube.shown, is_dark: cube.is_dark, samples }
+    }
+}
+
+/// The faces of a segmentation's surface beyond which the page holds it in blocks of voxels: a graphics chip in a laptop draws so many.
+const MOST_FACES: usize = 400_000;
+/// The blocks of its box beyond which the page holds it in larger ones: a browser takes a byte for each.
+const MOST_CELLS: usize = 1 << 26;
+
+/// The segmentation that the vessels were found in, for the page, which makes a surface of it.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Segmentation {
+    /// The lengths of the box around it.
+    pub shape: [usize; 3],
+    /// Where the centre of each block of the box is, mm.
+    pub affine: Affine,
+    /// Voxels along each side of a block.
+    pub block: usize,
+    /// [`RunLengths::bytes`] in base64.
+    pub runs: String,
+}
+
+impl Segmentation {
+    /// The voxels inside vessels, in blocks where they are very many.
+    pub fn of(vessels: &Foreground) -> Self {
+        let RunLengths { shape, affine, block, bytes } = RunLengths::of(vessels, MOST_FACES, MOST_CELLS);
+        Self { shape, affine, block, runs: STANDARD.encode(bytes) }
+    }
 }
