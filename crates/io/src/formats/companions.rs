@@ -2,15 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::formats::format::format_of;
-use crate::formats::images::{metaimage, nrrd};
-use crate::formats::input::without_mark;
-use crate::formats::known::{Format, FormatTrait};
-use crate::formats::tables::pairs::{find_nodes_table, head, other_table};
-use crate::formats::vendors::icafe::{IMAGE, TABLE_OF_VESSELS, find, find_tracing, image_spacing};
-use willis_core::error::Result;
+use super::images::{metaimage, nrrd};
+use super::tables::pairs::{find_nodes_table, head, other_table};
+use super::vendors::icafe::{IMAGE, TABLE_OF_VESSELS, find, find_tracing, image_spacing};
+use super::{Format, FormatTrait, format::format_of, input::without_mark};
 
-/// The other files that [`read`](super::read::read) reads for `path`, as the folder is now, sorted by name.
+/// The other files that [`read`](super::read) reads for `path`, as the folder is now, sorted by name.
 pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);
@@ -44,7 +41,7 @@ pub enum StatedSpacing {
 /// # Errors
 ///
 /// A file beside it that is there and cannot be read.
-pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
+pub fn stated_spacing(path: &Path) -> willis_core::error::Result<StatedSpacing> {
     let head = head(path);
     let format = format_of(path, without_mark(&head)).ok();
     let is = |what: FormatTrait| format.is_some_and(|format| format.is(what));

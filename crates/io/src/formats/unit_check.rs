@@ -1,10 +1,9 @@
 //! Checks whether the lengths of a file look like brain vessels in the unit that was given.
 
-use super::content::Content;
-use willis_core::error::Fault;
+use super::Content;
 use willis_core::network::{LengthUnit, Scale, is_radius, millimetres};
 use willis_core::support::geometry::{Point, box_diagonal};
-use willis_core::support::statistics::median;
+use willis_core::{error::Fault, support::statistics::median};
 
 /// The range of median radii of brain vessels, mm: from capillaries to the internal carotid artery.
 const MEDIAN_RADIUS_MM: std::ops::Range<f64> = 0.002..2.4;

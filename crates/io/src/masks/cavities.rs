@@ -1,14 +1,11 @@
 //! Cavities of a mask: background that nothing connects to the outside, such as a voxel that a segmenter left out within a vessel.
 
-use std::collections::VecDeque;
-use std::ops::Range;
+use std::{collections::VecDeque, ops::Range};
 
 use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
-use super::distance::distances;
-use super::foreground::Foreground;
-use super::mask::Mask;
+use super::{Foreground, Mask, distances};
 
 /// What is done with the cavities of a mask, and with its specks. Thinning keeps a cavity as a closed surface, of which the skeleton makes
 /// dozens of loops.

@@ -1,10 +1,8 @@
 //! Which voxel of the skeleton each voxel of the lumen belongs to, and with what volume.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::{cmp::Reverse, collections::BinaryHeap};
 
-use super::foreground::{Foreground, neighbours};
-use super::mask::{Mask, steps_of};
+use super::{Foreground, Mask, neighbours, steps_of};
 use willis_core::support::geometry::{Point, norm_squared};
 
 /// A voxel that belongs to no seed.

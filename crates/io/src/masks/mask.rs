@@ -1,8 +1,5 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
-use std::collections::BTreeMap;
-
-use super::partial::Walls;
 use willis_core::network::Frame;
 use willis_core::support::geometry::{Point, cross, dot, norm};
 
@@ -30,13 +27,13 @@ pub struct Mask {
     /// Where the centre of each voxel is, mm.
     pub affine: Affine,
     /// The voxels that lie inside vessels in part, where that is known.
-    pub walls: Option<Walls>,
+    pub walls: Option<super::partial::Walls>,
     /// The scanner's frame, RAS, unless nobody states which way the axes point.
     pub frame: Frame,
     /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
     pub reversed: bool,
     /// What its file calls classes; others are known by their number.
-    pub names: BTreeMap<u8, String>,
+    pub names: std::collections::BTreeMap<u8, String>,
     /// Notes for the user about how it was read, one line each.
     pub notes: Vec<String>,
 }

@@ -3,17 +3,11 @@
 use std::f64::consts::PI;
 
 use petgraph::unionfind::UnionFind;
-use serde::{Deserialize, Serialize};
 
-use super::cavities::Cavities;
-use super::distance::distances;
-use super::foreground::Foreground;
 use super::lumen::{nearest_seeds, volumes};
-use super::mask::{Mask, steps_of};
 use super::skeleton::{Branch, Skeleton, skeleton};
-use super::thinning::thin;
-use willis_core::network::walks::other;
-use willis_core::network::{Centerlines, metres};
+use super::{Cavities, Foreground, Mask, distances, steps_of, thin};
+use willis_core::network::{Centerlines, metres, walks::other};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
 
@@ -28,7 +22,7 @@ const WIDEST: f64 = 1.5;
 const REACH: f64 = 3.0;
 
 /// What the radius of a centerline point is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RadiusFrom {
     /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length, those

@@ -1,14 +1,11 @@
 //! The hidden, locked folder `.willis-NAME` in which an output is built; folders that killed runs left behind are cleared.
 
-use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock};
-use super::names::SET;
-use super::target::followed;
-use crate::formats::checksum;
+use super::{names::SET, target::followed};
 use willis_core::error::{Error, Result};
 
 /// The beginning of the name of every unfinished output.
@@ -131,9 +128,9 @@ fn parent(target: &Path) -> &Path {
 
 /// The hidden folder in which an output is written.
 pub fn folder_of(target: &Path) -> PathBuf {
-    let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
+    let (name, mut hidden) = (target.file_name().unwrap_or_default(), std::ffi::OsString::from(HIDDEN_PREFIX));
     if name.len() > LONGEST {
-        hidden.push(checksum(name.as_encoded_bytes()));
+        hidden.push(crate::formats::checksum(name.as_encoded_bytes()));
     } else {
         hidden.push(name);
     }
@@ -192,7 +189,7 @@ pub fn clear_dead_runs(folder: &Path) {
             // Only if it is empty.
             let _ = fs::remove_dir(&path);
         } else if let Ok(_lock) = lock(&path, &path, 1) {
-            let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
+            let name = path.file_name().and_then(std::ffi::OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
             clear(&path, name.filter(|name| !is_checksum(name)).map(|name| folder.join(name)).as_deref());
             discard(&path);
         }

@@ -2,9 +2,7 @@
 
 use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
 use std::io::{self, Read, Seek, Write};
-use std::path::Path;
-use std::thread::sleep;
-use std::time::Duration;
+use std::{path::Path, thread::sleep, time::Duration};
 
 use willis_core::error::{Error, Result};
 
@@ -41,7 +39,7 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
             Err(_) if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) => return Err(foreign(&path, target)),
             opened => opened.map_err(refused)?,
         };
-        if !file.metadata().is_ok_and(|about| about.is_file() && is_only_name(&about)) || !is_of_one_user(&file, folder) {
+        if !file.metadata().is_ok_and(|about| about.is_file() && facts(&about)[3] <= 1) || !is_of_one_user(&file, folder) {
             return Err(foreign(&path, target));
         }
         match file.try_lock() {
@@ -109,40 +107,16 @@ fn open(path: &Path) -> io::Result<File> {
 
 /// Whether what is at `path` was made by the user that this process makes files as. That is asked of the file system itself, by a file
 /// without a name in the same folder: on network drives and in containers it may not be the user that the process runs as.
-#[cfg(unix)]
 fn is_own(about: &Metadata, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let probe = tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
-    probe.is_ok_and(|probe| probe.uid() == about.uid())
-}
-
-#[cfg(not(unix))]
-fn is_own(_: &Metadata, _: &Path) -> bool {
-    true
+    let probe = || tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
+    cfg!(not(unix)) || probe().is_ok_and(|probe| facts(&probe)[2] == facts(about)[2])
 }
 
 /// Whether a file and the folder that it is in belong to one user.
-#[cfg(unix)]
 fn is_of_one_user(file: &File, folder: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    file.metadata().ok().zip(fs::symlink_metadata(folder).ok()).is_some_and(|(file, folder)| file.uid() == folder.uid())
-}
-
-#[cfg(not(unix))]
-fn is_of_one_user(_: &File, _: &Path) -> bool {
-    true
-}
-
-/// Whether a file has no second name, under which it may be another user's or another program's; one that was just removed has none.
-#[cfg(unix)]
-fn is_only_name(about: &Metadata) -> bool {
-    std::os::unix::fs::MetadataExt::nlink(about) <= 1
-}
-
-#[cfg(not(unix))]
-fn is_only_name(_: &Metadata) -> bool {
-    true
+    let both = || file.metadata().ok().zip(fs::symlink_metadata(folder).ok());
+    cfg!(not(unix)) || both().is_some_and(|(file, folder)| facts(&file)[2] == facts(&folder)[2])
 }
 
 /// Whether an open file is still the one at a path: its last holder may have removed it.
@@ -151,15 +125,22 @@ fn is_at(file: &File, path: &Path) -> bool {
 }
 
 /// The device and the number of a file, which stay when it is renamed.
-#[cfg(unix)]
 pub fn identity(about: &Metadata) -> [u64; 2] {
-    use std::os::unix::fs::MetadataExt;
-    [about.dev(), about.ino()]
+    let [device, number, ..] = facts(about);
+    [device, number]
 }
 
-/// Its size and its time, which stay too.
+/// The device and the number of a file, the user that it belongs to, and how many names it has: under a second one it may be another user's or
+/// another program's; one that was just removed has none.
+#[cfg(unix)]
+fn facts(about: &Metadata) -> [u64; 4] {
+    use std::os::unix::fs::MetadataExt;
+    [about.dev(), about.ino(), about.uid().into(), about.nlink()]
+}
+
+/// Its size and its time, which stay too, and what other systems do not say.
 #[cfg(not(unix))]
-pub fn identity(about: &Metadata) -> [u64; 2] {
+fn facts(about: &Metadata) -> [u64; 4] {
     let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
-    [about.len(), time.map_or(0, |time| time.as_nanos() as u64)]
+    [about.len(), time.map_or(0, |time| time.as_nanos() as u64), 0, 1]
 }

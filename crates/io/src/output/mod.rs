@@ -7,7 +7,6 @@ mod lock;
 pub mod names;
 mod own_files;
 pub mod partial_run_file;
-mod partial_set;
 mod target;
 
 pub use atomic::{StagedFiles, StagedFolder};

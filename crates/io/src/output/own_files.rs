@@ -3,10 +3,6 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
-
-use super::in_progress::{entries, is_in_progress};
 use super::names::{
     AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, MEDIAN_TOPOLOGY, PICTURES, RECORD, TOPOLOGY,
 };
@@ -38,15 +34,15 @@ fn is_labelled(path: &Path) -> bool {
 }
 
 /// What tells a record of willis, without the conditions of a million vessels that it may hold.
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 struct OwnRecord {
     #[serde(rename = "willis")]
-    _version: IgnoredAny,
+    _version: serde::de::IgnoredAny,
 }
 
 /// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
-    let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
+    let Some(paths) = super::in_progress::entries(folder) else { return Some(folder.to_owned()) };
     let is_written_by_willis = |mark| folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok();
     if let Some(mark) = [RECORD, FAILURE, COHORT].into_iter().find(|mark| folder.join(mark).exists()) {
         if !is_written_by_willis(mark) {
@@ -58,7 +54,7 @@ pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
         return match mark {
             RECORD => paths.find(|path| !is_run_file(path)),
             FAILURE => paths.find(|path| !is_named(path, &[FAILURE])),
-            _ => paths.filter(|path| !is_in_progress(path)).find_map(of_cohort),
+            _ => paths.filter(|path| !super::in_progress::is_in_progress(path)).find_map(of_cohort),
         };
     }
     paths.into_iter().find_map(|path| {

@@ -1,11 +1,9 @@
 //! The place of an output: where a link leads, and what cannot be replaced, which is said before the work begins.
 
-use std::fs;
-use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use std::{fs, io::ErrorKind};
 
 use willis_core::error::{Error, Result};
-use willis_core::support::limits;
 
 /// Where an output goes: a link is followed, so that it stays and what it points to is written.
 pub fn followed(target: &Path) -> PathBuf {
@@ -24,7 +22,7 @@ const RUN: u64 = 1 << 20;
 ///
 /// The limit of the shell is lower.
 pub fn check_file_size(target: &Path) -> Result<()> {
-    match limits::file_size() {
+    match willis_core::support::limits::file_size() {
         Some(most) if most < RUN => {
             let accepted = format!("files may have {most} bytes at most here; raise the limit (ulimit -f) to {RUN} at least");
             Err(Error::parameter("output", target.display(), accepted))

@@ -1,13 +1,9 @@
 //! The voxels of a file whose header has been read, as a mask or as an image; and those of a segmentation of 3D Slicer in several layers.
 
-use std::cell::Cell;
-use std::collections::BTreeMap;
-use std::io::Read;
-use std::path::PathBuf;
+use std::io::{self, Read};
+use std::{cell::Cell, collections::BTreeMap, path::PathBuf};
 
-use super::pieces::{PIECE, Pieces};
-use super::voxels::{Voxels, fill};
-use crate::formats::binary::NumberType;
+use super::voxels::Voxels;
 use crate::formats::tables::reader::{counted, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
@@ -72,7 +68,7 @@ impl Layers {
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
         let classes = classes_of(stream, &segments, self.count, &voxels, [&unnamed, &shared]);
-        let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
+        let as_bytes = Voxels { kind: crate::formats::binary::NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
         let mut mask = as_bytes.read(classes, level, most)?;
         mask.notes.extend(counted(unnamed.get(), "voxel", "with a value of no segment: left out"));
         mask.notes.extend(counted(shared.get(), "voxel", "in several segments: taken to the last of them"));
@@ -145,12 +141,13 @@ fn classes_of<'a>(
         let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
         (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
     };
-    let mut block = vec![0; PIECE * bytes];
+    let mut block = Vec::new();
     // Most voxels are as the one before.
     let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
     Pieces::new(move |piece| {
-        let found = fill(&mut stored, &mut block)?;
-        for voxel in block[..found].chunks_exact(bytes) {
+        block.clear();
+        stored.by_ref().take((PIECE * bytes) as u64).read_to_end(&mut block)?;
+        for voxel in block.chunks_exact(bytes) {
             if last.0 != voxel {
                 let (class, is_unnamed, is_shared) = class_of(voxel);
                 last = (voxel.to_vec(), class, is_unnamed, is_shared);
@@ -161,4 +158,34 @@ fn classes_of<'a>(
         }
         Ok(())
     })
+}
+
+/// Voxels of a piece.
+pub(super) const PIECE: usize = 1 << 12;
+
+/// A stream of bytes that are made piece by piece, so that no more than one piece is in memory. `next` puts the following piece into an empty buffer, and nothing at the end.
+pub(super) struct Pieces<F> {
+    next: F,
+    piece: Vec<u8>,
+    read: usize,
+}
+
+impl<F: FnMut(&mut Vec<u8>) -> io::Result<()>> Pieces<F> {
+    pub(super) fn new(next: F) -> Self {
+        Self { next, piece: Vec::new(), read: 0 }
+    }
+}
+
+impl<F: FnMut(&mut Vec<u8>) -> io::Result<()>> Read for Pieces<F> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.read == self.piece.len() {
+            self.piece.clear();
+            self.read = 0;
+            (self.next)(&mut self.piece)?;
+        }
+        let count = out.len().min(self.piece.len() - self.read);
+        out[..count].copy_from_slice(&self.piece[self.read..self.read + count]);
+        self.read += count;
+        Ok(count)
+    }
 }

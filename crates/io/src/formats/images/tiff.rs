@@ -6,15 +6,11 @@
 use std::collections::HashMap;
 use std::io::{self, Cursor, Read};
 
-use tiff::ColorType;
-use tiff::decoder::ifd::Value;
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
+use tiff::decoder::{Decoder, DecodingResult, Limits, ifd::Value};
+use tiff::{ColorType, tags::Tag};
 
-use super::pieces::Pieces;
-use super::voxels::Voxels;
+use super::{stored_image::Pieces, voxels::Voxels};
 use crate::formats::binary::NumberType;
-use crate::formats::xml::{Events, XmlStep};
 use willis_core::error::Fault;
 use willis_core::network::{Frame, LengthUnit};
 
@@ -189,10 +185,10 @@ impl Stated {
 
     /// The attributes of the first element Pixels.
     fn of_ome(description: &str) -> Result<Self, Fault> {
-        let mut events = Events::new(description.as_bytes());
+        let mut events = crate::formats::xml::Events::new(description.as_bytes());
         // What comes after that element may be cut off.
         while let Some(step) = events.next()? {
-            if !matches!(step, XmlStep::Start) || events.tag.name() != "Pixels" {
+            if !matches!(step, crate::formats::xml::XmlStep::Start) || events.tag.name() != "Pixels" {
                 continue;
             }
             let fields: HashMap<String, String> = events.tag.attributes()?.into_iter().collect();

@@ -5,11 +5,8 @@ use serde::Deserialize;
 use super::reader::{TableReader, columns, uncommented};
 use crate::formats::input::without_mark;
 use willis_core::error::{Fault, Place};
-use willis_core::network::quantity::Dimension;
-use willis_core::network::units::pascals;
-use willis_core::network::{Condition, Role};
-use willis_core::support::suggestions::did_you_mean;
-use willis_core::support::toml_text::parse;
+use willis_core::network::{Condition, Role, quantity::Dimension, units::pascals};
+use willis_core::{support::suggestions::did_you_mean, support::toml_text::parse};
 
 /// The column of the pressure behind a terminal resistance.
 pub(crate) const VENOUS: &str = "venous_pressure_mmHg";

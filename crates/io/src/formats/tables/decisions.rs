@@ -4,9 +4,7 @@ use std::collections::HashMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::formats::tables::reader::TableReader;
-use willis_core::error::Fault;
-use willis_core::network::Edit;
+use willis_core::{error::Fault, network::Edit};
 
 /// A decision on one connection.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -78,7 +76,7 @@ pub struct ListedDecisions {
 /// A missing column, an `edge` that is no row, a decision that is none of the words, places that are none, a connection that comes twice.
 pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
     const WHAT: &str = "edge,id_a,id_b,decision";
-    let mut rows = TableReader::open(bytes)?;
+    let mut rows = super::reader::TableReader::open(bytes)?;
     let [of_edge, a, b, decision] = rows.columns([&["edge"], &["id_a"], &["id_b"], &["decision"]], WHAT)?;
     let [who, when, comment, input, stated] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
     let mut all = ListedDecisions::default();

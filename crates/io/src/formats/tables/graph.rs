@@ -3,16 +3,14 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
+use super::reader::{TableReader, columns};
+use super::{conditions::VENOUS, points::HEADER as POINTS_HEADER};
 use crate::formats::attributes::edge::{SPEED, THICKNESS, YOUNG, vessels};
-use crate::formats::attributes::records::Records;
-use crate::formats::attributes::{self, COMPLIANCE, POSITION_COLUMNS, PROXIMAL, nodes};
-use crate::formats::input::checksum;
-use crate::formats::options::ReadOptions;
+use crate::formats::attributes::{self, COMPLIANCE, PROXIMAL, nodes, records::Records};
 use crate::formats::polylines::is_straight;
-use crate::formats::tables::conditions::VENOUS;
-use crate::formats::tables::points::HEADER as POINTS_HEADER;
-use crate::formats::tables::reader::{TableReader, columns};
-use crate::formats::tables::write::{Column, Values, coordinate_columns, real, write_csv};
+use crate::formats::{
+    Column, POSITION_COLUMNS, ReadOptions, Values, checksum, coordinate_columns, tables::write::real, write_csv,
+};
 use willis_core::error::Fault;
 use willis_core::network::units::{in_megapascals, ml_per_min, ml_per_mmhg, mmhg, mmhg_s_per_ml};
 use willis_core::network::{

@@ -1,13 +1,9 @@
 //! Small tables that a person writes beside an input: correct connections, links that close loops.
 
-use std::collections::HashMap;
 use std::io::{self, Write};
 
-use crate::formats::tables::graph::END_POSITION_COLUMNS;
-use crate::formats::tables::reader::{TableReader, uncommented};
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, metres};
-use willis_core::support::geometry::Point;
+use super::reader::{TableReader, uncommented};
+use willis_core::{error::Fault, support::geometry::Point};
 
 /// A candidate that a person lists as correct.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,7 +23,7 @@ pub struct KnownConnection {
 /// A missing column, a value that is wrong, a table without a correct candidate.
 pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let [a, b] = END_POSITION_COLUMNS;
+    let [a, b] = crate::formats::END_POSITION_COLUMNS;
     let of_end = |[x, y, z]: [&str; 3]| rows.columns([&[x], &[y], &[z]], "the ends of every correct candidate");
     let columns = [of_end(a)?, of_end(b)?];
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
@@ -49,7 +45,7 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
                 }
             }
         }
-        let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(metres));
+        let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(willis_core::network::metres));
         out.push(KnownConnection { line: row.line, ends });
     }
     if out.is_empty() {
@@ -67,8 +63,8 @@ const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 /// # Errors
 ///
 /// A row that is not a pair of ids of different points.
-pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> {
-    let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
+pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) -> Result<usize, Fault> {
+    let row_of: std::collections::HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
     let mut link = |line: usize, pair: [&str; 2]| {
         let row = |word: &str| {
             let word = word.split('#').next().unwrap_or_default().trim_end();

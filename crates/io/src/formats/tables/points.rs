@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 
 use super::reader::{TableReader, columns as describe};
-use crate::formats::options::ReadOptions;
-use crate::formats::polylines::polylines;
-use crate::formats::tables::write::{escape_formula, figures};
+use crate::formats::{ReadOptions, escape_formula, polylines::polylines, tables::write::figures};
 use willis_core::error::Fault;
 use willis_core::network::{Centerlines, Network, is_radius};
 

@@ -2,8 +2,7 @@
 
 use super::reader::{Row, TableReader, columns};
 use crate::formats::numpy::array::read_npy_matrix;
-use willis_core::error::Fault;
-use willis_core::network::Network;
+use willis_core::{error::Fault, network::Network};
 
 /// Gives every vessel the prior that a symmetric N x N matrix of numbers from 0 to 1 has for its two nodes, in the order of
 /// nodes.csv.

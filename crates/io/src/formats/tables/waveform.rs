@@ -1,6 +1,5 @@
 //! Reads one period of a pressure or a flow: a table with `time_s` and `pressure_mmHg` or `flow_mL_per_min`, or an inlet file of openBF.
 
-use super::reader::{TableReader, columns};
 use willis_core::error::Fault;
 use willis_core::network::units::{cubic_metres_per_second, pascals};
 use willis_core::network::waveform::{Quantity, Waveform};
@@ -36,7 +35,7 @@ fn inlet_of_openbf(bytes: &[u8]) -> Option<(Quantity, Vec<TimedValue>)> {
 }
 
 fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
-    let mut rows = TableReader::open(bytes)?;
+    let mut rows = super::reader::TableReader::open(bytes)?;
     let time = rows.column(&["time_s"], "the time of each row")?;
     let (quantity, column) = match (rows.find(&[PRESSURE]), rows.find(&[FLOW])) {
         (Some(_), Some(_)) => {
@@ -47,7 +46,7 @@ fn read_table(bytes: &[u8]) -> Result<(Waveform, Option<String>), Fault> {
         (None, Some(column)) => (Quantity::Flow, column),
         (None, None) => {
             let accepted = format!("expected a column {PRESSURE} or {FLOW}");
-            return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
+            return Err(Fault::line(rows.header_line, super::reader::columns(&rows.header), accepted));
         }
     };
     let mut read = Vec::new();
