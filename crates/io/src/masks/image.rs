@@ -126,11 +126,6 @@ impl Picture {
         self.inverse.map(|row| dot(row, from))
     }
 
-    /// The position (m) of indices.
-    pub fn position(&self, index: [f64; 3]) -> Point {
-        [0, 1, 2].map(|k| metres(self.at[k] + (0..3).map(|axis| self.steps[axis][k] * index[axis]).sum::<f64>()))
-    }
-
     /// The step (m) along an axis.
     pub fn step(&self, axis: usize) -> Point {
         self.steps[axis].map(metres)

@@ -11,6 +11,11 @@ pub fn steps_of(affine: &Affine) -> [Point; 3] {
     [0, 1, 2].map(|axis| affine.map(|row| row[axis]))
 }
 
+/// The indices of the voxel of a row, in an image of these lengths.
+pub fn indices_of([x, y, _]: [usize; 3], row: usize) -> [usize; 3] {
+    [row % x, row / x % y, row / (x * y)]
+}
+
 /// The rows that make indices of mm, from the steps of voxels.
 pub fn inverse_of([a, b, c]: [Point; 3]) -> [Point; 3] {
     let volume = dot(a, cross(b, c));
@@ -88,9 +93,8 @@ impl Mask {
             step[source[axis]] = if flipped[axis] { -strides[axis] } else { strides[axis] };
             start += if flipped[axis] { (shape[axis] as isize - 1) * strides[axis] } else { 0 };
         }
-        let [x, y, _] = self.shape;
         let place = |row: usize| {
-            let old = [row % x, row / x % y, row / (x * y)];
+            let old = indices_of(self.shape, row);
             (start + (0..3).map(|axis| old[axis] as isize * step[axis]).sum::<isize>()) as usize
         };
         let mut classes = vec![0; self.classes.len()];

@@ -1,6 +1,6 @@
 //! Whether a mask can be one of vessels: noise, a solid body and a sponge take minutes and gigabytes, and have no centerlines.
 
-use petgraph::unionfind::UnionFind;
+use willis_core::{network::Fragments, support::numbered::counted};
 
 /// Fewer voxels are quick in any case.
 const FEW: usize = 20_000;
@@ -34,14 +34,9 @@ pub fn why_no_vessels(mask: &super::mask::Mask) -> Option<String> {
 
 /// Why centerlines are none of vessels: they are those of a sponge.
 pub fn why_no_centerlines(lines: &willis_core::network::Centerlines) -> Option<String> {
-    let mut parts: UnionFind<usize> = UnionFind::new(lines.points.len());
-    let mut degree = vec![0_usize; lines.points.len()];
-    let mut loops = 0;
-    for [a, b] in lines.links.iter().map(|link| link.map(|point| point as usize)) {
-        loops += usize::from(!parts.union(a, b));
-        degree[a] += 1;
-        degree[b] += 1;
-    }
+    let (points, links) = (lines.points.len(), || lines.links.iter().map(|link| link.map(|point| point as usize)));
+    let loops = lines.links.len() + Fragments::over(points, links()).count - points;
+    let degree = counted(points, links().flatten());
     // Each branch has two ends at points that no line passes through.
     let branches = degree.iter().filter(|degree| **degree != 2).sum::<usize>() / 2;
     let is_sponge = loops > SPONGE.0 && loops as f64 > SPONGE.1 * branches as f64;
