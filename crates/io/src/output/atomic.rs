@@ -5,25 +5,10 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::in_progress::{clear_dead_runs, entries, folder_of, has_checkpoint, is_in_progress, sync_folder};
+use super::in_progress::{check_file_size, check_vacant, entries, folder_of, followed, sync_folder};
 use super::lock::{identity, is_own_folder};
-use super::target::{check_file_size, check_vacant, followed};
 use super::{InProgress, files::DiskFile, names::SET, own_files::foreign_file, read_json, replace_file, write_error, write_file};
 use willis_core::error::{Error, Result};
-
-/// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
-///
-/// # Errors
-///
-/// The system refuses.
-pub fn clear_leftovers(folder: &Path) -> Result<()> {
-    clear_dead_runs(folder);
-    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path));
-    for path in left.filter(|path| !has_checkpoint(path)) {
-        fs::remove_dir_all(&path).map_err(write_error(&path))?;
-    }
-    Ok(())
-}
 
 /// An output folder being written; no other process can write it at the same time.
 #[derive(Debug)]

@@ -22,15 +22,10 @@ fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     is_named(path, &FILES.concat())
-        || is_labelled(path)
+        || is_named(path, &[LABELLED])
+        || BESIDE_LABELLED.iter().any(|ending| path.ends_with(Path::new(LABELLED).with_extension(ending)))
         || is(&PICTURES.concat(), &["png", "svg"])
         || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
-}
-
-/// Whether a path has the name of the labelled vessels of a subject, or of a file beside them.
-fn is_labelled(path: &Path) -> bool {
-    let labelled = Path::new(LABELLED);
-    is_named(path, &[LABELLED]) || BESIDE_LABELLED.iter().any(|ending| path.ends_with(labelled.with_extension(ending)))
 }
 
 /// What tells a record of willis, without the conditions of a million vessels that it may hold.
