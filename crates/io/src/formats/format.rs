@@ -1,23 +1,24 @@
-//! Which format a file has, which reader and writer belong to each, and how a network is made of an input of any.
+//! Which format a file has, which reader and writer belong to each, which other files in its folder belong to it (the second of two tables, the files
+//! of an iCafe tracing, voxels), and how a network is made of an input of any.
 
 use std::io::{self, BufReader, Cursor, Read};
-use std::{ffi::OsStr, path::Path};
+use std::path::{Path, PathBuf};
 
 use super::images::{metaimage, nifti, nrrd, numpy, stored_image::StoredImage, tiff};
 use super::input::{
     HEAD, LimitedFile, bytes_within, is_gzip, refuse_utf16, unpacked_file, unpacked_head, unpacked_name, without_mark,
 };
-use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
+use super::tables::pairs::{self, edges_refer_to_rows, find_edges_table, head, read_csv_tables, read_table_pair};
 use super::tables::reader::{counted, delimiter, plural};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::{
-    Content, Format, FormatTrait, ReadOptions, SolverSetting, add_loops, checksum, graph_columns, read_amira, read_graphml,
-    read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges, read_vesselvio_vertices, read_voreen_edges,
-    read_voreen_nodes, read_vtk, read_vtp, read_vtrails, solvers::openbf::is_openbf, tables::graph, unit_check, write_amira,
-    write_csv_graph, write_graphml, write_markups, write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc,
-    write_tre, write_vesselvio, write_voreen, write_vtk, write_vtp, xml,
+    Content, Format, FormatTrait, ReadOptions, SolverSetting, add_loops, checksum, content::check_extent, graph_columns,
+    read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges,
+    read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, read_vtk, read_vtp, read_vtrails, solvers::openbf::is_openbf,
+    solvers::svzerod::is_svzerod, tables::graph, unit_check, vendors::amira::is_amira, write_amira, write_csv_graph,
+    write_graphml, write_markups, write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc, write_tre,
+    write_vesselvio, write_voreen, write_vtk, write_vtp, xml,
 };
-use super::{solvers::svzerod::is_svzerod, unit_check::check_extent, vendors::amira::is_amira};
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Centerlines, Frame, Network, millimetres};
@@ -397,7 +398,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
 fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
     let head = &bytes[..bytes.len().min(HEAD as usize)];
     let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
-    let ending = unpacked_name(path).extension().map(OsStr::to_ascii_lowercase);
+    let ending = unpacked_name(path).extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let is_called = |word: &str| ending.as_ref().is_some_and(|ending| *ending == *word);
     let (found, accepted) = if head.get(128..132) == Some(b"DICM") {
         // The class of segmentations stands in the first group.
@@ -425,4 +426,49 @@ fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
         }
     };
     Some(Fault::file(found, accepted))
+}
+
+/// The other files that [`read`](super::read) reads for `path`, as the folder is now, sorted by name.
+pub fn companion_files(path: &Path) -> Vec<PathBuf> {
+    let head = head(path);
+    let bytes = without_mark(&head);
+    let found = match format_of(path, bytes) {
+        Ok(Format::Csv) => [pairs::find_nodes_table(path), None],
+        Ok(Format::Voreen | Format::VesselVio) => [pairs::other_table(path, bytes).ok().and_then(|(_, other)| other), None],
+        Ok(Format::Swc) => [icafe::find(path, icafe::TABLE_OF_VESSELS), icafe::find(path, icafe::IMAGE)],
+        Ok(Format::ICafe) => [icafe::find_tracing(path).ok(), icafe::find(path, icafe::IMAGE)],
+        Ok(Format::MetaImage) => [metaimage::file_of_voxels(path, bytes), None],
+        Ok(Format::Nrrd) => [nrrd::file_of_voxels(path, bytes), None],
+        _ => [None, None],
+    };
+    let mut found: Vec<PathBuf> = found.into_iter().flatten().collect();
+    found.sort();
+    found
+}
+
+/// Where the voxel spacing of an input is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StatedSpacing {
+    /// In the file itself, whose coordinates are in mm.
+    Within,
+    /// In a file beside it, in mm: its coordinates are in voxels.
+    Beside(f64),
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Where the voxel spacing of an input is stated: most masks state their own, and Image_info.txt that of an iCafe tracing beside it.
+///
+/// # Errors
+///
+/// A file beside it that is there and cannot be read.
+pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
+    let head = head(path);
+    let format = format_of(path, without_mark(&head)).ok();
+    let is = |what: FormatTrait| format.is_some_and(|format| format.is(what));
+    if is(FormatTrait::OwnSpacing) {
+        return Ok(StatedSpacing::Within);
+    }
+    let beside = if is(FormatTrait::SpacingBeside) { icafe::image_spacing(path)? } else { None };
+    Ok(beside.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside))
 }

@@ -7,7 +7,7 @@ use std::io::{self, Read, Write, copy, sink};
 
 use flate2::{Compression, read::MultiGzDecoder, write::GzEncoder};
 
-use super::voxels::{Voxels, number_type};
+use super::voxels::{OpenedVoxels, Voxels, number_type};
 use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
 use crate::masks::{Affine, Image, Mask, steps_of};
@@ -69,7 +69,7 @@ struct NiftiHeader<'a> {
 }
 
 /// Reads the header, and hands over how the voxels are stored with their bytes, of which at most `most` are allowed.
-pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
+pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> OpenedVoxels<'_> {
     let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");

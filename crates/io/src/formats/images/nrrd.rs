@@ -25,18 +25,6 @@ struct NrrdHeader {
     end: usize,
 }
 
-/// The axes of a file.
-struct Axes {
-    /// Which of them are those of space.
-    of_space: [usize; 3],
-    /// Their lengths.
-    shape: [usize; 3],
-    /// The length of the fourth, which holds layers; 1 without it.
-    layers: usize,
-    /// How many there are.
-    count: usize,
-}
-
 /// How the numbers are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
@@ -111,13 +99,10 @@ fn written_numbers(text: &[u8]) -> impl Read {
     })
 }
 
-/// The name of a field without spaces and capitals, which the format's own programs pass over.
-fn plain(name: &str) -> String {
-    name.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_lowercase()).collect()
-}
-
 impl NrrdHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        // The format's own programs pass over spaces and capitals in the name of a field.
+        let plain = |name: &str| name.chars().filter(|c| !c.is_whitespace()).map(|c| c.to_ascii_lowercase()).collect::<String>();
         let (mut fields, mut keys) = (HeaderFields::named(plain), BTreeMap::new());
         let head = &bytes[..bytes.len().min(2 * MOST_HEADER)];
         let mut lines = HeaderLines::new(head);
@@ -162,9 +147,8 @@ impl NrrdHeader {
         let wrong = || self.fields.wrong("type", "expected uchar, short, float or another type of number");
         let word = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
         let (kind, size) = number_type(|row| row.4.split('|').any(|known| known == word)).ok_or_else(wrong)?;
-        let axes = self.axes()?;
-        let affine = self.affine(&axes)?;
-        let Axes { shape, layers, .. } = axes;
+        let (of_space, sizes, layers) = self.axes()?;
+        let (affine, shape) = (self.affine(of_space, sizes.len())?, of_space.map(|axis| sizes[axis]));
         let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };
         let as_stored = Voxels { shape, kind, size, big: false, slope: [1.0, 0.0], affine, frame, reversed: false };
         if encoding == Encoding::Text {
@@ -179,8 +163,8 @@ impl NrrdHeader {
         Ok((Voxels { big, ..as_stored }, layers))
     }
 
-    /// The axes, three of which are those of space.
-    fn axes(&self) -> Result<Axes, Fault> {
+    /// Which axes are those of space, the lengths of all, and how many layers a fourth one holds.
+    fn axes(&self) -> Result<([usize; 3], Vec<usize>, usize), Fault> {
         self.fields.needed("sizes")?;
         self.fields.needed("dimension")?;
         let dimension = self.fields.whole("dimension")?.unwrap_or_default();
@@ -202,7 +186,7 @@ impl NrrdHeader {
         if layers == 0 || layers > MOST_SEGMENTS {
             return Err(self.fields.wrong("sizes", format!("expected from 1 to {MOST_SEGMENTS} layers")));
         }
-        Ok(Axes { of_space, shape: of_space.map(|axis| sizes[axis]), layers, count: sizes.len() })
+        Ok((of_space, sizes, layers))
     }
 
     /// The axis of four that is not one of space.
@@ -237,8 +221,7 @@ impl NrrdHeader {
     }
 
     /// The scanner's frame in mm from voxels.
-    fn affine(&self, axes: &Axes) -> Result<crate::masks::Affine, Fault> {
-        let (of_space, count) = (axes.of_space, axes.count);
+    fn affine(&self, of_space: [usize; 3], count: usize) -> Result<crate::masks::Affine, Fault> {
         let turn = self.turn()?.unwrap_or([1.0; 3]);
         let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
         if let Some(directions) = self.directions(count)? {

@@ -1,8 +1,6 @@
 //! Reads masks and images saved by NumPy: an array of three axes, x, y and z, in a file of its own or beside its frame in an archive.
 
-use std::io::Read;
-
-use super::voxels::Voxels;
+use super::voxels::{OpenedVoxels, Voxels};
 use crate::formats::UnpackLimit;
 use crate::formats::numpy::array::{Archive, NumpyArray};
 use willis_core::{error::Fault, network::Frame};
@@ -24,12 +22,7 @@ pub(crate) fn is_mask(bytes: &[u8]) -> bool {
 ///
 /// The arrays `affine` (4, 4), nibabel's, and `spacing` (3) of an archive state the frame; else voxel 0,0,0 is at the origin, the spacing
 /// is the one given, and nobody states which way the axes point. At most `most` bytes are read, which go to `other`.
-pub(crate) fn open_numpy<'a>(
-    bytes: &[u8],
-    spacing: Option<[f64; 3]>,
-    most: u64,
-    other: &'a mut Vec<u8>,
-) -> Result<(Voxels, Box<dyn Read + 'a>), Fault> {
+pub(crate) fn open_numpy<'a>(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64, other: &'a mut Vec<u8>) -> OpenedVoxels<'a> {
     let room = UnpackLimit::of(bytes.len(), most);
     let (array, affine, stated) = if bytes.starts_with(b"PK") {
         let mut archive = Archive::open(bytes, &room)?;

@@ -3,7 +3,7 @@
 use std::io::Read;
 
 use crate::formats::binary::NumberType::{self, Real, Signed, Unsigned};
-use crate::masks::{Affine, Image, Mask, WallFinder, steps_of};
+use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of};
 use willis_core::support::geometry::{cross, dot, norm};
 use willis_core::{error::Fault, network::Frame};
 
@@ -60,6 +60,10 @@ pub(crate) struct Voxels {
     pub reversed: bool,
 }
 
+/// The voxels of a file whose header has been read, and their bytes.
+pub(crate) type OpenedVoxels<'a> = Result<(Voxels, Box<dyn Read + 'a>), Fault>;
+type Taken = Result<(), Fault>;
+
 impl Voxels {
     /// How many bytes they take; a fault where that is more than `most`, or nothing.
     pub fn bytes(&self, most: u64) -> Result<u64, Fault> {
@@ -96,13 +100,8 @@ impl Voxels {
     }
 
     /// Hands over the stored values block by block.
-    fn in_blocks(
-        &self,
-        bytes: &mut impl Read,
-        count: usize,
-        mut take: impl FnMut(&[u8]) -> Result<(), Fault>,
-    ) -> Result<(), Fault> {
-        let mut block = Vec::new();
+    fn in_blocks(&self, bytes: &mut impl Read, count: usize, mut take: impl FnMut(&[u8]) -> Taken) -> Taken {
+        let mut block = Vec::with_capacity(BLOCK * self.size);
         for done in (0..count).step_by(BLOCK) {
             block.clear();
             let wanted = (count - done).min(BLOCK) * self.size;
@@ -179,8 +178,7 @@ impl Voxels {
 
     /// The place of a voxel, as the file counts its axes.
     fn place(&self, row: usize) -> String {
-        let [x, y, _] = self.shape;
-        let [a, b, c] = [row % x, row / x % y, row / (x * y)];
+        let [a, b, c] = indices_of(self.shape, row);
         if self.reversed { format!("voxel {c},{b},{a}") } else { format!("voxel {a},{b},{c}") }
     }
 
