@@ -243,8 +243,7 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
     match format {
         LandmarkFormat::Csv => write_table(out, landmarks),
         LandmarkFormat::Markups => {
-            let markup = serde_json::to_string("landmarks")?;
-            writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [{{\"type\": \"Fiducial\", \"name\": {markup},")?;
+            writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [{{\"type\": \"Fiducial\", \"name\": \"landmarks\",")?;
             writeln!(out, "\"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\", \"controlPoints\": [")?;
             for (at, point) in landmarks.iter().enumerate() {
                 let [x, y, z] = lps(point);

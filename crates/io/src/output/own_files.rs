@@ -52,10 +52,8 @@ pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
             _ => paths.filter(|path| !super::in_progress::is_in_progress(path)).find_map(of_cohort),
         };
     }
-    paths.into_iter().find_map(|path| {
-        if path.is_dir() && path.join(RECORD).exists() {
-            return foreign_file(&path);
-        }
-        (!is_named(&path, &[AGREEMENT])).then_some(path)
-    })
+    let is_run = |path: &Path| path.is_dir() && path.join(RECORD).exists();
+    let of_sweep =
+        |path: PathBuf| if is_run(&path) { foreign_file(&path) } else { (!is_named(&path, &[AGREEMENT])).then_some(path) };
+    paths.into_iter().find_map(of_sweep)
 }

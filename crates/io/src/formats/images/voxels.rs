@@ -214,17 +214,12 @@ struct Classes {
     odd: Vec<Odd>,
 }
 
-/// A value that is no whole number, and the first voxel that has it.
+/// A value that is no whole number, the first voxel that has it, and the class that it is taken as.
 #[derive(Debug, Clone, Copy)]
 struct Odd {
     value: f64,
     row: usize,
-}
-
-impl Odd {
-    fn class(self) -> u8 {
-        self.value.round() as u8
-    }
+    class: u8,
 }
 
 impl Classes {
@@ -246,7 +241,7 @@ impl Classes {
             self.whole[usize::from(class)] = true;
             return Ok(class);
         }
-        let odd = Odd { value, row };
+        let odd = Odd { value, row, class: value.round() as u8 };
         if !(0.0..=255.0).contains(&value.round()) || (value - value.round()).abs() >= FAR_FROM_WHOLE {
             return Err(odd);
         }
@@ -256,17 +251,17 @@ impl Classes {
             }
             self.odd.push(odd);
         }
-        Ok(odd.class())
+        Ok(odd.class)
     }
 
     /// What a person should know about the values; an odd one that shares its class with another.
     fn finish(mut self) -> Result<Option<String>, Odd> {
         for odd in &self.odd {
-            if std::mem::replace(&mut self.whole[usize::from(odd.class())], true) {
+            if std::mem::replace(&mut self.whole[usize::from(odd.class)], true) {
                 return Err(*odd);
             }
         }
-        let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class());
-        Ok(self.odd.iter().max_by_key(|odd| odd.class()).map(said))
+        let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class);
+        Ok(self.odd.iter().max_by_key(|odd| odd.class).map(said))
     }
 }
