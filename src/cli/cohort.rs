@@ -16,9 +16,7 @@ use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE
 use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
 use crate::internals::pipeline::{RunOptions, require_in};
 use crate::internals::report::cohort::{CohortRow, Figures, infer_figures, row_records, write_cohort};
-use crate::{
-    Error, Result, error::Fault, internals::circle_of_willis::LANDMARK_NOTE_ENDING, internals::output::atomic::clear_leftovers,
-};
+use crate::{Error, Result, error::Fault, internals::circle_of_willis::LANDMARK_NOTE_ENDING, internals::output::clear_leftovers};
 
 /// The stack of a thread that works on subjects, as large as that of the first thread; in bytes.
 const STACK: usize = 8 << 20;

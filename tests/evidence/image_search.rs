@@ -5,7 +5,7 @@ use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::scene::Bits;
 use willis::internals::masks::{Appearance, Field, Foreground, Image, Mask, Picture, ScanCenterlines, Scene, View};
-use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
+use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel, metres};
 use willis::internals::support::geometry::{Point, distance, norm};
 
 use crate::extracted::extracted;
@@ -131,7 +131,8 @@ fn lumens_are_the_voxels_near_points() {
     for z in 0..shape[2] {
         for y in 0..shape[1] {
             for x in 0..shape[0] {
-                let at = picture.position([x, y, z].map(|index| index as f64));
+                let index = [x, y, z].map(|index| index as f64);
+                let at = affine.map(|row| metres(row[3] + (0..3).map(|axis| row[axis] * index[axis]).sum::<f64>()));
                 let apart = |p: &Point| [0, 1, 2].map(|k| p[k] - at[k]);
                 let near = position.iter().zip(&radius).any(|(p, r)| norm(apart(p)) <= r + 0.2e-3);
                 assert_eq!(bits.has(picture.row([x, y, z])), near, "{x} {y} {z}");

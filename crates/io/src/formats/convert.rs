@@ -1,21 +1,16 @@
 //! Writes a network in any format: which one, into which files, and what is lost on the way.
 
-use std::borrow::Cow;
-use std::collections::HashSet;
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
+use std::{borrow::Cow, collections::HashSet};
 
-use crate::formats::format::Written;
-use crate::formats::known::Property::{self, Conditions, Figures, Frame, Ids, LoneNodes, Names, Paths, Radii, Statements};
-use crate::formats::known::{Format, FormatTrait};
-use crate::formats::polylines::{between, is_straight, node_points};
-use crate::formats::solvers::{MOST_JOINED, SolverSetting, enters, with_few_at_a_node, without_loops, without_unfed};
-use crate::formats::tables::pairs::nodes_table_path;
-use crate::formats::vendors::edge_tables::has_whole_ids;
+use super::known::Property::{self, Conditions, Figures, Frame, Ids, LoneNodes, Names, Paths, Radii, Statements};
+use super::polylines::{between, is_straight, node_points};
+use super::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
+use super::{Format, FormatTrait, SolverSetting, Written, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Unfed;
-use willis_core::network::path_places::length_of;
-use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
+use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
 use willis_core::support::geometry::{distance, lerp};
 
 /// What to write, and where.

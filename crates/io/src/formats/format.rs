@@ -1,40 +1,26 @@
-//! Which format a file has, and which reader and writer belong to each.
+//! Which format a file has, which reader and writer belong to each, which other files in its folder belong to it (the second of two tables, the files
+//! of an iCafe tracing, voxels), and how a network is made of an input of any.
 
-use std::io;
-use std::path::Path;
+use std::io::{self, BufReader, Cursor, Read};
+use std::path::{Path, PathBuf};
 
-use super::content::Content;
-use super::graphml::{read_graphml, write_graphml};
-use super::images::metaimage::{is_metaimage, open_metaimage};
-use super::images::nifti::{self, is_nifti, open_nifti};
-use super::images::nrrd::{is_nrrd, open_nrrd};
-use super::images::numpy::{self, open_numpy};
-use super::images::stored_image::StoredImage;
-use super::images::tiff::{is_tiff, open_tiff};
-use super::input::{bytes_within, checksum, is_gzip, refuse_utf16, unpacked_head, unpacked_name};
-use super::known::{Format, FormatTrait};
-use super::numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
-use super::options::ReadOptions;
-use super::refused::refused;
-use super::solvers::{SolverSetting, is_openbf, is_svzerod, write_openbf, write_svzerod};
-use super::swc::write_swc;
-use super::tables::graph::{self, graph_columns, write_csv_graph};
-use super::tables::pairs::{edges_refer_to_rows, find_edges_table, read_csv_tables, read_table_pair};
-use super::tables::points::{read_points, write_points};
+use super::images::{metaimage, nifti, nrrd, numpy, stored_image::StoredImage, tiff};
+use super::input::{
+    HEAD, LimitedFile, bytes_within, is_gzip, refuse_utf16, unpacked_file, unpacked_head, unpacked_name, without_mark,
+};
+use super::tables::pairs::{self, edges_refer_to_rows, find_edges_table, head, read_csv_tables, read_table_pair};
 use super::tables::reader::{counted, delimiter, plural};
-use super::tre::{read_tre, write_tre};
-use super::vendors::amira::{is_amira, read_amira, write_amira};
-use super::vendors::edge_tables::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
-use super::vendors::edge_tables::{read_voreen_edges, read_voreen_nodes, write_voreen};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
-use super::vendors::slicer_markups::{read_markups, write_markups};
-use super::vendors::vtrails::read_vtrails;
-use super::vtk::legacy::read_vtk;
-use super::vtk::vtp::read_vtp;
-use super::vtk::write::{write_vtk, write_vtp};
-use super::xml;
+use super::{
+    Content, Format, FormatTrait, ReadOptions, SolverSetting, add_loops, checksum, content::check_extent, content::unit_check,
+    graph_columns, read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges,
+    read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, read_vtk, read_vtp, read_vtrails, solvers::is_openbf,
+    solvers::is_svzerod, tables::graph, vendors::amira::is_amira, write_amira, write_csv_graph, write_graphml, write_markups,
+    write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc, write_tre, write_vesselvio, write_voreen,
+    write_vtk, write_vtp, xml,
+};
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
-use willis_core::error::{Fault, Result};
+use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Centerlines, Frame, Network, millimetres};
 
 /// A file that has been read.
@@ -114,11 +100,11 @@ impl Format {
     ) -> Result<StoredImage<'a>> {
         let (spacing, most) = (options.scale.spacing, options.max_input);
         let opened = match self {
-            Self::MetaImage => return open_metaimage(path, bytes, other, most),
-            Self::Nrrd => return open_nrrd(path, bytes, other, most),
-            Self::Nifti => open_nifti(bytes, most),
-            Self::Tiff => open_tiff(bytes, spacing, most),
-            Self::Npy => open_numpy(bytes, spacing, most, other),
+            Self::MetaImage => return metaimage::open_metaimage(path, bytes, other, most),
+            Self::Nrrd => return nrrd::open_nrrd(path, bytes, other, most),
+            Self::Nifti => nifti::open_nifti(bytes, most),
+            Self::Tiff => tiff::open_tiff(bytes, spacing, most),
+            Self::Npy => numpy::open_numpy(bytes, spacing, most, other),
             _ => {
                 let accepted = format!("expected {} voxels", Self::listed(FormatTrait::Mask, "or"));
                 Err(Fault::file(format!("{}, not {what}", self.name()), accepted))
@@ -297,16 +283,16 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
         (|bytes| is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
         (is_zip, Format::Npz),
         (|bytes| bytes.starts_with(b"# vtk DataFile"), Format::Vtk),
-        (is_metaimage, Format::MetaImage),
-        (is_nrrd, Format::Nrrd),
-        (is_tiff, Format::Tiff),
+        (metaimage::is_metaimage, Format::MetaImage),
+        (nrrd::is_nrrd, Format::Nrrd),
+        (tiff::is_tiff, Format::Tiff),
         (is_amira, Format::Amira),
         (|bytes| is_svzerod(bytes.trim_ascii_start()), Format::SvZeroD),
         (|bytes| is_openbf(bytes.trim_ascii_start()), Format::OpenBf),
         (|bytes| bytes.trim_ascii_start().starts_with(b"{"), Format::Markups),
     ];
     refuse_utf16(bytes)?;
-    if is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
+    if nifti::is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
         return Ok(Some(Format::Nifti));
     }
     if is_gzip(bytes) {
@@ -343,4 +329,146 @@ fn table(path: &Path, header: &str) -> Option<Format> {
         (has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some(), Format::VesselVio),
     ];
     known.into_iter().find(|(is_so, _)| *is_so).map(|(_, format)| format)
+}
+
+/// Reads centerlines or a graph.
+///
+/// # Errors
+///
+/// A file that cannot be read, has no known format or wrong content; a loops file with a graph.
+pub fn read(path: &Path, options: &ReadOptions) -> Result<Document> {
+    completed(read_any(path, options)?, path, options)
+}
+
+/// Reads the bytes of a file that would be called `name`. Tables of two files are read from files only.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Document> {
+    completed(read_content(name, bytes.to_vec(), checksum(bytes), options)?, name, options)
+}
+
+/// What was read, checked, with the links of the file beside it.
+fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Result<Document> {
+    let Document { format, content, notes, .. } = &mut document;
+    content.settle_labels();
+    check_extent(content).map_err(|fault| fault.in_file(path))?;
+    if let Some(loops) = &options.loops {
+        let Content::Centerlines(lines) = content else {
+            let accepted = format!("goes with centerlines; {} holds a graph, which can have loops itself", path.display());
+            return Err(Error::parameter("loops", loops.display(), accepted));
+        };
+        let bytes = unpacked_file(bytes_within(loops, options.max_input)?, loops, options.max_input)?;
+        let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
+        notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
+    }
+    notes.extend(unit_check(content, &options.scale, format.is_mask()));
+    Ok(document)
+}
+
+/// Reads what a file holds, whose checksum is given. Gzip around it is taken off, but for NIfTI, whose reader does so piece by piece.
+fn read_content(path: &Path, mut bytes: Vec<u8>, sha256: String, options: &ReadOptions) -> Result<Document> {
+    let here = |fault: Fault| fault.in_file(path);
+    if !nifti::is_nifti(&unpacked_head(&bytes, nifti::HEAD)) {
+        bytes = unpacked_file(bytes, path, options.max_input)?;
+    }
+    let bytes = without_mark(&bytes);
+    format_of(path, bytes).map_err(here)?.read(path, bytes, sha256, options)
+}
+
+/// Reads a file and computes its SHA-256. GraphML is read as a stream where it is not packed.
+fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
+    let mut file = LimitedFile::open(path, options.max_input)?;
+    let unread = |source| Error::Read { path: path.to_owned(), source };
+    let mut all = Vec::new();
+    file.by_ref().take(HEAD).read_to_end(&mut all).map_err(unread)?;
+    if xml::root(without_mark(&all)).is_some_and(|(name, _)| name == "graphml") {
+        let stream = BufReader::with_capacity(HEAD as usize, Cursor::new(all).chain(&mut file));
+        let (graph, notes) = read_graphml(stream, options).map_err(|fault| fault.in_file(path))?;
+        let (format, content) = (Format::GraphMl, Content::Graph(graph));
+        return Ok(Document { format, content, notes, sha256: file.file.finish(), lumen: None });
+    }
+    file.read_to_end(&mut all).map_err(unread)?;
+    let sha256 = file.file.finish();
+    read_content(path, all, sha256, options)
+}
+
+/// Why a file is not read that begins with these bytes, if its format is one of those.
+fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
+    let head = &bytes[..bytes.len().min(HEAD as usize)];
+    let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
+    let ending = unpacked_name(path).extension().map(std::ffi::OsStr::to_ascii_lowercase);
+    let is_called = |word: &str| ending.as_ref().is_some_and(|ending| *ending == *word);
+    let (found, accepted) = if head.get(128..132) == Some(b"DICM") {
+        // The class of segmentations stands in the first group.
+        let kind = if has(b"1.2.840.10008.5.1.4.1.1.66.4") { "a segmentation in DICOM (DICOM SEG)" } else { "a file of DICOM" };
+        (kind, "expected a mask in NIfTI or NRRD: export it with 3D Slicer, or with segimage2itkimage of dcmqi")
+    } else if head.starts_with(b"CDF\x01")
+        || head.starts_with(b"CDF\x02")
+        || (head.starts_with(b"\x89HDF") && (is_called("mnc") || has(b"minc-2.0")))
+    {
+        ("a volume in MINC", "expected NIfTI: convert it with mnc2nii")
+    } else if head.starts_with(&[0, 0, 0, 1]) && (is_called("mgz") || is_called("mgh")) {
+        ("a volume of FreeSurfer (.mgz)", "expected NIfTI: convert it with mri_convert")
+    } else if head.starts_with("⛾ gt".as_bytes()) {
+        ("a graph of graph-tool (.gt)", "expected GraphML: save it with graph.save(\"name.graphml\")")
+    } else {
+        let root = xml::root(head).map(|(name, _)| name.to_owned())?;
+        let is = |word: &str| root == word || (root == "format" && has(format!("<{word} ").as_bytes()));
+        let centerlines = "expected centerlines: extract those of the model in SimVascular, and save them as .vtp";
+        if is("contourgroup") || (root == "format" && is_called("ctgr")) {
+            ("contours of SimVascular (.ctgr)", centerlines)
+        } else if is("path") || (root == "format" && is_called("pth")) {
+            ("a path of SimVascular (.pth), which has no radii", centerlines)
+        } else {
+            return None;
+        }
+    };
+    Some(Fault::file(found, accepted))
+}
+
+/// The other files that [`read`](super::read) reads for `path`, as the folder is now, sorted by name.
+pub fn companion_files(path: &Path) -> Vec<PathBuf> {
+    let head = head(path);
+    let bytes = without_mark(&head);
+    let found = match format_of(path, bytes) {
+        Ok(Format::Csv) => [pairs::find_nodes_table(path), None],
+        Ok(Format::Voreen | Format::VesselVio) => [pairs::other_table(path, bytes).ok().and_then(|(_, other)| other), None],
+        Ok(Format::Swc) => [icafe::find(path, icafe::TABLE_OF_VESSELS), icafe::find(path, icafe::IMAGE)],
+        Ok(Format::ICafe) => [icafe::find_tracing(path).ok(), icafe::find(path, icafe::IMAGE)],
+        Ok(Format::MetaImage) => [metaimage::file_of_voxels(path, bytes), None],
+        Ok(Format::Nrrd) => [nrrd::file_of_voxels(path, bytes), None],
+        _ => [None, None],
+    };
+    let mut found: Vec<PathBuf> = found.into_iter().flatten().collect();
+    found.sort();
+    found
+}
+
+/// Where the voxel spacing of an input is stated.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum StatedSpacing {
+    /// In the file itself, whose coordinates are in mm.
+    Within,
+    /// In a file beside it, in mm: its coordinates are in voxels.
+    Beside(f64),
+    /// Nowhere.
+    Nowhere,
+}
+
+/// Where the voxel spacing of an input is stated: most masks state their own, and Image_info.txt that of an iCafe tracing beside it.
+///
+/// # Errors
+///
+/// A file beside it that is there and cannot be read.
+pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
+    let head = head(path);
+    let format = format_of(path, without_mark(&head)).ok();
+    let is = |what: FormatTrait| format.is_some_and(|format| format.is(what));
+    if is(FormatTrait::OwnSpacing) {
+        return Ok(StatedSpacing::Within);
+    }
+    let beside = if is(FormatTrait::SpacingBeside) { icafe::image_spacing(path)? } else { None };
+    Ok(beside.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside))
 }

@@ -1,14 +1,13 @@
 //! Reads input files, packed by gzip or not: how large one may be, on the disk and unpacked, and its SHA-256.
 
-use std::cell::Cell;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Sink, Write};
 use std::path::{Component, Path, PathBuf};
+use std::{cell::Cell, fs::File};
 
 use flate2::read::MultiGzDecoder;
 use sha2::{Digest, Sha256};
 
-use super::regular::open_regular;
+use super::open_regular;
 use willis_core::error::{Error, Fault, Result};
 
 /// How many first bytes of a file are looked at to find its format.

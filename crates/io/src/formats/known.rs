@@ -1,7 +1,5 @@
 //! The table of the formats that are known: a row says all of a format but how its files are recognised, read and written.
 
-use std::path::Path;
-
 use FormatTrait::{
     Covered, GivenSpacing, Graph, Mask, Model, NamedRadii, OwnSpacing, Pairs, PairsIfStraight, SpacingBeside, TwoTables,
 };
@@ -183,7 +181,7 @@ impl Format {
     }
 
     /// The format that can be written and that the ending of a file name means.
-    pub fn of_ending(path: &Path) -> Option<Self> {
+    pub fn of_ending(path: &std::path::Path) -> Option<Self> {
         let ending = path.extension()?.to_str()?.to_ascii_lowercase();
         ALL.iter().copied().find(|format| format.row().is_written_by_ending() && format.row().ending == ending)
     }

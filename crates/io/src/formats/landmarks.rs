@@ -2,13 +2,9 @@
 
 use std::io::{self, Write};
 
-use serde::{Deserialize, Serialize};
-
-use crate::formats::attributes::POSITION_COLUMNS;
-use crate::formats::input::without_mark;
-use crate::formats::tables::reader::{Row, TableReader, listed, uncommented};
-use crate::formats::tables::write::{Column, coordinate_columns, real, write_csv};
-use crate::formats::vendors::slicer_markups::{SCHEMA, frame_called, markups_of, unit};
+use super::tables::reader::{Row, TableReader, listed, uncommented};
+use super::vendors::slicer_markups::{SCHEMA, frame_called, markups_of, unit};
+use super::{Column, POSITION_COLUMNS, coordinate_columns, input::without_mark, tables::write::real, write_csv};
 use willis_core::error::{Fault, Place};
 use willis_core::network::{Frame, Scale, millimetres};
 use willis_core::support::geometry::Point;
@@ -51,7 +47,7 @@ pub struct MarkedPoint {
 }
 
 /// The formats in which landmarks are written.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LandmarkFormat {
     /// A table of `label,x_mm,y_mm,z_mm` in the axes of the network's file.
@@ -247,8 +243,7 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
     match format {
         LandmarkFormat::Csv => write_table(out, landmarks),
         LandmarkFormat::Markups => {
-            let markup = serde_json::to_string("landmarks")?;
-            writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [{{\"type\": \"Fiducial\", \"name\": {markup},")?;
+            writeln!(out, "{{\n\"@schema\": \"{SCHEMA}\",\n\"markups\": [{{\"type\": \"Fiducial\", \"name\": \"landmarks\",")?;
             writeln!(out, "\"coordinateSystem\": \"LPS\", \"coordinateUnits\": \"mm\", \"controlPoints\": [")?;
             for (at, point) in landmarks.iter().enumerate() {
                 let [x, y, z] = lps(point);

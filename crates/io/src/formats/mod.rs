@@ -2,7 +2,6 @@
 
 mod attributes;
 mod binary;
-mod companions;
 mod content;
 pub mod convert;
 mod format;
@@ -15,58 +14,49 @@ mod landmarks;
 mod numpy;
 pub(crate) mod options;
 mod polylines;
-pub(crate) mod read;
-mod refused;
 mod regular;
 mod solvers;
 mod swc;
 pub mod tables;
 mod tre;
-mod unit_check;
 mod vendors;
 mod vtk;
 mod xml;
 
 pub use attributes::POSITION_COLUMNS;
-pub use companions::{StatedSpacing, companion_files, stated_spacing};
-pub use content::{BuiltNetwork, Content};
-pub use format::{Document, Written, read_image, read_mask};
+pub use content::{BuiltNetwork, Content, unit_check};
+pub use format::{Document, StatedSpacing, Written, companion_files, read, read_bytes, read_image, read_mask, stated_spacing};
 pub use graphml::{read_graphml, write_graphml};
 pub use images::nifti::{write_nifti, write_nifti_image};
 pub use input::{Checksummed, UnpackLimit, byte_count, bytes_of, checksum, checksum_of, checksum_of_file, regular_bytes_of};
 pub use known::{Format, FormatTrait};
 pub use landmarks::{LandmarkFormat, LandmarkList, ListedLandmark, MarkedPoint, SURE, read_landmarks, write_landmarks};
-pub use numpy::array::{NamedArray, read_arrays, write_arrays, write_npy, write_npz};
-pub use numpy::skeleton::{read_skeleton_npz, write_skeleton_npz};
+pub use numpy::array::{NamedArray, write_arrays, write_npy, write_npz};
+pub use numpy::{array::read_arrays, skeleton::read_skeleton_npz, skeleton::write_skeleton_npz};
 pub use options::ReadOptions;
-pub use read::{read, read_bytes};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
 pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
-pub use tables::decisions::{ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, read_decisions};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
-    read_csv_edges, read_csv_nodes, stated_columns, vessel_columns, wall_columns, windkessel_columns, write_csv_graph,
+    read_csv_edges, read_csv_nodes, read_points, stated_columns, vessel_columns, wall_columns, windkessel_columns,
+    write_csv_graph, write_points,
 };
-pub use tables::lists::{add_loops, read_links, write_loops};
+pub use tables::lists::{
+    ConnectionDecision, GraphEdit, ListedDecision, ListedDecisions, add_loops, read_decisions, read_links, read_prior_csv,
+    read_prior_npy, write_loops,
+};
 pub use tables::manifest::{Covariates, ManifestRow, read_manifest, read_participants};
-pub use tables::points::{read_points, write_points};
-pub use tables::prior::{read_prior_csv, read_prior_npy};
-pub use tables::reader::number;
-pub use tables::unread::unread_columns;
-pub use tables::waveform::read_waveform;
 pub use tables::write::{Column, Texts, Values, coordinate_columns, escape_formula, write_csv, write_stacked};
+pub use tables::{conditions::read_waveform, reader::number, unread::unread_columns};
 pub use tre::{read_tre, write_tre};
-pub use unit_check::unit_check;
 pub use vendors::amira::{read_amira, write_amira};
 pub use vendors::edge_tables::{read_vesselvio_edges, read_vesselvio_vertices, write_vesselvio};
 pub use vendors::edge_tables::{read_voreen_edges, read_voreen_nodes, write_voreen};
 pub use vendors::icafe::{ICAFE_ARTERIES, TracedVessel, name_stretches, read_traced_vessels};
 pub use vendors::slicer_markups::{read_markups, write_markups};
 pub use vendors::vtrails::read_vtrails;
-pub use vtk::legacy::read_vtk;
-pub use vtk::vtp::read_vtp;
-pub use vtk::write::{write_vtk, write_vtp};
+pub use vtk::{legacy::read_vtk, vtp::read_vtp, write::write_vtk, write::write_vtp};
 pub use xml::escape;
 
 // What most readers and writers name.

@@ -1,17 +1,12 @@
 //! How a file is read: units, radii, the frame, and what a mask means.
 
-use std::path::PathBuf;
-
-use serde::{Deserialize, Serialize};
-
-use crate::formats::input::MAX_INPUT;
 use crate::masks::{Cavities, RadiusFrom};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Frame, RadiusRule, Scale, millimetres};
 use willis_core::support::geometry::Point;
 
 /// How to read a file.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct ReadOptions {
     /// The unit of its coordinates, lengths and radii.
@@ -26,7 +21,7 @@ pub struct ReadOptions {
     #[serde(rename = "default_radius_m")]
     pub default_radius: Option<f64>,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
-    pub loops: Option<PathBuf>,
+    pub loops: Option<std::path::PathBuf>,
     /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
     pub observed: bool,
     /// The least value of a vessel's voxel in an image of probabilities or intensities, whose values then tell how much of the voxels at a
@@ -61,7 +56,7 @@ impl Default for ReadOptions {
             radius_from: RadiusFrom::default(),
             cavities: Cavities::default(),
             frame: None,
-            max_input: MAX_INPUT,
+            max_input: crate::formats::input::MAX_INPUT,
         }
     }
 }

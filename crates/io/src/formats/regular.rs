@@ -1,8 +1,7 @@
 //! Opens files that nobody named on the command line, which have to be regular ones; and tells what is there from what is absent.
 
 use std::fs::{self, File};
-use std::io;
-use std::path::Path;
+use std::{io, path::Path};
 
 use willis_core::error::{Error, Fault, Result};
 

@@ -1,14 +1,11 @@
 //! Cavities of a mask: background that nothing connects to the outside, such as a voxel that a segmenter left out within a vessel.
 
-use std::collections::VecDeque;
-use std::ops::Range;
+use std::{collections::VecDeque, ops::Range};
 
-use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
-use super::distance::distances;
-use super::foreground::Foreground;
-use super::mask::Mask;
+use super::{Foreground, Mask, distances, indices_of};
+use willis_core::{network::Fragments, support::numbered::grouped};
 
 /// What is done with the cavities of a mask, and with its specks. Thinning keeps a cavity as a closed surface, of which the skeleton makes
 /// dozens of loops.
@@ -58,7 +55,7 @@ impl Mask {
         let wide = Foreground::of(self).map_or(0, |vessels| {
             let depths = distances(&vessels, self.spacing());
             let deepest = |cavity: &[usize]| {
-                let places = cavity.iter().filter_map(|voxel| vessels.place_of(self.indices(*voxel)));
+                let places = cavity.iter().filter_map(|voxel| vessels.place_of(indices_of(self.shape, *voxel)));
                 places.filter_map(|place| vessels.row(place)).map(|row| depths[row]).fold(0.0, f64::max)
             };
             // One layer is a pinhole in a vessel of any width.
@@ -66,11 +63,6 @@ impl Mask {
             cavities.iter().zip(&layers).filter(|(cavity, layers)| is_wide(cavity, **layers)).count()
         });
         Filled { cavities: cavities.len(), voxels, wide }
-    }
-
-    fn indices(&self, voxel: usize) -> [usize; 3] {
-        let [x, y, _] = self.shape;
-        [voxel % x, voxel / x % y, voxel / (x * y)]
     }
 
     /// The voxels of each cavity, rising.
@@ -92,7 +84,7 @@ impl Mask {
             }
         }
         first_of_line.push(runs.len());
-        let mut parts: UnionFind<usize> = UnionFind::new(runs.len());
+        let mut touching = Vec::new();
         for line in 0..y * z {
             // The lines beside this one that came before.
             let beside = [(line % y > 0).then(|| line - 1), line.checked_sub(y)];
@@ -102,26 +94,17 @@ impl Mask {
                 while a < first_of_line[line + 1] && b < first_of_line[other + 1] {
                     let (here, there) = (&runs[a].voxels, &runs[b].voxels);
                     if here.start < there.end + apart && there.start + apart < here.end {
-                        parts.union(a, b);
+                        touching.push([a, b]);
                     }
                     if here.end <= there.end + apart { a += 1 } else { b += 1 }
                 }
             }
         }
-        let labels = parts.into_labeling();
-        let mut is_outside = vec![false; runs.len()];
-        for (run, label) in runs.iter().zip(&labels) {
-            is_outside[*label] |= run.is_outside;
-        }
-        let mut row_of = vec![usize::MAX; runs.len()];
-        let mut found: Vec<Vec<usize>> = Vec::new();
-        for (run, label) in runs.iter().zip(&labels).filter(|(_, label)| !is_outside[**label]) {
-            if row_of[*label] == usize::MAX {
-                row_of[*label] = found.len();
-                found.push(Vec::new());
-            }
-            found[row_of[*label]].extend(run.voxels.clone());
-        }
+        let parts = Fragments::over(runs.len(), touching.into_iter());
+        let is_outside = parts.holding((0..runs.len()).filter(|run| runs[*run].is_outside));
+        let inside = runs.into_iter().zip(parts.of_node).zip(is_outside).filter(|(_, is_outside)| !is_outside);
+        let mut found = grouped(parts.count, inside.flat_map(|((run, part), _)| run.voxels.map(move |voxel| (part, voxel))));
+        found.retain(|cavity| !cavity.is_empty());
         found
     }
 

@@ -1,6 +1,5 @@
 //! The image around a place as a cube along the axes of the patient, for a person who looks at slices of it.
 
-use super::scene::Scene;
 use willis_core::support::geometry::Point;
 
 /// Samples along each side of a cube.
@@ -27,7 +26,7 @@ pub struct ImageCube {
 
 impl ImageCube {
     /// The cube around a place (m); `None` outside of the image.
-    pub fn new(scene: &Scene, centre: Point) -> Option<Self> {
+    pub fn new(scene: &super::scene::Scene, centre: Point) -> Option<Self> {
         let level = scene.level(centre);
         // In an image of dark vessels all is turned round.
         let ends = |[low, high]: [f64; 2]| {

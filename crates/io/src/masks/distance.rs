@@ -3,10 +3,8 @@
 //! Squared distances along one axis after the other, each by the lower envelope of parabolas: Felzenszwalb and Huttenlocher, "Distance
 //! transforms of sampled functions", Theory of Computing 8 (2012). Beyond the image's border nothing is known, so that is no outside.
 
-use super::foreground::Foreground;
-
 /// The distance of each voxel, in the unit of `spacing`; infinite where the image has no voxel outside vessels.
-pub fn distances(vessels: &Foreground, spacing: [f64; 3]) -> Vec<f64> {
+pub fn distances(vessels: &super::foreground::Foreground, spacing: [f64; 3]) -> Vec<f64> {
     let strides = vessels.strides();
     let mut squared = vec![f64::INFINITY; vessels.count()];
     let (mut run, mut values) = (Vec::new(), Vec::new());

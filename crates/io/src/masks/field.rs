@@ -1,8 +1,6 @@
 //! The depth of every place below the wall of a mask's lumen: a signed distance, between voxels by trilinear interpolation.
 
-use super::distance::distances;
-use super::foreground::{Foreground, neighbours};
-use super::mask::{inverse_of, steps_of};
+use super::{Foreground, distances, inverse_of, neighbours, steps_of};
 use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, cross, dot, norm, norm_squared};
 

@@ -1,7 +1,5 @@
 //! The voxels inside vessels as one bit each, numbered in their order: a row for each voxel, a place in the box for each row.
 
-use super::mask::{Affine, Mask};
-
 /// Bits of a word.
 const BITS: usize = 64;
 
@@ -17,7 +15,7 @@ pub struct Foreground {
     /// The image's own lengths.
     image: [usize; 3],
     /// Where the centre of each of its voxels is, mm.
-    pub(super) affine: Affine,
+    pub(super) affine: super::mask::Affine,
     /// One bit for each place of the box.
     words: Vec<u64>,
     /// How many voxels come before each word, and all of them last.
@@ -26,7 +24,7 @@ pub struct Foreground {
 
 impl Foreground {
     /// The voxels of a mask; `None` for an empty mask, or where the box has more voxels than 32 bits count.
-    pub fn of(mask: &Mask) -> Option<Self> {
+    pub fn of(mask: &super::mask::Mask) -> Option<Self> {
         let (mut low, mut high) = ([usize::MAX; 3], [0; 3]);
         for (row, line) in mask.classes.chunks_exact(mask.shape[0]).enumerate() {
             let (Some(first), Some(last)) = (line.iter().position(|c| *c > 0), line.iter().rposition(|c| *c > 0)) else {

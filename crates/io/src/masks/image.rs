@@ -126,11 +126,6 @@ impl Picture {
         self.inverse.map(|row| dot(row, from))
     }
 
-    /// The position (m) of indices.
-    pub fn position(&self, index: [f64; 3]) -> Point {
-        [0, 1, 2].map(|k| metres(self.at[k] + (0..3).map(|axis| self.steps[axis][k] * index[axis]).sum::<f64>()))
-    }
-
     /// The step (m) along an axis.
     pub fn step(&self, axis: usize) -> Point {
         self.steps[axis].map(metres)
@@ -258,48 +253,38 @@ fn smooth_along(values: &mut [f32], shape: [usize; 3], axis: usize, sigma: f64) 
     let total: f64 = weight(0) + 2.0 * (1..=reach).map(weight).sum::<f64>();
     let kernel: Vec<f32> = (0..=reach).map(|o| (weight(o) / total) as f32).collect();
     let [x, y, z] = shape;
-    match axis {
-        0 => in_chunks(values, x, |_, line| {
-            let edge = |n: usize| std::iter::repeat_n(line[n], reach);
-            let padded: Vec<f32> = edge(0).chain(line.iter().copied()).chain(edge(x - 1)).collect();
-            line.fill(0.0);
+    if axis < 2 {
+        let stride = if axis == 0 { 1 } else { x };
+        in_chunks(values, stride * shape[axis], |_, part| {
+            let edge = |n: usize| part[n * stride..][..stride].repeat(reach);
+            let padded = [&edge(0)[..], part, &edge(shape[axis] - 1)].concat();
+            part.fill(0.0);
             for (o, w) in kernel.iter().enumerate() {
-                let [before, after] = [&padded[reach - o..reach - o + x], &padded[reach + o..reach + o + x]];
-                add_both(line, before, after, if o == 0 { 0.5 * w } else { *w });
+                let [before, after] = [reach - o, reach + o].map(|n| &padded[n * stride..][..part.len()]);
+                add_both(part, before, after, if o == 0 { 0.5 * w } else { *w });
             }
-        }),
-        1 => in_chunks(values, x * y, |_, layer| {
-            let old = layer.to_vec();
-            let row = |n: usize| &old[n * x..(n + 1) * x];
-            for (n, line) in layer.chunks_exact_mut(x).enumerate() {
+        });
+    } else {
+        // From the first layer on, so that only as many old layers are kept as the kernel reaches back.
+        let size = x * y;
+        let mut before: VecDeque<Vec<f32>> = VecDeque::from(vec![values[..size].to_vec(); reach]);
+        for layer in 0..z {
+            let (done, after) = values.split_at_mut((layer + 1) * size);
+            let here = &mut done[layer * size..];
+            let own = here.to_vec();
+            let last = after.len().checked_sub(size).map(|first| &after[first..]);
+            // The old layer so many layers on; beyond the border the last one.
+            let ahead = |o: usize| after.get((o - 1) * size..o * size).or(last).unwrap_or(&own);
+            in_chunks(here, x, |row, line| {
+                let range = row * x..(row + 1) * x;
                 line.fill(0.0);
-                for (o, w) in kernel.iter().enumerate() {
-                    add_both(line, row(n.saturating_sub(o)), row((n + o).min(y - 1)), if o == 0 { 0.5 * w } else { *w });
+                add_both(line, &own[range.clone()], &own[range.clone()], 0.5 * kernel[0]);
+                for (o, w) in kernel.iter().enumerate().skip(1) {
+                    add_both(line, &before[reach - o][range.clone()], &ahead(o)[range.clone()], *w);
                 }
-            }
-        }),
-        _ => {
-            // From the first layer on, so that only as many old layers are kept as the kernel reaches back.
-            let size = x * y;
-            let mut before: VecDeque<Vec<f32>> = VecDeque::from(vec![values[..size].to_vec(); reach]);
-            for layer in 0..z {
-                let (done, after) = values.split_at_mut((layer + 1) * size);
-                let here = &mut done[layer * size..];
-                let own = here.to_vec();
-                let last = after.len().checked_sub(size).map(|first| &after[first..]);
-                // The old layer so many layers on; beyond the border the last one.
-                let ahead = |o: usize| after.get((o - 1) * size..o * size).or(last).unwrap_or(&own);
-                in_chunks(here, x, |row, line| {
-                    let range = row * x..(row + 1) * x;
-                    line.fill(0.0);
-                    add_both(line, &own[range.clone()], &own[range.clone()], 0.5 * kernel[0]);
-                    for (o, w) in kernel.iter().enumerate().skip(1) {
-                        add_both(line, &before[reach - o][range.clone()], &ahead(o)[range.clone()], *w);
-                    }
-                });
-                before.pop_front();
-                before.push_back(own);
-            }
+            });
+            before.pop_front();
+            before.push_back(own);
         }
     }
 }

@@ -1,8 +1,5 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
-use std::collections::BTreeMap;
-
-use super::partial::Walls;
 use willis_core::network::Frame;
 use willis_core::support::geometry::{Point, cross, dot, norm};
 
@@ -12,6 +9,11 @@ pub type Affine = [[f64; 4]; 3];
 /// The steps of one voxel along each axis, mm.
 pub fn steps_of(affine: &Affine) -> [Point; 3] {
     [0, 1, 2].map(|axis| affine.map(|row| row[axis]))
+}
+
+/// The indices of the voxel of a row, in an image of these lengths.
+pub fn indices_of([x, y, _]: [usize; 3], row: usize) -> [usize; 3] {
+    [row % x, row / x % y, row / (x * y)]
 }
 
 /// The rows that make indices of mm, from the steps of voxels.
@@ -30,13 +32,13 @@ pub struct Mask {
     /// Where the centre of each voxel is, mm.
     pub affine: Affine,
     /// The voxels that lie inside vessels in part, where that is known.
-    pub walls: Option<Walls>,
+    pub walls: Option<super::partial::Walls>,
     /// The scanner's frame, RAS, unless nobody states which way the axes point.
     pub frame: Frame,
     /// Whether the file's array counts its axes from the one that varies slowest, as NumPy does.
     pub reversed: bool,
     /// What its file calls classes; others are known by their number.
-    pub names: BTreeMap<u8, String>,
+    pub names: std::collections::BTreeMap<u8, String>,
     /// Notes for the user about how it was read, one line each.
     pub notes: Vec<String>,
 }
@@ -91,9 +93,8 @@ impl Mask {
             step[source[axis]] = if flipped[axis] { -strides[axis] } else { strides[axis] };
             start += if flipped[axis] { (shape[axis] as isize - 1) * strides[axis] } else { 0 };
         }
-        let [x, y, _] = self.shape;
         let place = |row: usize| {
-            let old = [row % x, row / x % y, row / (x * y)];
+            let old = indices_of(self.shape, row);
             (start + (0..3).map(|axis| old[axis] as isize * step[axis]).sum::<isize>()) as usize
         };
         let mut classes = vec![0; self.classes.len()];

@@ -10,7 +10,7 @@
 //! | voxels to nodes and branches, spurs | `skeleton.rs` |
 //! | how much of a voxel at the wall is inside | `partial.rs` |
 //! | the depth below the wall of the lumen at any place | `field.rs` |
-//! | which stretch each voxel of the lumen belongs to | `lumen.rs` |
+//! | which stretch each voxel of the lumen belongs to | `trace.rs` |
 //! | smoothing, lengths, radii, labels | `trace.rs` |
 //! | the picture beside a mask: smoothed, its value at any place | `image.rs` |
 //! | the voxels in few bytes, for the page | `run_lengths.rs` |
@@ -23,7 +23,6 @@ mod distance;
 mod field;
 mod foreground;
 mod image;
-mod lumen;
 mod mask;
 mod no_vessels;
 mod partial;
@@ -33,15 +32,12 @@ mod skeleton;
 mod thinning;
 mod trace;
 
+pub use self::{distance::distances, field::Field, run_lengths::RunLengths, thinning::thin};
 pub use cavities::{Cavities, Filled};
-pub use distance::distances;
-pub use field::Field;
-pub use foreground::Foreground;
+pub use foreground::{Foreground, neighbours};
 pub use image::{Image, Picture};
-pub use mask::{Affine, Mask, steps_of};
+pub use mask::{Affine, Mask, indices_of, inverse_of, steps_of};
 pub use no_vessels::{why_no_centerlines, why_no_vessels};
 pub use partial::{WallFinder, Walls};
-pub use run_lengths::RunLengths;
 pub use scene::{Appearance, Level, ScanCenterlines, Scene, Unseen, View};
-pub use thinning::thin;
 pub use trace::{RadiusFrom, Traced, trace};

@@ -1,9 +1,6 @@
 //! Whether a mask can be one of vessels: noise, a solid body and a sponge take minutes and gigabytes, and have no centerlines.
 
-use petgraph::unionfind::UnionFind;
-
-use super::mask::Mask;
-use willis_core::network::Centerlines;
+use willis_core::{network::Fragments, support::numbered::counted};
 
 /// Fewer voxels are quick in any case.
 const FEW: usize = 20_000;
@@ -17,7 +14,7 @@ const BODY: (usize, usize) = (16_000, 160);
 const SPONGE: (usize, f64) = (1_000, 0.3);
 
 /// Why the voxels of a mask are none of vessels; `None` where they may be. One pass along the lines of voxels.
-pub fn why_no_vessels(mask: &Mask) -> Option<String> {
+pub fn why_no_vessels(mask: &super::mask::Mask) -> Option<String> {
     let (mut inside, mut runs, mut long) = (0, 0_usize, 0);
     for line in mask.classes.chunks_exact(mask.shape[0].max(1)) {
         for part in line.chunk_by(|a, b| (*a == 0) == (*b == 0)).filter(|part| part[0] != 0) {
@@ -36,15 +33,10 @@ pub fn why_no_vessels(mask: &Mask) -> Option<String> {
 }
 
 /// Why centerlines are none of vessels: they are those of a sponge.
-pub fn why_no_centerlines(lines: &Centerlines) -> Option<String> {
-    let mut parts: UnionFind<usize> = UnionFind::new(lines.points.len());
-    let mut degree = vec![0_usize; lines.points.len()];
-    let mut loops = 0;
-    for [a, b] in lines.links.iter().map(|link| link.map(|point| point as usize)) {
-        loops += usize::from(!parts.union(a, b));
-        degree[a] += 1;
-        degree[b] += 1;
-    }
+pub fn why_no_centerlines(lines: &willis_core::network::Centerlines) -> Option<String> {
+    let (points, links) = (lines.points.len(), || lines.links.iter().map(|link| link.map(|point| point as usize)));
+    let loops = lines.links.len() + Fragments::over(points, links()).count - points;
+    let degree = counted(points, links().flatten());
     // Each branch has two ends at points that no line passes through.
     let branches = degree.iter().filter(|degree| **degree != 2).sum::<usize>() / 2;
     let is_sponge = loops > SPONGE.0 && loops as f64 > SPONGE.1 * branches as f64;

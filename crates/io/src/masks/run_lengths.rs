@@ -1,7 +1,6 @@
 //! The voxels of a mask in few bytes: alternating lengths of background and vessel, in blocks of voxels where there are too many.
 
-use super::foreground::Foreground;
-use super::mask::Affine;
+use super::{Affine, Foreground};
 
 /// A block counts as vessel from this share of its voxels on: a vessel one voxel wide stays whole in blocks of two.
 const LEAST_OF_BLOCK: usize = 4;

@@ -2,12 +2,9 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Serialize};
-
-use super::image::{Image, Picture};
-use willis_core::network::millimetres;
+use super::{Image, Picture};
 use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
-use willis_core::support::statistics::median;
+use willis_core::{network::millimetres, support::statistics::median};
 
 /// The image is averaged with a Gaussian of so many spacings.
 const SIGMA: f64 = 0.5;
@@ -30,7 +27,7 @@ const LEAST_CONTRAST: f64 = 1.5;
 const NORMAL: f64 = 1.4826;
 
 /// How vessels look in an image.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Appearance {
     /// Brighter or darker than what is around them, whichever most of their points are.

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::foreground::{Foreground, neighbours};
-use willis_core::network::walks::edges_at;
+use super::{Foreground, neighbours};
+use willis_core::{network::Fragments, network::walks::edges_at, support::numbered::counted, support::numbered::marked};
 
 /// A branch is a spur if its tip reaches less than this many of its own diameters beyond the wall of the vessel that it leaves.
 const SPUR: f64 = 1.0;
@@ -80,9 +80,7 @@ impl Skeleton {
 
     /// How many ends of branches each node has.
     pub fn degrees(&self) -> Vec<usize> {
-        let mut degrees = vec![0; self.nodes.len()];
-        self.branches.iter().flat_map(|branch| branch.ends).for_each(|end| degrees[end] += 1);
-        degrees
+        counted(self.nodes.len(), self.branches.iter().flat_map(|branch| branch.ends))
     }
 
     /// Removes the spurs and joins the branches that they leave behind; returns how many there were. At each junction the one that
@@ -103,8 +101,7 @@ impl Skeleton {
                     }
                 }
             }
-            let mut gone = vec![false; self.branches.len()];
-            least.values().filter(|(reach, _)| *reach < SPUR).for_each(|(_, row)| gone[*row] = true);
+            let gone = marked(self.branches.len(), least.values().filter(|(reach, _)| *reach < SPUR).map(|(_, row)| *row));
             if !gone.contains(&true) {
                 return removed;
             }
@@ -197,35 +194,20 @@ fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<BTreeSet<usize>> {
 /// The voxels of each node, in the order of their first: an end alone, the connected voxels of three or more links together, unless they
 /// make a ring, which one node would hide.
 fn clusters(links: &[BTreeSet<usize>]) -> Vec<Vec<usize>> {
-    let mut seen = vec![false; links.len()];
-    let mut found = Vec::new();
-    for start in 0..links.len() {
-        match links[start].len() {
-            1 => found.push(vec![start]),
-            0 | 2 => {}
-            _ if seen[start] => {}
-            _ => {
-                seen[start] = true;
-                let (mut cluster, mut next, mut within) = (vec![start], 0, 0);
-                while let Some(at) = cluster.get(next).copied() {
-                    for to in links[at].iter().copied().filter(|to| links[*to].len() > 2) {
-                        within += 1;
-                        if !std::mem::replace(&mut seen[to], true) {
-                            cluster.push(to);
-                        }
-                    }
-                    next += 1;
-                }
-                cluster.sort_unstable();
-                // Each link within was met from both ends.
-                if within / 2 + 1 > cluster.len() {
-                    found.extend(cluster.into_iter().map(|at| vec![at]));
-                } else {
-                    found.push(cluster);
-                }
-            }
-        }
+    let is_junction = |at: usize| links[at].len() > 2;
+    let within = |at: usize| links[at].iter().copied().filter(move |to| is_junction(at) && is_junction(*to));
+    let parts = Fragments::over(links.len(), (0..links.len()).flat_map(|at| within(at).map(move |to| [at, to])));
+    let mut clusters: Vec<(Vec<usize>, usize)> = vec![(Vec::new(), 0); parts.count];
+    for at in (0..links.len()).filter(|at| is_junction(*at) || links[*at].len() == 1) {
+        let (cluster, count) = &mut clusters[parts.of_node[at]];
+        cluster.push(at);
+        *count += within(at).count();
     }
+    // Each link within was met from both ends.
+    let parted = |(cluster, count): (Vec<usize>, usize)| {
+        if count / 2 + 1 > cluster.len() { cluster.into_iter().map(|at| vec![at]).collect() } else { vec![cluster] }
+    };
+    let mut found: Vec<Vec<usize>> = clusters.into_iter().flat_map(parted).collect();
     found.sort_unstable_by_key(|cluster| cluster[0]);
     found
 }

@@ -1,21 +1,16 @@
-//! Centerlines of a mask: smooth lines along the skeleton's branches, with the radius of the lumen around them.
+//! Centerlines of a mask: smooth lines along the skeleton's branches, with the radius of the lumen around them; which voxel of the skeleton each voxel of
+//! the lumen belongs to, and with what volume.
 
-use std::f64::consts::PI;
+use std::{cmp::Reverse, collections::BinaryHeap, f64::consts::PI};
 
 use petgraph::unionfind::UnionFind;
-use serde::{Deserialize, Serialize};
 
-use super::cavities::Cavities;
-use super::distance::distances;
-use super::foreground::Foreground;
-use super::lumen::{nearest_seeds, volumes};
-use super::mask::{Mask, steps_of};
 use super::skeleton::{Branch, Skeleton, skeleton};
-use super::thinning::thin;
-use willis_core::network::walks::other;
-use willis_core::network::{Centerlines, metres};
+use super::{Cavities, Foreground, Mask, distances, indices_of, neighbours, steps_of, thin};
+use willis_core::network::{Centerlines, metres, walks::other};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
-use willis_core::support::geometry::{Point, distance, dot, lerp, sub, unit};
+use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+use willis_core::support::numbered::grouped;
 
 /// How far lines are smoothed: the standard deviation of the weights along them, in voxels.
 const SMOOTH: f64 = 2.5;
@@ -28,7 +23,7 @@ const WIDEST: f64 = 1.5;
 const REACH: f64 = 3.0;
 
 /// What the radius of a centerline point is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RadiusFrom {
     /// That of the circle with the area of the lumen's cross-section: the volume of the voxels nearest to a stretch over its length, those
@@ -302,19 +297,14 @@ impl Tracer<'_> {
         }
         lines.iter_mut().for_each(TracedLine::measure);
         // The lumen at a junction belongs to the vessels that meet there, in the shares of their cross-sections.
-        let mut shares: Vec<Vec<(usize, bool, f64)>> = vec![Vec::new(); graph.nodes.len()];
-        for (row, branch) in graph.branches.iter().enumerate() {
-            let line = &lines[row];
-            let inside = |from_last: bool| {
-                let n = line.depths.len();
-                let at = (n / 2).min(4);
-                let depth = line.depths[if from_last { n - 1 - at } else { at }];
-                (depth * depth).max(f64::MIN_POSITIVE)
-            };
-            shares[branch.ends[0]].push((row, false, inside(false)));
-            shares[branch.ends[1]].push((row, true, inside(true)));
-        }
-        for (node, shares) in shares.iter().enumerate() {
+        let share = |row: usize, is_last: bool| {
+            let depths = &lines[row].depths;
+            let at = (depths.len() / 2).min(4);
+            let depth = depths[if is_last { depths.len() - 1 - at } else { at }];
+            (graph.branches[row].ends[usize::from(is_last)], (row, is_last, (depth * depth).max(f64::MIN_POSITIVE)))
+        };
+        let ends = (0..lines.len()).flat_map(|row| [share(row, false), share(row, true)]);
+        for (node, shares) in grouped(graph.nodes.len(), ends).iter().enumerate() {
             let all: f64 = shares.iter().map(|(.., share)| share).sum();
             for (row, is_last, share) in shares {
                 let line = &mut lines[*row];
@@ -410,4 +400,78 @@ fn smooth(points: &[Point]) -> Vec<Point> {
             sum.map(|x| x / total)
         })
         .collect()
+}
+
+/// A voxel that belongs to no seed.
+const NONE: u32 = u32::MAX;
+/// The bit of a voxel whose seed is settled.
+const SETTLED: u32 = 1 << 31;
+
+/// Between voxels given by their indices, mm².
+fn squared_distance(steps: [Point; 3], at: [f64; 3], from: [f64; 3]) -> f64 {
+    let by = [0, 1, 2].map(|axis| at[axis] - from[axis]);
+    norm_squared([0, 1, 2].map(|row| (0..3).map(|axis| steps[axis][row] * by[axis]).sum()))
+}
+
+/// For each voxel of the vessels the seed that is nearest, among those that its neighbours belong to: the row in `seeds`; [`NONE`] where
+/// no seed is in the same component. Ties go to the earlier seed.
+fn nearest_seeds(mask: &Mask, vessels: &Foreground, seeds: &[u32]) -> Vec<u32> {
+    let steps = steps_of(&mask.affine);
+    let around = neighbours(vessels.strides());
+    let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
+    let seeds: Vec<(usize, [f64; 3])> =
+        seeds.iter().map(|row| vessels.place(*row as usize)).map(|place| (place, indices(place))).collect();
+    let apart = |at: [f64; 3], seed: u32| squared_distance(steps, at, seeds[seed as usize].1);
+    // The nearest seed so far of each voxel, or the settled one.
+    let mut best = vec![NONE; vessels.count()];
+    // Lengths are not negative, so that their bits are in their order.
+    let mut open: BinaryHeap<Reverse<(u64, u32, u32)>> =
+        (0_u32..).zip(&seeds).map(|(seed, (place, _))| Reverse((0, seed, *place as u32))).collect();
+    while let Some(Reverse((_, seed, place))) = open.pop() {
+        let place = place as usize;
+        let Some(voxel) = vessels.row(place).filter(|row| best[*row] == NONE || best[*row] & SETTLED == 0) else { continue };
+        best[voxel] = seed | SETTLED;
+        let here = indices(place);
+        for (step, by) in around {
+            let next = (place as isize + step) as usize;
+            let Some(row) = vessels.row(next) else { continue };
+            let known = best[row];
+            if known == seed || (known != NONE && known & SETTLED != 0) {
+                continue;
+            }
+            let at = [0, 1, 2].map(|axis| here[axis] + f64::from(by[axis]));
+            let nearer = (apart(at, seed).to_bits(), seed);
+            if known == NONE || nearer < (apart(at, known).to_bits(), known) {
+                best[row] = seed;
+                open.push(Reverse((nearer.0, seed, next as u32)));
+            }
+        }
+    }
+    best.iter_mut().filter(|seed| **seed != NONE).for_each(|seed| *seed &= !SETTLED);
+    best
+}
+
+/// The volume of the lumen in pieces: the place of each voxel, the seed it belongs to, and how much of it is inside, mm³. A piece may
+/// take away from one before it: a voxel of a vessel counts as a whole first, then less what its wall leaves outside. A voxel beside a
+/// vessel belongs to the nearest of the seeds that its neighbours belong to.
+fn volumes(mask: &Mask, vessels: &Foreground, seeds: &[u32], nearest: &[u32]) -> impl Iterator<Item = (usize, u32, f64)> {
+    let (cell, steps, around) = (mask.voxel_volume(), steps_of(&mask.affine), neighbours(vessels.strides()));
+    let indices = |place: usize| vessels.voxel_at(place).map(|index| index as f64);
+    let at: Vec<[f64; 3]> = seeds.iter().map(|row| indices(vessels.place(*row as usize))).collect();
+    let nearest_beside = move |place: usize| {
+        let touched = around.iter().filter_map(|(step, _)| vessels.row((place as isize + step) as usize)).map(|row| nearest[row]);
+        let apart = |seed: u32| squared_distance(steps, indices(place), at[seed as usize]);
+        touched.filter(|seed| *seed != NONE).map(|seed| (apart(seed).to_bits(), seed)).min().map(|(_, seed)| seed)
+    };
+    let of_wall = move |(voxel, part): &(u32, f32)| {
+        let place = vessels.place_of(indices_of(mask.shape, *voxel as usize))?;
+        let part = f64::from(*part);
+        match vessels.row(place) {
+            Some(row) => Some((place, nearest[row], cell * (part - 1.0))),
+            None => nearest_beside(place).map(|seed| (place, seed, cell * part)),
+        }
+    };
+    let walls = mask.walls.iter().flat_map(|walls| &walls.voxels).filter_map(of_wall);
+    let whole = vessels.places().zip(nearest).map(move |(place, seed)| (place, *seed, cell));
+    whole.chain(walls).filter(|(_, seed, _)| *seed != NONE)
 }

@@ -1,31 +1,14 @@
 //! Output that appears complete or not at all: written next to its place, flushed to the disk, then renamed.
 
-use std::fs;
+use std::fs::{self, Metadata};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
-use super::files::{DiskFile, write_file};
-use super::in_progress::{InProgress, clear_dead_runs, entries, has_checkpoint, is_in_progress, sync_folder, write_error};
-use super::lock::is_own_folder;
-use super::own_files::foreign_file;
-use super::partial_set::PartialSet;
-use super::target::{check_file_size, check_vacant};
+use super::in_progress::{check_file_size, check_vacant, entries, folder_of, followed, sync_folder};
+use super::lock::{identity, is_own_folder};
+use super::{InProgress, files::DiskFile, names::SET, own_files::foreign_file, read_json, replace_file, write_error, write_file};
 use willis_core::error::{Error, Result};
-
-/// Removes what killed runs left unfinished in a folder that willis wrote; checkpoints stay.
-///
-/// # Errors
-///
-/// The system refuses.
-pub fn clear_leftovers(folder: &Path) -> Result<()> {
-    clear_dead_runs(folder);
-    let left = entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path));
-    for path in left.filter(|path| !has_checkpoint(path)) {
-        fs::remove_dir_all(&path).map_err(write_error(&path))?;
-    }
-    Ok(())
-}
 
 /// An output folder being written; no other process can write it at the same time.
 #[derive(Debug)]
@@ -243,5 +226,54 @@ impl StagedFiles {
         self.files.rotate_left(1);
         self.files.into_iter().try_for_each(|(_, file)| file.put())?;
         Ok(paths)
+    }
+}
+
+/// The files beside a main file that is not there yet.
+#[derive(Debug)]
+struct PartialSet {
+    place: PathBuf,
+    files: Vec<Member>,
+}
+
+/// A file of the set, known by its name and by what the file system calls it: another that was put there since is not it.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+struct Member {
+    name: String,
+    identity: [u64; 2],
+}
+
+impl Member {
+    /// The file at a path, which is to be called as `target`.
+    fn of(path: &Path, target: &Path) -> Option<Self> {
+        let about = fs::symlink_metadata(path).ok().filter(Metadata::is_file)?;
+        Some(Self { name: target.file_name()?.to_string_lossy().into_owned(), identity: identity(&about) })
+    }
+}
+
+impl PartialSet {
+    /// What was put beside `main`; nothing where that is there.
+    fn of(main: &Path) -> Self {
+        let place = followed(main);
+        let folder = folder_of(&place);
+        let is_partial = fs::symlink_metadata(&place).is_err() && is_own_folder(&folder);
+        // One that was cut was written before any file was moved.
+        let files = if is_partial { read_json(&folder.join(SET), "").unwrap_or_default() } else { Vec::new() };
+        Self { place: folder.join(SET), files }
+    }
+
+    /// Whether a file was put there by the killed command.
+    fn holds(&self, path: &Path) -> bool {
+        Member::of(path, path).is_some_and(|file| self.files.contains(&file))
+    }
+
+    /// Records the files that are now moved from where they are staged to their targets, beside those of before.
+    ///
+    /// # Errors
+    ///
+    /// It cannot be written.
+    fn record<'a>(&mut self, files: impl Iterator<Item = (&'a Path, PathBuf)>) -> Result<()> {
+        self.files.extend(files.filter_map(|(target, staged)| Member::of(&staged, target)));
+        replace_file(&self.place, |out| Ok(serde_json::to_writer(out, &self.files)?))
     }
 }

@@ -5,12 +5,10 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Component, Path, absolute};
 use std::sync::OnceLock;
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::{Serialize, de::DeserializeOwned};
 
-use super::in_progress::{UNFINISHED, sync_folder, write_error};
+use super::{names::RECORD, write_error};
 use crate::formats::regular_bytes_of;
-use crate::output::names::RECORD;
 use willis_core::error::{Fault, Result};
 
 /// Whether the process has been asked to stop, where somebody listens.
@@ -128,7 +126,7 @@ pub fn read_json<T: DeserializeOwned>(path: &Path, expected: &str) -> Result<T> 
 ///
 /// As [`write_file`]; the earlier one then stays.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> std::io::Result<()>) -> Result<()> {
-    let unfinished = path.with_extension(UNFINISHED);
+    let unfinished = path.with_extension(super::in_progress::UNFINISHED);
     // What a killed run left of it, or a link that somebody put there.
     let _ = fs::remove_file(&unfinished);
     let written = write_with(&unfinished, fill, false).and_then(|()| fs::rename(&unfinished, path).map_err(write_error(path)));
@@ -137,7 +135,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
         let _ = fs::remove_file(&unfinished);
     }
     written?;
-    sync_folder(path.parent().unwrap_or(Path::new(".")))
+    super::in_progress::sync_folder(path.parent().unwrap_or(Path::new(".")))
 }
 
 /// Writes a new file through a buffer and flushes it to the disk; an error names the file.

@@ -1,14 +1,11 @@
-//! The hidden, locked folder `.willis-NAME` in which an output is built; folders that killed runs left behind are cleared.
+//! The hidden, locked folder `.willis-NAME` in which an output is built; folders that killed runs left behind are cleared. The place of an output: where
+//! a link leads, and what cannot be replaced, which is said before the work begins.
 
-use std::ffi::{OsStr, OsString};
 use std::fs::{self, File};
-use std::io;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock};
-use super::names::SET;
-use super::target::followed;
-use crate::formats::checksum;
 use willis_core::error::{Error, Result};
 
 /// The beginning of the name of every unfinished output.
@@ -131,9 +128,9 @@ fn parent(target: &Path) -> &Path {
 
 /// The hidden folder in which an output is written.
 pub fn folder_of(target: &Path) -> PathBuf {
-    let (name, mut hidden) = (target.file_name().unwrap_or_default(), OsString::from(HIDDEN_PREFIX));
+    let (name, mut hidden) = (target.file_name().unwrap_or_default(), std::ffi::OsString::from(HIDDEN_PREFIX));
     if name.len() > LONGEST {
-        hidden.push(checksum(name.as_encoded_bytes()));
+        hidden.push(crate::formats::checksum(name.as_encoded_bytes()));
     } else {
         hidden.push(name);
     }
@@ -156,7 +153,7 @@ fn clear(folder: &Path, target: Option<&Path>) {
     }
     if target.is_none_or(|target| fs::symlink_metadata(target).is_ok()) {
         // The set is complete.
-        remove(&folder.join(SET));
+        remove(&folder.join(super::names::SET));
     }
     let made = entries(folder).unwrap_or_default();
     for path in made.iter().filter(|path| path.ends_with(NEW) || path.extension().is_some_and(|e| e == UNFINISHED)) {
@@ -184,25 +181,30 @@ fn discard(folder: &Path) {
     }
 }
 
-/// Removes what killed runs left in a folder that willis wrote. Output of a run at work, checkpoints, links, what other users made, and files
+/// Removes what killed runs left unfinished in a folder that willis wrote. Output of a run at work, checkpoints, links, what other users made, and files
 /// that others may have put there stay.
-pub fn clear_dead_runs(folder: &Path) {
-    for path in entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path)) {
+///
+/// # Errors
+///
+/// The system refuses.
+pub fn clear_leftovers(folder: &Path) -> Result<()> {
+    let is_checksum = |name: &str| name.len() == 64 && name.bytes().all(|b| b.is_ascii_hexdigit());
+    let left = || entries(folder).unwrap_or_default().into_iter().filter(|path| is_in_progress(path) && is_own_folder(path));
+    for path in left() {
         if fs::symlink_metadata(path.join(LOCK)).is_err() {
             // Only if it is empty.
             let _ = fs::remove_dir(&path);
         } else if let Ok(_lock) = lock(&path, &path, 1) {
-            let name = path.file_name().and_then(OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
+            let name = path.file_name().and_then(std::ffi::OsStr::to_str).and_then(|name| name.strip_prefix(HIDDEN_PREFIX));
             clear(&path, name.filter(|name| !is_checksum(name)).map(|name| folder.join(name)).as_deref());
             discard(&path);
         }
     }
-}
-
-/// Whether a hidden folder holds a checkpoint.
-pub fn has_checkpoint(folder: &Path) -> bool {
     let is_kept = |path: &PathBuf| path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(KEPT.as_bytes()));
-    entries(folder).unwrap_or_default().iter().any(is_kept)
+    for path in left().filter(|path| !entries(path).unwrap_or_default().iter().any(is_kept)) {
+        fs::remove_dir_all(&path).map_err(write_error(&path))?;
+    }
+    Ok(())
 }
 
 /// The path at which an unfinished output will stand, for messages.
@@ -222,10 +224,6 @@ pub fn final_path(path: &Path) -> PathBuf {
     known
 }
 
-fn is_checksum(name: &str) -> bool {
-    name.len() == 64 && name.bytes().all(|b| b.is_ascii_hexdigit())
-}
-
 /// Flushes the names in a folder to the disk.
 pub fn sync_folder(folder: &Path) -> Result<()> {
     #[cfg(unix)]
@@ -242,4 +240,99 @@ pub fn sync_folder(folder: &Path) -> Result<()> {
 /// The paths in a folder; `None` when it cannot be read.
 pub fn entries(folder: &Path) -> Option<Vec<PathBuf>> {
     fs::read_dir(folder).ok()?.map(|entry| entry.ok().map(|e| e.path())).collect()
+}
+
+/// Where an output goes: a link is followed, so that it stays and what it points to is written.
+pub fn followed(target: &Path) -> PathBuf {
+    let is_link = fs::symlink_metadata(target).is_ok_and(|about| about.is_symlink());
+    // Paths such as `.` and `a/..` have no name of their own.
+    let whole = if is_link || target.file_name().is_none() { target.canonicalize().ok() } else { None };
+    whole.unwrap_or_else(|| target.to_owned())
+}
+
+/// The folder of a run has files of about this size, bytes.
+const RUN: u64 = 1 << 20;
+
+/// Checks that the files of a run may be as large as they are.
+///
+/// # Errors
+///
+/// The limit of the shell is lower.
+pub fn check_file_size(target: &Path) -> Result<()> {
+    match willis_core::support::limits::file_size() {
+        Some(most) if most < RUN => {
+            let accepted = format!("files may have {most} bytes at most here; raise the limit (ulimit -f) to {RUN} at least");
+            Err(Error::parameter("output", target.display(), accepted))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that an output does not exist, or may be replaced, and that its folder can be written to.
+///
+/// # Errors
+///
+/// It exists and `force` is off; a link to nothing; a device, a pipe, the current folder, the root of a file system; a folder above it that
+/// takes no file.
+pub fn check_vacant(target: &Path, force: bool) -> Result<()> {
+    let refused = |accepted: &str| Err(Error::parameter("output", target.display(), accepted));
+    if fs::symlink_metadata(target).is_err_and(|e| e.kind() == ErrorKind::InvalidFilename) {
+        let bytes = target.file_name().unwrap_or_default().len();
+        return refused(&format!("its name has {bytes} bytes, more than the file system takes; choose a shorter one"));
+    }
+    let there = target.exists();
+    if !there && fs::symlink_metadata(target).is_ok() {
+        return refused("is a link to nothing; remove it, or name what it is to point to");
+    }
+    if there && !force {
+        return Err(Error::Exists { path: target.to_owned() });
+    }
+    let place = followed(target);
+    if there {
+        if !place.is_file() && !place.is_dir() {
+            return refused("is a device or a pipe; expected the name of a file or a folder");
+        }
+        let here = std::env::current_dir().and_then(|here| here.canonicalize());
+        if here.ok().zip(place.canonicalize().ok()).is_some_and(|(here, place)| here.starts_with(place)) {
+            return refused(
+                "is the current folder or has it in it, which cannot be replaced; expected the name of another folder",
+            );
+        }
+        if is_mounted(&place) {
+            return refused("is where a file system is mounted, which cannot be replaced; expected the name of a folder in it");
+        }
+    }
+    let standing = place.ancestors().skip(1).find(|p| p.as_os_str().is_empty() || p.exists());
+    let folder = standing.filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    match tempfile::tempfile_in(folder) {
+        Ok(_) => Ok(()),
+        Err(e) => {
+            // Other system messages mislead: a folder that exists but takes no entry is "not found".
+            use ErrorKind::{PermissionDenied, ReadOnlyFilesystem, StorageFull};
+            let is_plain = matches!(e.kind(), PermissionDenied | ReadOnlyFilesystem | StorageFull);
+            let why = if is_plain { format!(": {}", e.kind()) } else { String::new() };
+            refused(&format!("cannot be made: nothing can be written into {}{why}", folder.display()))
+        }
+    }
+}
+
+/// Whether something is mounted at a path, as a container's `/out` is: it cannot be moved.
+#[cfg(unix)]
+fn is_mounted(place: &Path) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    let Ok(place) = place.canonicalize() else { return false };
+    let device = |path: &Path| fs::metadata(path).map(|about| about.dev()).ok();
+    if place.parent().is_none_or(|parent| device(parent) != device(&place)) {
+        return true;
+    }
+    // A folder of the same file system that is mounted again; Linux lists it, with blanks and the like as octal numbers.
+    let listed = fs::read_to_string("/proc/self/mountinfo").unwrap_or_default();
+    let escaped = |c: char| if matches!(c, ' ' | '\t' | '\n' | '\\') { format!("\\{:03o}", c as u32) } else { c.to_string() };
+    let name: String = place.to_string_lossy().chars().map(escaped).collect();
+    listed.lines().any(|line| line.split(' ').nth(4) == Some(&name))
+}
+
+#[cfg(not(unix))]
+fn is_mounted(place: &Path) -> bool {
+    place.canonicalize().is_ok_and(|place| place.parent().is_none())
 }

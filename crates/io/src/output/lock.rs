@@ -2,9 +2,7 @@
 
 use std::fs::{self, DirBuilder, File, Metadata, TryLockError};
 use std::io::{self, Read, Seek, Write};
-use std::path::Path;
-use std::thread::sleep;
-use std::time::Duration;
+use std::{path::Path, thread::sleep, time::Duration};
 
 use willis_core::error::{Error, Result};
 
@@ -31,6 +29,9 @@ pub fn foreign(path: &Path, target: &Path) -> Error {
 pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
     let refused = |source| Error::Write { path: target.to_owned(), source };
     let path = folder.join(LOCK);
+    let found = || fs::symlink_metadata(&path).ok();
+    // Whether an open file is still the one at the path: its last holder may have removed it.
+    let is_there = |file: &File| file.metadata().ok().zip(found()).is_some_and(|(a, b)| identity(&a) == identity(&b));
     let mut process = String::new();
     for at in 0..tries {
         make_own(folder, target)?;
@@ -38,14 +39,18 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
             // The folder was removed in this moment.
             Err(e) if e.kind() == io::ErrorKind::NotFound && at + 1 < tries => continue,
             // A link, or a pipe that nobody reads.
-            Err(_) if fs::symlink_metadata(&path).is_ok_and(|about| !about.is_file()) => return Err(foreign(&path, target)),
+            Err(_) if found().is_some_and(|about| !about.is_file()) => return Err(foreign(&path, target)),
             opened => opened.map_err(refused)?,
         };
-        if !file.metadata().is_ok_and(|about| about.is_file() && is_only_name(&about)) || !is_of_one_user(&file, folder) {
+        // With one name at most, and of the user of the folder.
+        let is_of_one_user = |about: &Metadata| {
+            cfg!(not(unix)) || fs::symlink_metadata(folder).is_ok_and(|folder| facts(&folder)[2] == facts(about)[2])
+        };
+        if !file.metadata().is_ok_and(|about| about.is_file() && facts(&about)[3] <= 1 && is_of_one_user(&about)) {
             return Err(foreign(&path, target));
         }
         match file.try_lock() {
-            Ok(()) if is_at(&file, &path) => {
+            Ok(()) if is_there(&file) => {
                 // For users; the lock works without it.
                 let _ = file.set_len(0).and_then(|()| write!(file, "{}", std::process::id()));
                 return Ok(file);
@@ -66,9 +71,13 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
     Err(Error::parameter("output", target.display(), accepted))
 }
 
-/// Whether a path is a folder that this user made, and not a link to one.
+/// Whether a path is a folder that was made by the user that this process makes files as, and not a link to one. That is asked of the file system itself,
+/// by a file without a name in the same folder: on network drives and in containers it may not be the user that the process runs as.
 pub fn is_own_folder(path: &Path) -> bool {
-    fs::symlink_metadata(path).is_ok_and(|about| about.is_dir() && is_own(&about, path))
+    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let probe = || tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
+    let is_own = |about: &Metadata| cfg!(not(unix)) || probe().is_ok_and(|probe| facts(&probe)[2] == facts(about)[2]);
+    fs::symlink_metadata(path).is_ok_and(|about| about.is_dir() && is_own(&about))
 }
 
 /// Creates a folder for this user alone, with the folders above it as they are usually made; one that is there must be this user's.
@@ -77,7 +86,11 @@ fn make_own(folder: &Path, target: &Path) -> Result<()> {
     if let Some(parent) = folder.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         fs::create_dir_all(parent).map_err(refused)?;
     }
-    match private().create(folder) {
+    #[cfg_attr(not(unix), expect(unused_mut, reason = "other systems have no mode"))]
+    let mut builder = DirBuilder::new();
+    #[cfg(unix)]
+    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+    match builder.create(folder) {
         Err(e) if e.kind() == io::ErrorKind::AlreadyExists => match fs::symlink_metadata(folder) {
             // It was removed in this moment, and is made by the next try.
             Err(e) if e.kind() == io::ErrorKind::NotFound => Ok(()),
@@ -90,14 +103,6 @@ fn make_own(folder: &Path, target: &Path) -> Result<()> {
     }
 }
 
-fn private() -> DirBuilder {
-    #[cfg_attr(not(unix), expect(unused_mut, reason = "other systems have no mode"))]
-    let mut builder = DirBuilder::new();
-    #[cfg(unix)]
-    std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
-    builder
-}
-
 /// Opens or creates a lock, through no link and without waiting for a pipe's other end.
 fn open(path: &Path) -> io::Result<File> {
     let mut options = File::options();
@@ -107,59 +112,23 @@ fn open(path: &Path) -> io::Result<File> {
     options.open(path)
 }
 
-/// Whether what is at `path` was made by the user that this process makes files as. That is asked of the file system itself, by a file
-/// without a name in the same folder: on network drives and in containers it may not be the user that the process runs as.
-#[cfg(unix)]
-fn is_own(about: &Metadata, path: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let probe = tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
-    probe.is_ok_and(|probe| probe.uid() == about.uid())
-}
-
-#[cfg(not(unix))]
-fn is_own(_: &Metadata, _: &Path) -> bool {
-    true
-}
-
-/// Whether a file and the folder that it is in belong to one user.
-#[cfg(unix)]
-fn is_of_one_user(file: &File, folder: &Path) -> bool {
-    use std::os::unix::fs::MetadataExt;
-    file.metadata().ok().zip(fs::symlink_metadata(folder).ok()).is_some_and(|(file, folder)| file.uid() == folder.uid())
-}
-
-#[cfg(not(unix))]
-fn is_of_one_user(_: &File, _: &Path) -> bool {
-    true
-}
-
-/// Whether a file has no second name, under which it may be another user's or another program's; one that was just removed has none.
-#[cfg(unix)]
-fn is_only_name(about: &Metadata) -> bool {
-    std::os::unix::fs::MetadataExt::nlink(about) <= 1
-}
-
-#[cfg(not(unix))]
-fn is_only_name(_: &Metadata) -> bool {
-    true
-}
-
-/// Whether an open file is still the one at a path: its last holder may have removed it.
-fn is_at(file: &File, path: &Path) -> bool {
-    file.metadata().ok().zip(fs::symlink_metadata(path).ok()).is_some_and(|(a, b)| identity(&a) == identity(&b))
-}
-
 /// The device and the number of a file, which stay when it is renamed.
-#[cfg(unix)]
 pub fn identity(about: &Metadata) -> [u64; 2] {
-    use std::os::unix::fs::MetadataExt;
-    [about.dev(), about.ino()]
+    let [device, number, ..] = facts(about);
+    [device, number]
 }
 
-/// Its size and its time, which stay too.
+/// The device and the number of a file, the user that it belongs to, and how many names it has: under a second one it may be another user's or
+/// another program's; one that was just removed has none.
+#[cfg(unix)]
+fn facts(about: &Metadata) -> [u64; 4] {
+    use std::os::unix::fs::MetadataExt;
+    [about.dev(), about.ino(), about.uid().into(), about.nlink()]
+}
+
+/// Its size and its time, which stay too, and what other systems do not say.
 #[cfg(not(unix))]
-pub fn identity(about: &Metadata) -> [u64; 2] {
+fn facts(about: &Metadata) -> [u64; 4] {
     let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
-    [about.len(), time.map_or(0, |time| time.as_nanos() as u64)]
+    [about.len(), time.map_or(0, |time| time.as_nanos() as u64), 0, 1]
 }

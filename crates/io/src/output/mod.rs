@@ -7,11 +7,9 @@ mod lock;
 pub mod names;
 mod own_files;
 pub mod partial_run_file;
-mod partial_set;
-mod target;
 
 pub use atomic::{StagedFiles, StagedFolder};
 pub use files::{give_up_when, plain, read_json, relative, replace_file, write_file, write_json, write_record};
-pub use in_progress::{InProgress, final_path, write_error};
+pub use in_progress::{InProgress, clear_leftovers, final_path, write_error};
 pub use own_files::is_cohort_file;
 pub use partial_run_file::{read_part, write_part};

@@ -3,10 +3,6 @@
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
-use serde::Deserialize;
-use serde::de::IgnoredAny;
-
-use super::in_progress::{entries, is_in_progress};
 use super::names::{
     AGREEMENT, BESIDE_LABELLED, COHORT, COHORT_FILES, FAILURE, FILES, LABELLED, MEDIAN_TOPOLOGY, PICTURES, RECORD, TOPOLOGY,
 };
@@ -26,27 +22,22 @@ fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     is_named(path, &FILES.concat())
-        || is_labelled(path)
+        || is_named(path, &[LABELLED])
+        || BESIDE_LABELLED.iter().any(|ending| path.ends_with(Path::new(LABELLED).with_extension(ending)))
         || is(&PICTURES.concat(), &["png", "svg"])
         || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])
 }
 
-/// Whether a path has the name of the labelled vessels of a subject, or of a file beside them.
-fn is_labelled(path: &Path) -> bool {
-    let labelled = Path::new(LABELLED);
-    is_named(path, &[LABELLED]) || BESIDE_LABELLED.iter().any(|ending| path.ends_with(labelled.with_extension(ending)))
-}
-
 /// What tells a record of willis, without the conditions of a million vessels that it may hold.
-#[derive(Deserialize)]
+#[derive(serde::Deserialize)]
 struct OwnRecord {
     #[serde(rename = "willis")]
-    _version: IgnoredAny,
+    _version: serde::de::IgnoredAny,
 }
 
 /// The first path in a folder that willis did not write; `None` if it wrote all, or there are none.
 pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
-    let Some(paths) = entries(folder) else { return Some(folder.to_owned()) };
+    let Some(paths) = super::in_progress::entries(folder) else { return Some(folder.to_owned()) };
     let is_written_by_willis = |mark| folder.join(mark).is_file() && read_json::<OwnRecord>(&folder.join(mark), "").is_ok();
     if let Some(mark) = [RECORD, FAILURE, COHORT].into_iter().find(|mark| folder.join(mark).exists()) {
         if !is_written_by_willis(mark) {
@@ -58,13 +49,11 @@ pub fn foreign_file(folder: &Path) -> Option<PathBuf> {
         return match mark {
             RECORD => paths.find(|path| !is_run_file(path)),
             FAILURE => paths.find(|path| !is_named(path, &[FAILURE])),
-            _ => paths.filter(|path| !is_in_progress(path)).find_map(of_cohort),
+            _ => paths.filter(|path| !super::in_progress::is_in_progress(path)).find_map(of_cohort),
         };
     }
-    paths.into_iter().find_map(|path| {
-        if path.is_dir() && path.join(RECORD).exists() {
-            return foreign_file(&path);
-        }
-        (!is_named(&path, &[AGREEMENT])).then_some(path)
-    })
+    let is_run = |path: &Path| path.is_dir() && path.join(RECORD).exists();
+    let of_sweep =
+        |path: PathBuf| if is_run(&path) { foreign_file(&path) } else { (!is_named(&path, &[AGREEMENT])).then_some(path) };
+    paths.into_iter().find_map(of_sweep)
 }

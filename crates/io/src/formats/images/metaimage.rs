@@ -4,14 +4,10 @@
 
 use std::path::{Path, PathBuf};
 
-use flate2::read::ZlibDecoder;
-
 use super::stored_image::StoredImage;
-use super::voxels::Voxels;
-use crate::formats::binary::NumberType;
+use super::voxels::{Voxels, number_type};
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
 use willis_core::error::{Fault, Result};
-use willis_core::network::Frame;
 
 /// The field that names the file of the voxels.
 const DATA: &str = "ElementDataFile";
@@ -54,7 +50,7 @@ pub(crate) fn open_metaimage<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Ve
         (file, other.as_slice())
     };
     if header.fields.is_true("CompressedData") {
-        return Ok(StoredImage { file, voxels, layers: None, stream: Box::new(ZlibDecoder::new(data)) });
+        return Ok(StoredImage { file, voxels, layers: None, stream: Box::new(flate2::read::ZlibDecoder::new(data)) });
     }
     // HeaderSize -1: the voxels are the last bytes of the file.
     let skipped = match header.fields.get("HeaderSize") {
@@ -98,24 +94,10 @@ impl MetaHeader {
         if self.fields.get("BinaryData").is_some() && !self.fields.is_true("BinaryData") {
             return Err(Fault::file("voxels as text", "expected BinaryData = True"));
         }
-        let (_, kind) = self.fields.needed("ElementType")?;
-        let (kind, size) = match kind {
-            "MET_UCHAR" => (NumberType::Unsigned, 1),
-            "MET_USHORT" => (NumberType::Unsigned, 2),
-            // What ITK writes for a long: four bytes, whatever the machine has.
-            "MET_UINT" | "MET_ULONG" => (NumberType::Unsigned, 4),
-            "MET_ULONG_LONG" => (NumberType::Unsigned, 8),
-            "MET_CHAR" => (NumberType::Signed, 1),
-            "MET_SHORT" => (NumberType::Signed, 2),
-            "MET_INT" | "MET_LONG" => (NumberType::Signed, 4),
-            "MET_LONG_LONG" => (NumberType::Signed, 8),
-            "MET_FLOAT" => (NumberType::Real, 4),
-            "MET_DOUBLE" => (NumberType::Real, 8),
-            _ => {
-                let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
-                return Err(self.fields.wrong("ElementType", accepted));
-            }
-        };
+        let (_, word) = self.fields.needed("ElementType")?;
+        let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
+        let (kind, size) = number_type(|row| row.3.split('|').any(|known| known == word))
+            .ok_or_else(|| self.fields.wrong("ElementType", accepted))?;
         self.fields.needed("DimSize")?;
         let shape: Vec<usize> = self.fields.numbers("DimSize", axes, "whole numbers", |_| true)?.unwrap_or_default();
         if shape.get(3).is_some_and(|volumes| *volumes != 1) {
@@ -140,6 +122,6 @@ impl MetaHeader {
             })
         });
         let big = self.fields.is_true("BinaryDataByteOrderMSB") || self.fields.is_true("ElementByteOrderMSB");
-        Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame: Frame::Ras, reversed: false })
+        Ok(Voxels { shape, kind, size, big, slope: [1.0, 0.0], affine, frame: willis_core::network::Frame::Ras, reversed: false })
     }
 }

@@ -4,7 +4,6 @@ pub(crate) mod metaimage;
 pub(crate) mod nifti;
 pub(crate) mod nrrd;
 pub(crate) mod numpy;
-mod pieces;
 pub(crate) mod stored_image;
 pub(crate) mod tiff;
 pub(crate) mod voxels;

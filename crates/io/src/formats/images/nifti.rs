@@ -5,17 +5,13 @@
 
 use std::io::{self, Read, Write, copy, sink};
 
-use flate2::Compression;
-use flate2::read::MultiGzDecoder;
-use flate2::write::GzEncoder;
+use flate2::{Compression, read::MultiGzDecoder, write::GzEncoder};
 
-use super::voxels::Voxels;
+use super::voxels::{OpenedVoxels, Voxels, number_type};
 use crate::formats::binary::{NumberType, signed, word};
 use crate::formats::input::is_gzip;
 use crate::masks::{Affine, Image, Mask, steps_of};
-use willis_core::error::Fault;
-use willis_core::network::Frame;
-use willis_core::support::geometry::norm;
+use willis_core::{error::Fault, network::Frame, support::geometry::norm};
 
 /// The length of the header of NIfTI-2, the longer one.
 pub(crate) const HEAD: usize = 540;
@@ -38,52 +34,32 @@ pub(crate) fn is_nifti(head: &[u8]) -> bool {
     version(head).is_some()
 }
 
-/// Where the fields of a header are, and how wide whole numbers and reals are.
+/// Where the fields of a header are.
 #[derive(Clone, Copy)]
 struct Layout {
-    is_pair: fn(&[u8]) -> bool,
-    /// Where numbers of this many bytes are.
-    dim: (usize, usize),
+    /// Whether numbers are as wide as in NIfTI-2.
+    wide: bool,
+    dim: usize,
     datatype: usize,
     pixdim: usize,
     /// The first byte of the voxels, followed by slope and intercept.
     offset: usize,
-    /// Bytes of a real number.
-    real: usize,
-    /// That of qform, followed by that of sform.
+    /// The code of qform, followed by that of sform.
     codes: usize,
-    /// Bytes of a code.
-    code: usize,
     /// The quaternion and the origin of qform, followed by the rows of sform.
     frames: usize,
-    units: (usize, usize),
+    units: usize,
 }
 
-const ONE: Layout = Layout {
-    is_pair: |head| head[344..347] == *b"ni1",
-    dim: (40, 2),
-    datatype: 70,
-    pixdim: 76,
-    offset: 108,
-    real: 4,
-    codes: 252,
-    code: 2,
-    frames: 256,
-    units: (123, 1),
-};
+const ONE: Layout = Layout { wide: false, dim: 40, datatype: 70, pixdim: 76, offset: 108, codes: 252, frames: 256, units: 123 };
+const TWO: Layout = Layout { wide: true, dim: 16, datatype: 12, pixdim: 104, offset: 168, codes: 344, frames: 352, units: 500 };
 
-const TWO: Layout = Layout {
-    is_pair: |head| head[4..7] == *b"ni2",
-    dim: (16, 8),
-    datatype: 12,
-    pixdim: 104,
-    offset: 168,
-    real: 8,
-    codes: 344,
-    code: 4,
-    frames: 352,
-    units: (500, 4),
-};
+impl Layout {
+    /// Bytes of a real number; a code has half of them.
+    fn real(self) -> usize {
+        if self.wide { 8 } else { 4 }
+    }
+}
 
 /// A header and how it is read.
 struct NiftiHeader<'a> {
@@ -93,7 +69,7 @@ struct NiftiHeader<'a> {
 }
 
 /// Reads the header, and hands over how the voxels are stored with their bytes, of which at most `most` are allowed.
-pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
+pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> OpenedVoxels<'_> {
     let mut stream: Box<dyn Read + '_> = if is_gzip(bytes) { Box::new(MultiGzDecoder::new(bytes)) } else { Box::new(bytes) };
     let mut head = Vec::new();
     let cut = |error: std::io::Error| Fault::file(format!("unreadable: {error}"), "expected a whole file");
@@ -102,7 +78,7 @@ pub(crate) fn open_nifti(bytes: &[u8], most: u64) -> Result<(Voxels, Box<dyn Rea
         stream.by_ref().take((HEAD - 348) as u64).read_to_end(&mut head).map_err(cut)?;
     }
     let (layout, big) = version(&head)
-        .filter(|(layout, _)| head.len() >= layout.frames + 18 * layout.real)
+        .filter(|(layout, _)| head.len() >= layout.frames + 18 * layout.real())
         .ok_or_else(|| Fault::file(format!("a header of {} bytes", head.len()), ACCEPTED))?;
     let header = NiftiHeader { head: &head, layout, big };
     let (voxels, offset) = header.voxels()?;
@@ -155,13 +131,13 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
     let mut put = |at: usize, bytes: &[u8]| head[at..at + bytes.len()].copy_from_slice(bytes);
     let real = |x: f64| (x as f32).to_le_bytes();
     put(0, &348_i32.to_le_bytes());
-    put(ONE.dim.0, &3_i16.to_le_bytes());
+    put(ONE.dim, &3_i16.to_le_bytes());
     for n in 0..7 {
         let length = shape.get(n).copied().unwrap_or(1);
         let length = i16::try_from(length).map_err(|_| {
             io::Error::new(io::ErrorKind::InvalidInput, format!("{length} voxels along an axis, more than 32767"))
         })?;
-        put(ONE.dim.0 + 2 * (n + 1), &length.to_le_bytes());
+        put(ONE.dim + 2 * (n + 1), &length.to_le_bytes());
     }
     put(ONE.datatype, &datatype.to_le_bytes());
     put(ONE.datatype + 2, &bits.to_le_bytes());
@@ -170,10 +146,10 @@ fn header_of(shape: [usize; 3], affine: &Affine, (datatype, bits): (i16, i16), s
         put(ONE.pixdim + 4 * (n + 1), &real(spacing));
     }
     put(ONE.offset, &real(352.0));
-    put(ONE.offset + ONE.real, &slope.to_le_bytes());
+    put(ONE.offset + ONE.real(), &slope.to_le_bytes());
     // Millimetres.
-    put(ONE.units.0, &[2]);
-    put(ONE.codes + ONE.code, &1_i16.to_le_bytes());
+    put(ONE.units, &[2]);
+    put(ONE.codes + ONE.real() / 2, &1_i16.to_le_bytes());
     for (n, x) in affine.iter().flatten().enumerate() {
         put(ONE.frames + 4 * (6 + n), &real(*x));
     }
@@ -195,22 +171,25 @@ impl NiftiHeader<'_> {
     }
 
     fn real(&self, first: usize, n: usize) -> f64 {
-        let at = first + n * self.layout.real;
-        NumberType::Real.value(&self.head[at..at + self.layout.real], self.big)
+        let bytes = self.layout.real();
+        NumberType::Real.value(&self.head[first + n * bytes..][..bytes], self.big)
     }
 
     /// The code of qform, or of sform.
     fn code(&self, form: usize) -> i64 {
-        self.whole(self.layout.codes + form * self.layout.code, self.layout.code)
+        let bytes = self.layout.real() / 2;
+        self.whole(self.layout.codes + form * bytes, bytes)
     }
 
     /// How the voxels are stored, and where they begin.
     fn voxels(&self) -> Result<(Voxels, u64), Fault> {
         let layout = &self.layout;
-        if (layout.is_pair)(self.head) {
+        let magic: &[u8] = if layout.wide { &self.head[4..7] } else { &self.head[344..347] };
+        if magic.starts_with(b"ni") {
             return Err(Fault::file("a header whose voxels are in another file", "expected both in one file (.nii, .nii.gz)"));
         }
-        let dim = |n: usize| self.whole(layout.dim.0 + n * layout.dim.1, layout.dim.1);
+        let bytes = if layout.wide { 8 } else { 2 };
+        let dim = |n: usize| self.whole(layout.dim + n * bytes, bytes);
         let shape: Vec<i64> = (1..=dim(0).clamp(0, 7) as usize).map(dim).collect();
         let more = shape.iter().skip(3).any(|n| *n > 1);
         let length = |n: usize| shape.get(n).and_then(|n| usize::try_from(*n).ok()).filter(|n| *n > 0);
@@ -220,22 +199,11 @@ impl NiftiHeader<'_> {
             return Err(Fault::file(found, "expected three dimensions; take one volume"));
         };
         let code = self.whole(layout.datatype, 2);
-        let (kind, size) = match code {
-            2 => (NumberType::Unsigned, 1),
-            512 => (NumberType::Unsigned, 2),
-            768 => (NumberType::Unsigned, 4),
-            1280 => (NumberType::Unsigned, 8),
-            256 => (NumberType::Signed, 1),
-            4 => (NumberType::Signed, 2),
-            8 => (NumberType::Signed, 4),
-            1024 => (NumberType::Signed, 8),
-            16 => (NumberType::Real, 4),
-            64 => (NumberType::Real, 8),
-            _ => return Err(Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel")),
-        };
+        let unknown = || Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel");
+        let (kind, size) = number_type(|row| row.2 == code).ok_or_else(unknown)?;
         let slope = [self.real(layout.offset, 1), self.real(layout.offset, 2)];
         let scaled = slope[0].is_finite() && slope[0] != 0.0;
-        let offset = if layout.real == 4 { self.real(layout.offset, 0) as i64 } else { self.whole(layout.offset, 8) };
+        let offset = if layout.wide { self.whole(layout.offset, 8) } else { self.real(layout.offset, 0) as i64 };
         let affine = self.affine([x, y, z])?;
         let slope = if scaled { [slope[0], if slope[1].is_finite() { slope[1] } else { 0.0 }] } else { [1.0, 0.0] };
         let states_sides = [0, 1].into_iter().any(|form| self.code(form) > 0);
@@ -247,7 +215,7 @@ impl NiftiHeader<'_> {
     /// The scanner's frame in mm from voxels.
     fn affine(&self, shape: [usize; 3]) -> Result<Affine, Fault> {
         let layout = &self.layout;
-        let unit = match self.whole(layout.units.0, layout.units.1) & 7 {
+        let unit = match self.whole(layout.units, if layout.wide { 4 } else { 1 }) & 7 {
             1 => 1e3,
             3 => 1e-3,
             _ => 1.0,

@@ -6,14 +6,9 @@ use std::collections::BTreeMap;
 use std::io::{self, Read, copy, sink};
 use std::path::{Path, PathBuf};
 
-use flate2::read::MultiGzDecoder;
-
-use super::pieces::{PIECE, Pieces};
-use super::stored_image::{Layers, MOST_SEGMENTS, StoredImage};
-use super::voxels::Voxels;
-use crate::formats::binary::NumberType;
+use super::stored_image::{Layers, MOST_SEGMENTS, PIECE, Pieces, StoredImage};
+use super::voxels::{Voxels, number_type};
 use crate::formats::header_fields::{HeaderFields, HeaderLines};
-use crate::masks::Affine;
 use willis_core::error::{Fault, Result};
 use willis_core::network::{Frame, LengthUnit};
 
@@ -28,18 +23,6 @@ struct NrrdHeader {
     fields: HeaderFields,
     keys: BTreeMap<String, String>,
     end: usize,
-}
-
-/// The axes of a file.
-struct Axes {
-    /// Which of them are those of space.
-    of_space: [usize; 3],
-    /// Their lengths.
-    shape: [usize; 3],
-    /// The length of the fourth, which holds layers; 1 without it.
-    layers: usize,
-    /// How many there are.
-    count: usize,
 }
 
 /// How the numbers are stored.
@@ -82,7 +65,7 @@ pub(crate) fn open_nrrd<'a>(path: &Path, bytes: &'a [u8], other: &'a mut Vec<u8>
     }
     let skipped = header.fields.whole("byte skip").map_err(here)?.unwrap_or(0);
     let stream: Box<dyn Read + 'a> = if encoding == Encoding::Gzip {
-        let mut stream = MultiGzDecoder::new(data);
+        let mut stream = flate2::read::MultiGzDecoder::new(data);
         let skip = copy(&mut stream.by_ref().take(u64::try_from(skipped).unwrap_or(0)), &mut sink());
         skip.map_err(|error| Fault::file(format!("unreadable: {error}"), "expected a whole file").in_file(&file))?;
         Box::new(stream)
@@ -162,14 +145,14 @@ impl NrrdHeader {
     fn voxels(&self, encoding: Encoding) -> Result<(Voxels, usize), Fault> {
         let (_, word) = self.fields.needed("type")?;
         let wrong = || self.fields.wrong("type", "expected uchar, short, float or another type of number");
-        let (kind, size) = number_type(word).ok_or_else(wrong)?;
-        let axes = self.axes()?;
-        let affine = self.affine(&axes)?;
-        let Axes { shape, layers, .. } = axes;
+        let word = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
+        let (kind, size) = number_type(|row| row.4.split('|').any(|known| known == word)).ok_or_else(wrong)?;
+        let (of_space, sizes, layers) = self.axes()?;
+        let (affine, shape) = (self.affine(of_space, sizes.len())?, of_space.map(|axis| sizes[axis]));
         let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };
         let as_stored = Voxels { shape, kind, size, big: false, slope: [1.0, 0.0], affine, frame, reversed: false };
         if encoding == Encoding::Text {
-            return Ok((Voxels { kind: NumberType::Real, size: 8, ..as_stored }, layers));
+            return Ok((Voxels { kind: crate::formats::binary::NumberType::Real, size: 8, ..as_stored }, layers));
         }
         let big = match self.fields.get("endian").map(|(_, word)| word.to_ascii_lowercase()).as_deref() {
             Some("little") => false,
@@ -180,8 +163,8 @@ impl NrrdHeader {
         Ok((Voxels { big, ..as_stored }, layers))
     }
 
-    /// The axes, three of which are those of space.
-    fn axes(&self) -> Result<Axes, Fault> {
+    /// Which axes are those of space, the lengths of all, and how many layers a fourth one holds.
+    fn axes(&self) -> Result<([usize; 3], Vec<usize>, usize), Fault> {
         self.fields.needed("sizes")?;
         self.fields.needed("dimension")?;
         let dimension = self.fields.whole("dimension")?.unwrap_or_default();
@@ -203,7 +186,7 @@ impl NrrdHeader {
         if layers == 0 || layers > MOST_SEGMENTS {
             return Err(self.fields.wrong("sizes", format!("expected from 1 to {MOST_SEGMENTS} layers")));
         }
-        Ok(Axes { of_space, shape: of_space.map(|axis| sizes[axis]), layers, count: sizes.len() })
+        Ok((of_space, sizes, layers))
     }
 
     /// The axis of four that is not one of space.
@@ -238,8 +221,7 @@ impl NrrdHeader {
     }
 
     /// The scanner's frame in mm from voxels.
-    fn affine(&self, axes: &Axes) -> Result<Affine, Fault> {
-        let (of_space, count) = (axes.of_space, axes.count);
+    fn affine(&self, of_space: [usize; 3], count: usize) -> Result<crate::masks::Affine, Fault> {
         let turn = self.turn()?.unwrap_or([1.0; 3]);
         let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
         if let Some(directions) = self.directions(count)? {
@@ -289,25 +271,6 @@ impl NrrdHeader {
         // The axis of layers has no unit.
         let word = words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???");
         word.and_then(LengthUnit::named).unwrap_or_default().mm()
-    }
-}
-
-/// The type of number and its bytes, in all spellings of the format.
-fn number_type(word: &str) -> Option<(NumberType, usize)> {
-    match word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase().as_str() {
-        "uchar" | "unsigned char" | "uint8" | "uint8_t" => Some((NumberType::Unsigned, 1)),
-        "ushort" | "unsigned short" | "unsigned short int" | "uint16" | "uint16_t" => Some((NumberType::Unsigned, 2)),
-        "uint" | "unsigned int" | "uint32" | "uint32_t" => Some((NumberType::Unsigned, 4)),
-        "ulonglong" | "unsigned long long" | "unsigned long long int" | "uint64" | "uint64_t" => Some((NumberType::Unsigned, 8)),
-        "char" | "signed char" | "int8" | "int8_t" => Some((NumberType::Signed, 1)),
-        "short" | "short int" | "signed short" | "signed short int" | "int16" | "int16_t" => Some((NumberType::Signed, 2)),
-        "int" | "signed int" | "int32" | "int32_t" => Some((NumberType::Signed, 4)),
-        "longlong" | "long long" | "long long int" | "signed long long" | "signed long long int" | "int64" | "int64_t" => {
-            Some((NumberType::Signed, 8))
-        }
-        "float" => Some((NumberType::Real, 4)),
-        "double" => Some((NumberType::Real, 8)),
-        _ => None,
     }
 }
 

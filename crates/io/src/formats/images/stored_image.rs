@@ -1,13 +1,9 @@
 //! The voxels of a file whose header has been read, as a mask or as an image; and those of a segmentation of 3D Slicer in several layers.
 
-use std::cell::Cell;
-use std::collections::BTreeMap;
-use std::io::Read;
-use std::path::PathBuf;
+use std::io::{self, Read};
+use std::{cell::Cell, collections::BTreeMap, path::PathBuf};
 
-use super::pieces::{PIECE, Pieces};
-use super::voxels::{Voxels, fill};
-use crate::formats::binary::NumberType;
+use super::voxels::Voxels;
 use crate::formats::tables::reader::{counted, plural};
 use crate::masks::{Image, Mask};
 use willis_core::error::{Fault, Result};
@@ -64,15 +60,40 @@ pub(crate) struct Layers {
 impl Layers {
     /// Reads a mask. Segments of 3D Slicer are classes, numbered from 1 in their order, with their names; where several layers overlap, the last
     /// segment has the voxel, as when Slicer exports a label map.
-    fn mask(self, voxels: Voxels, stream: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
+    fn mask(self, voxels: Voxels, mut stream: impl Read, level: Option<f64>, most: u64) -> Result<Mask, Fault> {
         let segments = self.segments()?;
         if segments.is_empty() || (self.count == 1 && level.is_some()) {
             self.one()?;
             return voxels.read(stream, level, most);
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
-        let classes = classes_of(stream, &segments, self.count, &voxels, [&unnamed, &shared]);
-        let as_bytes = Voxels { kind: NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
+        let bytes = voxels.size * self.count;
+        // The class of a voxel, from the stored values of all its layers; whether it has a value of no segment alone, and whether it is in several.
+        let class_of = |voxel: &[u8]| {
+            let values: Vec<f64> = voxel.chunks_exact(voxels.size).map(|stored| voxels.kind.value(stored, voxels.big)).collect();
+            let mut of = (1_u8..).zip(&segments).filter(|(_, segment)| values[segment.layer] == segment.value);
+            let (first, last) = (of.next(), of.last());
+            let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
+            (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
+        };
+        let mut block = Vec::with_capacity(PIECE * bytes);
+        // Most voxels are as the one before.
+        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
+        let classes = Pieces::new(|piece| {
+            block.clear();
+            stream.by_ref().take((PIECE * bytes) as u64).read_to_end(&mut block)?;
+            for voxel in block.chunks_exact(bytes) {
+                if last.0 != voxel {
+                    let (class, is_unnamed, is_shared) = class_of(voxel);
+                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
+                }
+                unnamed.set(unnamed.get() + usize::from(last.2));
+                shared.set(shared.get() + usize::from(last.3));
+                piece.push(last.1);
+            }
+            Ok(())
+        });
+        let as_bytes = Voxels { kind: crate::formats::binary::NumberType::Unsigned, size: 1, big: false, ..voxels.clone() };
         let mut mask = as_bytes.read(classes, level, most)?;
         mask.notes.extend(counted(unnamed.get(), "voxel", "with a value of no segment: left out"));
         mask.notes.extend(counted(shared.get(), "voxel", "in several segments: taken to the last of them"));
@@ -127,38 +148,32 @@ struct SlicerSegment {
     name: String,
 }
 
-/// The class of each voxel as a byte, from the stored values of all its layers, which follow one another, each as `voxels` says. Counted are
-/// the voxels with a value of no segment, and those in several segments.
-fn classes_of<'a>(
-    mut stored: impl Read + 'a,
-    segments: &'a [SlicerSegment],
-    layers: usize,
-    voxels: &'a Voxels,
-    [unnamed, shared]: [&'a Cell<usize>; 2],
-) -> impl Read + 'a {
-    let bytes = voxels.size * layers;
-    // The class of a voxel, whether it has a value of no segment alone, and whether it is in several.
-    let class_of = move |voxel: &[u8]| {
-        let values: Vec<f64> = voxel.chunks_exact(voxels.size).map(|stored| voxels.kind.value(stored, voxels.big)).collect();
-        let mut of = (1_u8..).zip(segments).filter(|(_, segment)| values[segment.layer] == segment.value);
-        let (first, last) = (of.next(), of.last());
-        let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
-        (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
-    };
-    let mut block = vec![0; PIECE * bytes];
-    // Most voxels are as the one before.
-    let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
-    Pieces::new(move |piece| {
-        let found = fill(&mut stored, &mut block)?;
-        for voxel in block[..found].chunks_exact(bytes) {
-            if last.0 != voxel {
-                let (class, is_unnamed, is_shared) = class_of(voxel);
-                last = (voxel.to_vec(), class, is_unnamed, is_shared);
-            }
-            unnamed.set(unnamed.get() + usize::from(last.2));
-            shared.set(shared.get() + usize::from(last.3));
-            piece.push(last.1);
+/// Voxels of a piece.
+pub(super) const PIECE: usize = 1 << 12;
+
+/// A stream of bytes that are made piece by piece, so that no more than one piece is in memory. `next` puts the following piece into an empty buffer, and nothing at the end.
+pub(super) struct Pieces<F> {
+    next: F,
+    piece: Vec<u8>,
+    read: usize,
+}
+
+impl<F: FnMut(&mut Vec<u8>) -> io::Result<()>> Pieces<F> {
+    pub(super) fn new(next: F) -> Self {
+        Self { next, piece: Vec::new(), read: 0 }
+    }
+}
+
+impl<F: FnMut(&mut Vec<u8>) -> io::Result<()>> Read for Pieces<F> {
+    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
+        if self.read == self.piece.len() {
+            self.piece.clear();
+            self.read = 0;
+            (self.next)(&mut self.piece)?;
         }
-        Ok(())
-    })
+        let count = out.len().min(self.piece.len() - self.read);
+        out[..count].copy_from_slice(&self.piece[self.read..self.read + count]);
+        self.read += count;
+        Ok(count)
+    }
 }

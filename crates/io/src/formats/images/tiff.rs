@@ -6,15 +6,11 @@
 use std::collections::HashMap;
 use std::io::{self, Cursor, Read};
 
-use tiff::ColorType;
-use tiff::decoder::ifd::Value;
-use tiff::decoder::{Decoder, DecodingResult, Limits};
-use tiff::tags::Tag;
+use tiff::decoder::{Decoder, DecodingResult, Limits, ifd::Value};
+use tiff::{ColorType, tags::Tag};
 
-use super::pieces::Pieces;
-use super::voxels::Voxels;
+use super::{stored_image::Pieces, voxels::Voxels};
 use crate::formats::binary::NumberType;
-use crate::formats::xml::{Events, XmlStep};
 use willis_core::error::Fault;
 use willis_core::network::{Frame, LengthUnit};
 
@@ -42,7 +38,7 @@ fn broken(error: &tiff::TiffError) -> Fault {
 
 /// Reads the headers of all pages, and hands over how the voxels are stored with their bytes. `spacing` (mm) stands for what the file states;
 /// voxel 0,0,0 is at the origin, and nobody states which way the axes point. At most `most` bytes are read.
-pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> Result<(Voxels, Box<dyn Read + '_>), Fault> {
+pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> super::voxels::OpenedVoxels<'_> {
     let limits = || {
         let mut limits = Limits::default();
         limits.decoding_buffer_size = usize::try_from(most.min(MOST_PAGE)).unwrap_or(usize::MAX);
@@ -54,7 +50,13 @@ pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> R
     let opened = || Decoder::new(Cursor::new(bytes)).map(|pages| pages.with_limits(limits())).map_err(|error| broken(&error));
     let mut pages = opened()?;
     let description = description(&mut pages);
-    let stated = Stated::of(&mut pages, &description)?;
+    let (stated, slices) = if description.starts_with("ImageJ=") {
+        of_imagej(&mut pages, &description)?
+    } else if description.trim_start().starts_with('<') && description.contains("Pixels") {
+        of_ome(&description)?
+    } else {
+        Stated::default()
+    };
     let ([x, y], (kind, size)) = page(&mut pages)?;
     let mut count = 1;
     while pages.more_images() {
@@ -66,11 +68,11 @@ pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> R
         }
         count += 1;
     }
-    if stated.slices.is_some_and(|slices| slices != count) {
-        let found = format!("{count} of {} pages", stated.slices.unwrap_or_default());
+    if let Some(slices) = slices.filter(|slices| *slices != count) {
+        let found = format!("{count} of {slices} pages");
         return Err(Fault::file(found, "expected every slice as a page of the same file; export it as NIfTI or NRRD"));
     }
-    let spacing = match (spacing, stated.spacing) {
+    let spacing = match (spacing, stated.map(|length| length.filter(|length| length.is_finite() && *length > 0.0))) {
         (Some(given), _) => given,
         (None, [Some(x), Some(y), Some(z)]) => [x, y, z],
         (None, [Some(x), Some(y), None]) if count == 1 => [x, y, x],
@@ -147,64 +149,43 @@ fn description(pages: &mut Pages) -> String {
     }
 }
 
-/// What a file states of its voxels.
-#[derive(Default)]
-struct Stated {
-    /// Millimetres along each axis.
-    spacing: [Option<f64>; 3],
-    slices: Option<usize>,
+/// What a file states of its voxels: millimetres along each axis, and how many slices.
+type Stated = ([Option<f64>; 3], Option<usize>);
+
+/// Lines such as `spacing=0.5`; the tags hold pixels per unit.
+fn of_imagej(pages: &mut Pages, description: &str) -> Result<Stated, Fault> {
+    let lines = description.lines().filter_map(|line| line.trim().split_once('='));
+    let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
+    ["channels", "frames"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{several} {name}")))?;
+    let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
+    let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
+        Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
+        _ => None,
+    };
+    let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));
+    let z = fields.get("spacing").and_then(|text| text.parse::<f64>().ok());
+    // ImageJ states no unit, or pixels, for what is not calibrated.
+    let spacing = [x, y, z].map(|length| Some(length? * unit?));
+    Ok((spacing, count(&fields, "images")))
 }
 
-impl Stated {
-    fn of(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
-        if description.starts_with("ImageJ=") {
-            return Self::of_imagej(pages, description);
+/// The attributes of the first element Pixels.
+fn of_ome(description: &str) -> Result<Stated, Fault> {
+    let mut events = crate::formats::xml::Events::new(description.as_bytes());
+    // What comes after that element may be cut off.
+    while let Some(step) = events.next()? {
+        if !matches!(step, crate::formats::xml::XmlStep::Start) || events.tag.name() != "Pixels" {
+            continue;
         }
-        if description.trim_start().starts_with('<') && description.contains("Pixels") {
-            return Self::of_ome(description);
-        }
-        Ok(Self::default())
+        let fields: HashMap<String, String> = events.tag.attributes()?.into_iter().collect();
+        ["SizeC", "SizeT"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{name} {several}")))?;
+        let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
+            let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
+            Some(fields.get(name)?.parse::<f64>().ok()? * unit?)
+        });
+        return Ok((spacing, count(&fields, "SizeZ")));
     }
-
-    /// Lines such as `spacing=0.5`; the tags hold pixels per unit.
-    fn of_imagej(pages: &mut Pages, description: &str) -> Result<Self, Fault> {
-        let lines = description.lines().filter_map(|line| line.trim().split_once('='));
-        let fields: HashMap<String, String> = lines.map(|(name, text)| (name.to_owned(), text.to_owned())).collect();
-        ["channels", "frames"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{several} {name}")))?;
-        let unit = fields.get("unit").and_then(|unit| millimetres_of(unit));
-        let resolution = |pages: &mut Pages, tag: Tag| match pages.find_tag(tag) {
-            Ok(Some(Value::Rational(pixels, of))) if pixels > 0 => Some(f64::from(of) / f64::from(pixels)),
-            _ => None,
-        };
-        let [x, y] = [Tag::XResolution, Tag::YResolution].map(|tag| resolution(pages, tag));
-        let z = fields.get("spacing").and_then(|text| text.parse::<f64>().ok());
-        // ImageJ states no unit, or pixels, for what is not calibrated.
-        let spacing = [x, y, z].map(|length| Some(length? * unit?));
-        Ok(Self::new(spacing, count(&fields, "images")))
-    }
-
-    fn new(spacing: [Option<f64>; 3], slices: Option<usize>) -> Self {
-        Self { spacing: spacing.map(|length| length.filter(|length| length.is_finite() && *length > 0.0)), slices }
-    }
-
-    /// The attributes of the first element Pixels.
-    fn of_ome(description: &str) -> Result<Self, Fault> {
-        let mut events = Events::new(description.as_bytes());
-        // What comes after that element may be cut off.
-        while let Some(step) = events.next()? {
-            if !matches!(step, XmlStep::Start) || events.tag.name() != "Pixels" {
-                continue;
-            }
-            let fields: HashMap<String, String> = events.tag.attributes()?.into_iter().collect();
-            ["SizeC", "SizeT"].iter().try_for_each(|name| one_of(&fields, name, |several| format!("{name} {several}")))?;
-            let spacing = ["PhysicalSizeX", "PhysicalSizeY", "PhysicalSizeZ"].map(|name| {
-                let unit = fields.get(&format!("{name}Unit")).map_or(Some(1e-3), |unit| millimetres_of(unit));
-                Some(fields.get(name)?.parse::<f64>().ok()? * unit?)
-            });
-            return Ok(Self::new(spacing, count(&fields, "SizeZ")));
-        }
-        Ok(Self::default())
-    }
+    Ok(Stated::default())
 }
 
 fn count(fields: &HashMap<String, String>, name: &str) -> Option<usize> {

@@ -1,12 +1,11 @@
 //! The voxels of an image, read as a stream: as the classes of a mask, or as numbers.
 
-use std::io::{ErrorKind, Read};
+use std::io::Read;
 
-use crate::formats::binary::NumberType;
-use crate::masks::{Affine, Image, Mask, WallFinder, steps_of};
-use willis_core::error::Fault;
-use willis_core::network::Frame;
+use crate::formats::binary::NumberType::{self, Real, Signed, Unsigned};
+use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of};
 use willis_core::support::geometry::{cross, dot, norm};
+use willis_core::{error::Fault, network::Frame};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
@@ -19,6 +18,28 @@ const ACCEPTED: &str = "give `level`, the least value inside a vessel; a mask ha
 const BLOCK: usize = 1 << 14;
 /// Values by which an image in memory grows.
 const GROWTH: usize = 1 << 24;
+
+/// A type of number: how it is stored, its bytes, its code in NIfTI, and its words in MetaImage and in NRRD, with `|` between them.
+type TypeRow = (NumberType, usize, i64, &'static str, &'static str);
+
+const TYPES: [TypeRow; 10] = [
+    (Unsigned, 1, 2, "MET_UCHAR", "uchar|unsigned char|uint8|uint8_t"),
+    (Unsigned, 2, 512, "MET_USHORT", "ushort|unsigned short|unsigned short int|uint16|uint16_t"),
+    // What ITK writes for a long: four bytes, whatever the machine has.
+    (Unsigned, 4, 768, "MET_UINT|MET_ULONG", "uint|unsigned int|uint32|uint32_t"),
+    (Unsigned, 8, 1280, "MET_ULONG_LONG", "ulonglong|unsigned long long|unsigned long long int|uint64|uint64_t"),
+    (Signed, 1, 256, "MET_CHAR", "char|signed char|int8|int8_t"),
+    (Signed, 2, 4, "MET_SHORT", "short|short int|signed short|signed short int|int16|int16_t"),
+    (Signed, 4, 8, "MET_INT|MET_LONG", "int|signed int|int32|int32_t"),
+    (Signed, 8, 1024, "MET_LONG_LONG", "longlong|long long|long long int|signed long long|signed long long int|int64|int64_t"),
+    (Real, 4, 16, "MET_FLOAT", "float"),
+    (Real, 8, 64, "MET_DOUBLE", "double"),
+];
+
+/// The type of the row that `is_so` admits, and its bytes.
+pub(super) fn number_type(is_so: impl Fn(&TypeRow) -> bool) -> Option<(NumberType, usize)> {
+    TYPES.iter().find(|row| is_so(row)).map(|(kind, size, ..)| (*kind, *size))
+}
 
 /// How an image stores its voxels, and where they are.
 #[derive(Debug, Clone)]
@@ -39,6 +60,10 @@ pub(crate) struct Voxels {
     pub reversed: bool,
 }
 
+/// The voxels of a file whose header has been read, and their bytes.
+pub(crate) type OpenedVoxels<'a> = Result<(Voxels, Box<dyn Read + 'a>), Fault>;
+type Taken = Result<(), Fault>;
+
 impl Voxels {
     /// How many bytes they take; a fault where that is more than `most`, or nothing.
     pub fn bytes(&self, most: u64) -> Result<u64, Fault> {
@@ -57,32 +82,37 @@ impl Voxels {
         self.check_frame()?;
         let count = (self.bytes(most)? / self.size as u64) as usize;
         let mut values: Vec<f32> = Vec::new();
-        let mut block = vec![0; BLOCK * self.size];
         let value = |stored: &[u8]| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
         // The values that one byte can store.
         let of_byte: Option<Vec<f32>> = (self.size == 1).then(|| (0..=u8::MAX).map(|byte| value(&[byte])).collect());
-        while values.len() < count {
-            let wanted = (count - values.len()).min(BLOCK) * self.size;
-            self.fill_block(&mut bytes, &mut block[..wanted], values.len(), count)?;
+        self.in_blocks(&mut bytes, count, |block| {
             // Memory grows with what was read, not with what a header claims, and never to twice of it.
             if values.capacity() < values.len() + BLOCK {
                 values.reserve_exact((count - values.len()).min(GROWTH));
             }
             match &of_byte {
-                Some(of_byte) => values.extend(block[..wanted].iter().map(|byte| of_byte[usize::from(*byte)])),
-                None => values.extend(block[..wanted].chunks_exact(self.size).map(value)),
+                Some(of_byte) => values.extend(block.iter().map(|byte| of_byte[usize::from(*byte)])),
+                None => values.extend(block.chunks_exact(self.size).map(value)),
             }
-        }
+            Ok(())
+        })?;
         Ok(Image { shape: self.shape, values, affine: self.affine })
     }
 
-    /// Fills a block of stored values, `done` of `count` being read.
-    fn fill_block(&self, bytes: &mut impl Read, block: &mut [u8], done: usize, count: usize) -> Result<(), Fault> {
-        let found = fill(bytes, block)
-            .map_err(|error| Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file"))?;
-        if found < block.len() {
-            let found = format!("{} of {count} voxels", done + found / self.size);
-            return Err(Fault::file(found, "expected all of them; is the file cut off?"));
+    /// Hands over the stored values block by block.
+    fn in_blocks(&self, bytes: &mut impl Read, count: usize, mut take: impl FnMut(&[u8]) -> Taken) -> Taken {
+        let mut block = Vec::with_capacity(BLOCK * self.size);
+        for done in (0..count).step_by(BLOCK) {
+            block.clear();
+            let wanted = (count - done).min(BLOCK) * self.size;
+            let found = bytes.by_ref().take(wanted as u64).read_to_end(&mut block);
+            let found = found
+                .map_err(|error| Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file"))?;
+            if found < wanted {
+                let found = format!("{} of {count} voxels", done + found / self.size);
+                return Err(Fault::file(found, "expected all of them; is the file cut off?"));
+            }
+            take(&block)?;
         }
         Ok(())
     }
@@ -92,7 +122,6 @@ impl Voxels {
         self.check_frame()?;
         let count = (self.bytes(most)? / self.size as u64) as usize;
         let mut classes: Vec<u8> = Vec::new();
-        let mut block = vec![0; BLOCK * self.size];
         let mut values = Classes::new(&self);
         let mut seen = [false; 256];
         // The bytes before and their class: most voxels are as the one before.
@@ -100,10 +129,8 @@ impl Voxels {
         let mut walls = level.and_then(|_| WallFinder::new(self.shape));
         // Whether the values could be classes, and which then.
         let (mut are_classes, mut known) = (true, [false; 256]);
-        while classes.len() < count {
-            let wanted = (count - classes.len()).min(BLOCK) * self.size;
-            self.fill_block(&mut bytes, &mut block[..wanted], classes.len(), count)?;
-            for stored in block[..wanted].chunks_exact(self.size) {
+        self.in_blocks(&mut bytes, count, |block| {
+            for stored in block.chunks_exact(self.size) {
                 if walls.is_none() && last.0 == stored {
                     classes.push(last.1);
                     continue;
@@ -131,7 +158,8 @@ impl Voxels {
             if let Some(walls) = &mut walls {
                 walls.advance(&classes);
             }
-        }
+            Ok(())
+        })?;
         let count = |seen: &[bool]| seen[1..].iter().filter(|is| **is).count();
         let several = count(&seen);
         if several > MOST_CLASSES {
@@ -150,8 +178,7 @@ impl Voxels {
 
     /// The place of a voxel, as the file counts its axes.
     fn place(&self, row: usize) -> String {
-        let [x, y, _] = self.shape;
-        let [a, b, c] = [row % x, row / x % y, row / (x * y)];
+        let [a, b, c] = indices_of(self.shape, row);
         if self.reversed { format!("voxel {c},{b},{a}") } else { format!("voxel {a},{b},{c}") }
     }
 
@@ -187,22 +214,17 @@ struct Classes {
     odd: Vec<Odd>,
 }
 
-/// A value that is no whole number, and the first voxel that has it.
+/// A value that is no whole number, the first voxel that has it, and the class that it is taken as.
 #[derive(Debug, Clone, Copy)]
 struct Odd {
     value: f64,
     row: usize,
-}
-
-impl Odd {
-    fn class(self) -> u8 {
-        self.value.round() as u8
-    }
+    class: u8,
 }
 
 impl Classes {
     fn new(voxels: &Voxels) -> Self {
-        let is_scaled = voxels.kind != NumberType::Real && voxels.slope[0] != 1.0;
+        let is_scaled = voxels.kind != Real && voxels.slope[0] != 1.0;
         let step = if is_scaled { voxels.slope[0].abs() / 2.0 } else { 0.0 };
         Self { tolerance: step.clamp(LEAST_TOLERANCE, FAR_FROM_WHOLE), whole: [false; 256], odd: Vec::new() }
     }
@@ -219,7 +241,7 @@ impl Classes {
             self.whole[usize::from(class)] = true;
             return Ok(class);
         }
-        let odd = Odd { value, row };
+        let odd = Odd { value, row, class: value.round() as u8 };
         if !(0.0..=255.0).contains(&value.round()) || (value - value.round()).abs() >= FAR_FROM_WHOLE {
             return Err(odd);
         }
@@ -229,31 +251,17 @@ impl Classes {
             }
             self.odd.push(odd);
         }
-        Ok(odd.class())
+        Ok(odd.class)
     }
 
     /// What a person should know about the values; an odd one that shares its class with another.
     fn finish(mut self) -> Result<Option<String>, Odd> {
         for odd in &self.odd {
-            if std::mem::replace(&mut self.whole[usize::from(odd.class())], true) {
+            if std::mem::replace(&mut self.whole[usize::from(odd.class)], true) {
                 return Err(*odd);
             }
         }
-        let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class());
-        Ok(self.odd.iter().max_by_key(|odd| odd.class()).map(said))
+        let said = |odd: &Odd| format!("classes are rounded: {} is taken as {}", odd.value, odd.class);
+        Ok(self.odd.iter().max_by_key(|odd| odd.class).map(said))
     }
-}
-
-/// Fills as much of `out` as there are bytes.
-pub(super) fn fill(bytes: &mut impl Read, out: &mut [u8]) -> std::io::Result<usize> {
-    let mut filled = 0;
-    while filled < out.len() {
-        match bytes.read(&mut out[filled..]) {
-            Ok(0) => break,
-            Ok(count) => filled += count,
-            Err(error) if error.kind() == ErrorKind::Interrupted => {}
-            Err(error) => return Err(error),
-        }
-    }
-    Ok(filled)
 }

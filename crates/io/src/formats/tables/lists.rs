@@ -1,13 +1,15 @@
-//! Small tables that a person writes beside an input: correct connections, links that close loops.
+//! Small tables that a person writes beside an input on its connections: correct ones, links that close loops, priors A (a matrix over pairs of nodes, or a
+//! table of vessels), and what was decided on each as the page of a run writes it, a list that the next run takes as certain.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use crate::formats::tables::graph::END_POSITION_COLUMNS;
-use crate::formats::tables::reader::{TableReader, uncommented};
-use willis_core::error::Fault;
-use willis_core::network::{Centerlines, metres};
-use willis_core::support::geometry::Point;
+use serde::{Deserialize, Serialize};
+
+use super::reader::{Row, TableReader, columns, uncommented};
+use crate::formats::numpy::array::read_npy_matrix;
+use willis_core::network::{Edit, Network};
+use willis_core::{error::Fault, support::geometry::Point};
 
 /// A candidate that a person lists as correct.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,29 +29,25 @@ pub struct KnownConnection {
 /// A missing column, a value that is wrong, a table without a correct candidate.
 pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let mut rows = TableReader::open(bytes)?;
-    let [a, b] = END_POSITION_COLUMNS;
+    let [a, b] = crate::formats::END_POSITION_COLUMNS;
     let of_end = |[x, y, z]: [&str; 3]| rows.columns([&[x], &[y], &[z]], "the ends of every correct candidate");
     let columns = [of_end(a)?, of_end(b)?];
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
+    // The column, its name, the word of the rows that count, and those of the others.
+    let words = [
+        (kept, "kept", "1", &["0"][..], "expected 1 or 0"),
+        (origin, "origin", "candidate", &["observed", "contact"], "expected observed, candidate or contact"),
+    ];
     let mut out = Vec::new();
-    while let Some(row) = rows.row()? {
-        if let Some(kept) = kept {
-            match row.text(kept) {
-                "1" => {}
-                "0" => continue,
-                other => return Err(Fault::line(row.line, format!("kept \"{other}\""), "expected 1 or 0")),
+    'rows: while let Some(row) = rows.row()? {
+        for (column, name, counted, others, accepted) in words {
+            match column.map_or(counted, |column| row.text(column)) {
+                text if text == counted => {}
+                text if others.contains(&text) => continue 'rows,
+                other => return Err(Fault::line(row.line, format!("{name} \"{other}\""), accepted)),
             }
         }
-        if let Some(origin) = origin {
-            match row.text(origin) {
-                "candidate" => {}
-                "observed" | "contact" => continue,
-                other => {
-                    return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed, candidate or contact"));
-                }
-            }
-        }
-        let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(metres));
+        let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(willis_core::network::metres));
         out.push(KnownConnection { line: row.line, ends });
     }
     if out.is_empty() {
@@ -67,8 +65,8 @@ const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 /// # Errors
 ///
 /// A row that is not a pair of ids of different points.
-pub fn add_loops(bytes: &[u8], lines: &mut Centerlines) -> Result<usize, Fault> {
-    let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
+pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) -> Result<usize, Fault> {
+    let row_of: std::collections::HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
     let mut link = |line: usize, pair: [&str; 2]| {
         let row = |word: &str| {
             let word = word.split('#').next().unwrap_or_default().trim_end();
@@ -111,4 +109,194 @@ pub fn write_loops(mut out: impl Write, loops: &[[u64; 2]]) -> io::Result<()> {
     writeln!(out, "id_a,id_b")?;
     loops.iter().try_for_each(|[a, b]| writeln!(out, "{a},{b}"))?;
     out.flush()
+}
+
+/// Gives every vessel the prior that a symmetric N x N matrix of numbers from 0 to 1 has for its two nodes, in the order of
+/// nodes.csv.
+///
+/// # Errors
+///
+/// Another shape, an entry out of its range, or two that contradict each other.
+pub fn read_prior_npy(bytes: &[u8], network: &mut Network) -> Result<(), Fault> {
+    let matrix = read_npy_matrix(bytes, network.node_count())?;
+    for vessel in 0..network.vessel_count() {
+        let [a, b] = network.ends(vessel);
+        let (prior, other) = (matrix[[a, b]], matrix[[b, a]]);
+        if !(0.0..=1.0).contains(&prior) {
+            return Err(Fault::item(format!("A[{a}, {b}]"), prior.to_string(), "expected a number from 0 to 1"));
+        }
+        if prior != other {
+            let found = format!("{prior}, and A[{b}, {a}] {other}");
+            return Err(Fault::item(format!("A[{a}, {b}]"), found, "expected a symmetric matrix"));
+        }
+        network.vessel_mut(vessel).prior = prior;
+    }
+    Ok(())
+}
+
+/// Gives vessels the priors of a table with a column `prior` (0 to 1) and either `edge`, the row in edges.csv, or `node_a` and
+/// `node_b`, rows in nodes.csv; edges.csv itself is such a table. Vessels that the table does not name, or with an empty prior,
+/// keep theirs.
+///
+/// # Errors
+///
+/// A table without these columns, a vessel that is not there, a number out of its range.
+pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> {
+    let mut rows = TableReader::open(bytes)?;
+    let prior = rows.column(&["prior"], "the prior of a vessel")?;
+    let (edge, ends) = (rows.find(&["edge"]), [rows.find(&["node_a"]), rows.find(&["node_b"])]);
+    if edge.is_none() && ends.contains(&None) {
+        let accepted = "expected a column edge, or columns node_a,node_b";
+        return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
+    }
+    let mut between = std::collections::HashMap::<[usize; 2], Vec<usize>>::new();
+    for vessel in 0..network.vessel_count() {
+        let [a, b] = network.ends(vessel);
+        between.entry([a.min(b), a.max(b)]).or_default().push(vessel);
+    }
+    while let Some(row) = rows.row()? {
+        let value = row.real(prior)?;
+        if value.is_nan() {
+            continue;
+        }
+        if !(0.0..=1.0).contains(&value) {
+            return Err(Fault::line(row.line, format!("prior {value}"), "expected a number from 0 to 1"));
+        }
+        let named = match (edge, ends) {
+            (Some(edge), _) => vec![below(&row, edge, network.vessel_count())?],
+            (None, [Some(a), Some(b)]) => {
+                let [a, b] = [below(&row, a, network.node_count())?, below(&row, b, network.node_count())?];
+                let apart = || Fault::line(row.line, format!("{a} - {b}"), "expected two nodes that a vessel joins");
+                between.get(&[a.min(b), a.max(b)]).cloned().ok_or_else(apart)?
+            }
+            _ => Vec::new(),
+        };
+        for vessel in named {
+            network.vessel_mut(vessel).prior = value;
+        }
+    }
+    Ok(())
+}
+
+/// A whole number below a count.
+fn below(row: &Row<'_>, column: usize, count: usize) -> Result<usize, Fault> {
+    let text = row.text(column);
+    text.parse::<usize>().ok().filter(|n| *n < count).ok_or_else(|| {
+        Fault::line(row.line, format!("{} \"{text}\"", row.header[column]), format!("expected a row below {count}"))
+    })
+}
+
+/// A decision on one connection.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize, Deserialize)]
+pub struct ConnectionDecision {
+    /// The row of the vessel in edges.csv.
+    pub edge: usize,
+    /// Whether the connection is there; none where the reader was unsure, which changes nothing.
+    pub accepted: Option<bool>,
+    /// Who decided; may be empty.
+    #[serde(default)]
+    pub who: String,
+    /// When; may be empty.
+    #[serde(default)]
+    pub when: String,
+    /// What was said of it; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub comment: String,
+}
+
+/// A decision in a list.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ListedDecision {
+    /// What was decided.
+    pub made: ConnectionDecision,
+    /// Its line, counted from 1.
+    pub line: usize,
+    /// The ids of its two nodes.
+    pub ids: [String; 2],
+    /// The SHA-256 of the input of the run that was looked at; empty where the list does not say.
+    pub input: String,
+    /// The places of its two nodes, mm, where the list says them.
+    pub places: Option<[[f64; 3]; 2]>,
+}
+
+/// An edit of the graph by a person.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GraphEdit {
+    /// What is changed.
+    pub edit: Edit,
+    /// Who decided; may be empty.
+    #[serde(default)]
+    pub who: String,
+    /// When; may be empty.
+    #[serde(default)]
+    pub when: String,
+    /// What was said of it; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub comment: String,
+    /// The line of the list that it is on, from 1; 0 where it is from a program.
+    #[serde(skip)]
+    pub line: usize,
+}
+
+/// What a list has.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ListedDecisions {
+    /// The decisions on connections.
+    pub connections: Vec<ListedDecision>,
+    /// The edits, in their order.
+    pub edits: Vec<GraphEdit>,
+}
+
+/// Reads the columns `edge,id_a,id_b,decision` (`accept`, `reject` or `unsure`; or an edit: `join`, `part` or `delete`, with its `places`
+/// and without an edge), and where they are there `places`, `who`, `when`, `comment` and `input_sha256`. `places` of a connection are those
+/// of its two nodes, `x y z + x y z` in mm.
+///
+/// # Errors
+///
+/// A missing column, an `edge` that is no row, a decision that is none of the words, places that are none, a connection that comes twice.
+pub fn read_decisions(bytes: &[u8]) -> Result<ListedDecisions, Fault> {
+    const WHAT: &str = "edge,id_a,id_b,decision";
+    let mut rows = TableReader::open(bytes)?;
+    let [of_edge, a, b, decision] = rows.columns([&["edge"], &["id_a"], &["id_b"], &["decision"]], WHAT)?;
+    let [who, when, comment, input, stated] = ["who", "when", "comment", "input_sha256", "places"].map(|name| rows.find(&[name]));
+    let mut all = ListedDecisions::default();
+    let mut lines: HashMap<usize, usize> = HashMap::new();
+    while let Some(row) = rows.row()? {
+        let text = |column: Option<usize>| column.map_or_else(String::new, |column| row.text(column).to_owned());
+        let (word, line, who, when, comment) = (row.text(decision), row.line, text(who), text(when), text(comment));
+        let placed = text(stated);
+        if Edit::WORDS.contains(&word) {
+            let edit =
+                Edit::parse(word, &placed).map_err(|expected| Fault::line(line, format!("{word} \"{placed}\""), expected))?;
+            all.edits.push(GraphEdit { edit, who, when, comment, line });
+            continue;
+        }
+        let edge = row.text(of_edge).parse().map_err(|_| {
+            let found = format!("edge \"{}\"", row.text(of_edge));
+            Fault::line(line, found, "expected the row of a vessel in edges.csv, from 0")
+        })?;
+        let accepted = match word {
+            "accept" => Some(true),
+            "reject" => Some(false),
+            "unsure" => None,
+            other => {
+                let found = format!("decision \"{other}\"");
+                return Err(Fault::line(line, found, "expected accept, reject, unsure, join, part or delete"));
+            }
+        };
+        if let Some(first) = lines.insert(edge, line) {
+            let found = format!("edge {edge} comes again, after line {first}");
+            return Err(Fault::line(line, found, "expected one decision an edge"));
+        }
+        let places =
+            if let Ok(Edit::Join(way)) = Edit::parse("join", &placed) { <[[f64; 3]; 2]>::try_from(way).ok() } else { None };
+        if places.is_none() && !placed.is_empty() {
+            let expected = "expected those of its two nodes, as in 1 2 3 + 4 5 6";
+            return Err(Fault::line(line, format!("places \"{placed}\""), expected));
+        }
+        let (ids, input) = ([a, b].map(|column| row.text(column).to_owned()), text(input));
+        let made = ConnectionDecision { edge, accepted, who, when, comment };
+        all.connections.push(ListedDecision { made, line, ids, input, places });
+    }
+    Ok(all)
 }

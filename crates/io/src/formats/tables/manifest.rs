@@ -1,11 +1,9 @@
 //! The tables of a study: its manifest, with a row for each subject, its input and the options that are its own, and the participants of BIDS.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use super::reader::{TableReader, is_missing};
-use willis_core::error::Fault;
-use willis_core::support::suggestions::did_you_mean;
+use willis_core::{error::Fault, support::suggestions::did_you_mean};
 
 /// The options that a subject may have of its own, by the names of the command line, with `_` for `-`.
 const OPTIONS: &str = "units spacing radius_array radius default_radius loops level radius_from cavities box landmarks labels bc inlet outlet \
@@ -64,7 +62,7 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     }
     let placed = |text: &str| if text.starts_with('{') { PathBuf::from(text) } else { folder.join(text) };
     let value = |text: &str| Some(text.trim().to_owned()).filter(|text| !is_missing(text));
-    let (mut found, mut lines) = (Vec::new(), HashMap::new());
+    let (mut found, mut lines) = (Vec::new(), std::collections::HashMap::new());
     while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;

@@ -3,11 +3,9 @@
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use super::graph::{checksum_of_pair, stated_checksum};
 use crate::formats::input::{HEAD, content_beside, unpacked_head, unpacked_name, without_mark};
-use crate::formats::options::ReadOptions;
-use crate::formats::regular::{is_there, open_regular};
-use crate::formats::tables::graph::{checksum_of_pair, read_csv_edges, read_csv_nodes, stated_checksum};
-use crate::formats::tables::reader::TableReader;
+use crate::formats::{ReadOptions, is_there, open_regular, read_csv_edges, read_csv_nodes, tables::reader::TableReader};
 use willis_core::error::{Fault, Result};
 use willis_core::network::{Network, Scale};
 

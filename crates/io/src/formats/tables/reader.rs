@@ -1,12 +1,7 @@
 //! Reads tables of text row by row, whichever delimiter, line end and number format their program chose.
 
-use std::collections::HashSet;
-
-use crate::formats::input::{refuse_utf16, without_mark};
-use crate::formats::tables::write::unescape_formula;
-use willis_core::error::Fault;
-use willis_core::network::Scale;
-use willis_core::support::geometry::Point;
+use super::write::unescape_formula;
+use willis_core::{error::Fault, network::Scale, support::geometry::Point};
 
 /// Whether a text states that there is no value: it is empty, NaN, or what R, pandas and BIDS write.
 ///
@@ -76,8 +71,8 @@ impl<'a> TableReader<'a> {
     }
 
     fn with(bytes: &'a [u8], ragged: bool) -> Result<Self, Fault> {
-        refuse_utf16(bytes)?;
-        let (mut rest, mut line) = (without_mark(bytes), 1);
+        crate::formats::input::refuse_utf16(bytes)?;
+        let (mut rest, mut line) = (crate::formats::input::without_mark(bytes), 1);
         let first = loop {
             let end = rest.iter().position(|b| *b == b'\n').unwrap_or(rest.len());
             let text = rest[..end].trim_ascii();
@@ -92,7 +87,7 @@ impl<'a> TableReader<'a> {
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).flexible(ragged).trim(csv::Trim::All).from_reader(rest);
         let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, line))?.iter().map(str::to_owned).collect();
-        let mut seen = HashSet::new();
+        let mut seen = std::collections::HashSet::new();
         if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
             return Err(Fault::line(line, format!("column \"{twice}\" comes twice"), "expected every column once"));
         }

@@ -2,14 +2,9 @@
 
 use std::path::Path;
 
-use super::graph::{self, END_POSITION_COLUMNS};
-use super::reader::TableReader;
-use crate::formats::attributes;
-use crate::formats::input::{regular_bytes_of, stream_of};
-use crate::formats::known::Format;
-use crate::formats::options::ReadOptions;
 use crate::formats::vtk::polydata::is_wanted;
 use crate::formats::xml::{Events, XmlStep};
+use crate::formats::{END_POSITION_COLUMNS, Format, ReadOptions, attributes, input::stream_of, regular_bytes_of, tables::graph};
 
 /// Whether a column only repeats the rows and positions of a network, or is one of VTK's own arrays.
 fn is_structure(name: &str) -> bool {
@@ -20,7 +15,7 @@ fn is_structure(name: &str) -> bool {
 /// The columns, attributes or arrays of a GraphML, CSV or VTP file that its reader ignores, in their order; none for a
 /// file of another format, or one that cannot be read again.
 pub fn unread_columns(path: &Path, format: Format) -> Vec<String> {
-    let header = || TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header);
+    let header = || super::reader::TableReader::open(&regular_bytes_of(path).ok()?).ok().map(|rows| rows.header);
     let (names, is_read): (_, fn(&str) -> bool) = match format {
         Format::GraphMl => (named(path, ("key", "attr.name"), "graph"), attributes::is_wanted),
         Format::Vtp => (named(path, ("DataArray", "Name"), "AppendedData"), |name| is_wanted(name, &ReadOptions::default())),
