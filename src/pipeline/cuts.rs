@@ -14,10 +14,9 @@ use willis_core::network::Network;
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground, Scene};
-use willis_models::candidates::kind::CenterlineKind;
+use willis_models::candidates::resample::CenterlineKind;
 use willis_models::contacts::model::ContactModel;
-use willis_models::contacts::pairings::Pairings;
-use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
+use willis_models::contacts::split::{Pairings, SuggestedCut, suggested_cuts};
 use willis_models::contacts::with_contacts;
 
 /// Whether observed vessels that may only touch are cut apart; as text `auto`, `always`, `never`, or the path of a model.

@@ -20,7 +20,7 @@ use willis_core::network::{Condition, Network, Origin};
 use willis_io::formats::Format;
 use willis_io::masks::View;
 use willis_models::candidates::CandidateOptions;
-use willis_models::candidates::kind::CenterlineKind;
+use willis_models::candidates::resample::CenterlineKind;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.

@@ -16,8 +16,8 @@ use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{read_prior_csv, read_prior_npy};
 use willis_io::masks::View;
 use willis_models::candidates::joins::model::JoinModel;
-use willis_models::candidates::kind::CenterlineKind;
 use willis_models::candidates::model::Weights;
+use willis_models::candidates::resample::CenterlineKind;
 use willis_models::candidates::search::SearchOptions;
 use willis_models::candidates::{CandidateOptions, Looked, NEAREST, build, build_joins, build_with_evidence};
 

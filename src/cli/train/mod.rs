@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use crate::error::{Error, Result};
 use crate::internals::candidates::joins::model::JoinModel;
-use crate::internals::candidates::model::weights::{Fold, HeldOutScores, Weights};
+use crate::internals::candidates::model::{Fold, HeldOutScores, Weights};
 use crate::internals::output::StagedFiles;
 use crate::internals::training::{
     CandidateExample, Case, Cases, ContactModel, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,

@@ -9,8 +9,7 @@ use willis_core::decision::{Decision, ExpectedErrors, Keep, Topology};
 use willis_core::flow::Boundary;
 use willis_core::network::{Merged, Network, Origin, Role, merge};
 use willis_core::sampling::{Likelihood, Method, SamplingOptions};
-use willis_models::contacts::pairings::Pairings;
-use willis_models::contacts::suggested_cuts::SuggestedCut;
+use willis_models::contacts::split::{Pairings, SuggestedCut};
 
 /// How samples were computed, as run.json has it.
 #[derive(Debug, Clone, Serialize, Deserialize)]

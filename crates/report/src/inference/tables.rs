@@ -7,8 +7,7 @@ use willis_core::network::units::millimetres;
 use willis_core::network::{Condition, Merged, Network, Role};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns};
-use willis_models::contacts::pairings::{PairingDecision, Pairings};
-use willis_models::contacts::suggested_cuts::SuggestedCut;
+use willis_models::contacts::split::{PairingDecision, Pairings, SuggestedCut};
 
 /// The columns of agreement.csv: per pair of occlusion probabilities how many uncertain vessels are decided alike, and of
 /// how many.

@@ -11,7 +11,7 @@ pub struct BranchGraph {
     /// The two nodes of each branch.
     pub ends: Vec<[usize; 2]>,
     /// Per node its branches, with the node at the other end and the length, m.
-    branches: Vec<Vec<(usize, usize, f64)>>,
+    pub branches: Vec<Vec<(usize, usize, f64)>>,
     /// Per inner point its branch and the length from the branch's first node to it.
     arc: Vec<(usize, f64)>,
 }
@@ -33,11 +33,6 @@ impl BranchGraph {
     /// How many nodes there are.
     pub fn nodes(&self) -> usize {
         self.branches.len()
-    }
-
-    /// The branches at a node, each with the node at its other end and its length, m.
-    pub fn branches(&self, node: usize) -> &[(usize, usize, f64)] {
-        &self.branches[node]
     }
 
     /// Visits the nodes along the branches, as [`ShortestPaths::search`] does.
@@ -70,7 +65,7 @@ impl BranchGraph {
             let at = 1 + point - lines[branch][1];
             return vec![heading(branch, at, false), heading(branch, at, true)];
         }
-        let mut branches: Vec<usize> = self.branches(point).iter().map(|(branch, ..)| *branch).collect();
+        let mut branches: Vec<usize> = self.branches[point].iter().map(|(branch, ..)| *branch).collect();
         // A branch that returns to its node is there twice.
         branches.dedup();
         let mut headings = Vec::new();
