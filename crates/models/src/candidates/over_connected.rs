@@ -154,7 +154,7 @@ impl NewVessel {
     pub fn of(c: EndCandidate, radii: [f64; 2], e: &Extraction, resampled: &Resampled, cluster: &FragmentCluster) -> Self {
         let ends = c.points(e).map(|point| {
             let on_path = match e.place[point] {
-                NetworkPoint::Along { vessel, point } => Some(resampled.place(vessel, point)),
+                NetworkPoint::Along { vessel, point } => Some(resampled.places[vessel][point]),
                 NetworkPoint::Node(_) => None,
             };
             NewEnd { place: cluster.in_whole(e.place[point]), on_path, position: e.position[point] }

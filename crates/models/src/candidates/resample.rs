@@ -38,7 +38,7 @@ pub struct Resampled {
     /// The step, m, positive.
     pub step: f64,
     /// Per vessel and point of its path the place of that point on the original path.
-    places: Vec<Vec<PathPlace>>,
+    pub places: Vec<Vec<PathPlace>>,
 }
 
 impl Resampled {
@@ -70,11 +70,6 @@ impl Resampled {
     /// A node without a position.
     pub fn extraction(&self, inlets: &[usize]) -> willis_core::error::Result<Extraction> {
         Extraction::new(&self.network, inlets, self.step)
-    }
-
-    /// The place on the original path of a point of a vessel's path.
-    pub fn place(&self, vessel: usize, point: usize) -> PathPlace {
-        self.places[vessel][point]
     }
 }
 

@@ -96,8 +96,15 @@ impl OfTube {
 /// The depths along the way from one end over the core to the other: least and most over a radius, the deepest dip, the number of dips.
 fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4] {
     let [a, b] = arms;
+    // The core's points nearest to a few places on the straight line.
+    let near = |n: u32| {
+        let at = lerp(a.root, b.root, f64::from(n) / 4.0);
+        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
+    };
+    let mut way: Vec<Point> = (1..4).filter_map(near).collect();
+    way.dedup();
     let mut depth: Vec<f64> = a.depths.iter().rev().copied().collect();
-    depth.extend(core.iter().map(|p| field.depth(*p)));
+    depth.extend(way.iter().map(|p| field.depth(*p)));
     depth.extend_from_slice(&b.depths);
     let before = depth.clone();
     for n in 1..depth.len() - 1 {
@@ -206,7 +213,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         let own = fit.get(ends[0], ends[1]);
         let behind = sorted(ends.map(|end| better(end, own)));
         let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
-        let way = along_the_way(field, [a, b], &way_through(&core, a.root, b.root));
+        let way = along_the_way(field, [a, b], &core);
         let normal = sorted([a, b].map(|arm| dot(arm.along, across_it).abs()));
         let [alone, with, without] = cover[n];
         let mut row = t.miss.to_vec();
@@ -227,17 +234,6 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
     }
     rows
-}
-
-/// Places on the core's way from one arm to the other: the core's points nearest to a few places on the straight line.
-fn way_through(core: &[Point], from: Point, to: Point) -> Vec<Point> {
-    let near = |n: u32| {
-        let at = lerp(from, to, f64::from(n) / 4.0);
-        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
-    };
-    let mut way: Vec<Point> = (1..4).filter_map(near).collect();
-    way.dedup();
-    way
 }
 
 /// The names of the features, each behind `image_`.

@@ -117,15 +117,6 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     }
 }
 
-/// The axis through some places: their mean, and their first principal direction, the way from the first to the last.
-pub fn axis_of(places: &[Point]) -> (Point, Point) {
-    let mean = centroid(places.iter().copied());
-    let [.., (_, direction)] = principal(places, mean);
-    let (first, last) = (places.first().copied().unwrap_or(mean), places.last().copied().unwrap_or(mean));
-    let along = sub(last, first);
-    if dot(direction, along) < 0.0 { (mean, direction.map(|x| -x)) } else { (mean, direction) }
-}
-
 /// The variances of places around their mean, and their directions, the least first.
 pub fn principal(places: &[Point], mean: Point) -> [(f64, Point); 3] {
     let covariance = Mat::from_fn(3, 3, |i, j| {
@@ -202,7 +193,11 @@ impl LumenArm {
             let area = of(&|s| s.area).unwrap_or(area_of(typical));
             (there.iter().map(centre).collect(), area, of(&Section::elongation).unwrap_or(1.0))
         };
-        let (middle, along) = axis_of(&centres);
+        // The axis: the mean of the centres, and their first principal direction, the way from the first to the last.
+        let middle = centroid(centres.iter().copied());
+        let [.., (_, axis)] = principal(&centres, middle);
+        let onwards = sub(centres[centres.len() - 1], centres[0]);
+        let along = if dot(axis, onwards) < 0.0 { axis.map(|x| -x) } else { axis };
         let ahead = dot(sub(centres[0], middle), along);
         let reach = (2.0 * rho).min(0.9 * length);
         Self {

@@ -80,7 +80,6 @@ impl BranchGraph {
 }
 
 /// One of the two directions along a branch, from a point of it.
-#[derive(Debug, Clone, Copy)]
 pub struct Heading<'a> {
     /// The branch.
     pub branch: usize,

@@ -284,7 +284,6 @@ const FIT_RADII: f64 = 3.0;
 const FIT_POINTS: f64 = 40.0;
 
 /// A free end.
-#[derive(Debug, Clone, PartialEq)]
 pub struct FreeEnd {
     /// Its point, a node.
     pub point: usize,

@@ -200,12 +200,9 @@ fn competitors(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Competitors> 
     let child = |row: usize| e.ends[candidates[row].end].fragment;
     let parent = |row: usize| e.fragment[candidates[row].point];
     let from = rows_by_end(e, candidates);
-    let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (row, candidate) in candidates.iter().enumerate() {
-        at.entry(candidate.point).or_default().push(row);
-    }
+    let at = grouped(e.position.len(), candidates.iter().enumerate().map(|(row, candidate)| (candidate.point, row)));
     // Per meeting point between the ends of a vessel the candidates that meet its fragment there or near.
-    let points: Vec<usize> = at.keys().copied().collect();
+    let points: Vec<usize> = (0..at.len()).filter(|point| !at[*point].is_empty()).collect();
     let index = PointIndex::new(points.iter().map(|point| e.position[*point]).collect());
     let between_ends = points.iter().copied().filter(|point| e.end_at[*point].is_none());
     let nearby = between_ends.map(|point| {
@@ -213,7 +210,7 @@ fn competitors(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Competitors> 
         let near = steady(separation / e.spacing);
         let within = |other: &usize| e.fragment[*other] == e.fragment[point] && e.spacings(*other, point) <= near;
         let hits = index.within(e.position[point], separation * (1.0 + 1e-9)).into_iter().map(|(_, hit)| points[hit]);
-        (point, hits.filter(within).flat_map(|other| at[&other].iter().copied()).collect())
+        (point, hits.filter(within).flat_map(|other| at[other].iter().copied()).collect())
     });
     let nearby: BTreeMap<usize, Vec<usize>> = nearby.collect();
     let of = |rows: Option<&Vec<usize>>, keep: &dyn Fn(usize) -> bool| {
@@ -223,7 +220,7 @@ fn competitors(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Competitors> 
         let by_end = e.end_at[candidate.point].map(|end| &from[end]);
         [
             of(by_end, &|other| parent(other) != child(row)),
-            of(at.get(&e.ends[candidate.end].point), &|other| child(other) != parent(row)),
+            of(Some(&at[e.ends[candidate.end].point]), &|other| child(other) != parent(row)),
             of(nearby.get(&candidate.point), &|other| child(other) != child(row)),
         ]
     };

@@ -223,7 +223,6 @@ pub fn known_or_likely_inlets(extraction: &Extraction) -> Vec<usize> {
 const LEAST_SCORE: f64 = -3.0;
 
 /// A candidate that may close a loop.
-#[derive(Debug, Clone, PartialEq)]
 pub struct Closure {
     /// The candidate; of two directions the one with the better score.
     pub candidate: EndCandidate,

@@ -184,12 +184,16 @@ impl EndCandidate {
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
 pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<EndCandidate>> {
-    let reach = |end: &FreeEnd| reach(extraction.spacing, end.radius);
-    from_each_end(extraction, reach, |around, paths| {
-        let mut points = around.other_fragments(options);
-        points.extend(around.own_branches(options, paths));
-        points
-    })
+    from_each_end(
+        extraction,
+        |end| end.radius,
+        f64::INFINITY,
+        |around, paths| {
+            let mut points = around.other_fragments(options);
+            points.extend(around.own_branches(options, paths));
+            points
+        },
+    )
 }
 
 /// The candidates without evidence: from each free end to the k nearest branches and free ends of any fragment within 20 spacings +
@@ -200,8 +204,8 @@ pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<En
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
 pub fn search_nearest(extraction: &Extraction, options: &CandidateOptions) -> Result<Vec<EndCandidate>> {
-    let reach = |end: &FreeEnd| reach(extraction.spacing, end.mean_radius).min(options.max_gap.unwrap_or(f64::INFINITY));
-    from_each_end(extraction, reach, |around, _| around.nearest(options))
+    let most = options.max_gap.unwrap_or(f64::INFINITY);
+    from_each_end(extraction, |end| end.mean_radius, most, |around, _| around.nearest(options))
 }
 
 /// Per free end the rows of its candidates.
@@ -214,12 +218,14 @@ pub fn least_detour(extraction: &Extraction, end: &FreeEnd, gap: f64) -> f64 {
     (DETOUR * gap).max(DETOUR_WIDTHS * (2.0 * end.radius + extraction.spacing))
 }
 
-/// The candidates to the points that `choose` gives for what lies within the reach (m) of a free end.
+/// The candidates to the points that `choose` gives for what lies within the reach of a free end, which its radius gives, at most so much (m).
 fn from_each_end(
     extraction: &Extraction,
-    reach: impl Fn(&FreeEnd) -> f64 + Sync,
+    radius: impl Fn(&FreeEnd) -> f64 + Sync,
+    most: f64,
     choose: impl Fn(&Neighbourhood<'_>, &mut ShortestPaths) -> Vec<usize> + Sync,
 ) -> Result<Vec<EndCandidate>> {
+    let reach = |end: &FreeEnd| (REACH_SPACINGS * extraction.spacing + REACH_RADII * radius(end)).min(most);
     let inner = extraction.ends.iter().filter(|end| !extraction.at_border[end.point]);
     let places: Vec<(Point, f64)> = inner.map(|end| (extraction.position[end.point], reach(end))).collect();
     let spent = AtomicUsize::new(0);
@@ -317,11 +323,6 @@ const MORE: usize = 8;
 
 /// A branch is met where d (1.3 - cos) is least: d the distance, cos that of the bend.
 const BEND: f64 = 1.3;
-
-/// How far (m) a free end of a radius (m) may reach.
-fn reach(spacing: f64, radius: f64) -> f64 {
-    REACH_SPACINGS * spacing + REACH_RADII * radius
-}
 
 /// A point within reach of a free end, with what the search compares.
 #[derive(Debug, Clone, Copy)]

@@ -5,8 +5,6 @@
 
 pub mod ways;
 
-use std::collections::BTreeMap;
-
 use ndarray::{Array2, Axis, Slice, concatenate};
 
 use super::features::{join_features, second_features};
@@ -18,6 +16,7 @@ use ways::{Ahead, CheapestPath, MOST_COST, MOST_MET, across, cheapest_path};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::boosted_trees::{Boosted, stored};
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
+use willis_core::support::numbered::grouped;
 use willis_core::support::statistics::quantile;
 use willis_io::masks::Scene;
 
@@ -121,17 +120,13 @@ impl InImage {
     /// The features of the third pass, given the scores by shape: a row a pair, a column one of [`image_feature_names`]; zeros where nothing is seen.
     pub fn features(&self, table: &JoinTable, scores: &[f64]) -> Array2<f32> {
         let (e, pairs) = (&table.extraction, &self.pairs);
-        let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
         let is_rival = |pair: usize| scores[pair] >= LEAST_SCORE || pair >= self.first_met;
-        for (pair, points) in pairs.points.iter().enumerate().filter(|(pair, _)| is_rival(*pair)) {
-            for point in points {
-                at.entry(*point).or_default().push(pair);
-            }
-        }
+        let rivals = pairs.points.iter().enumerate().filter(|(pair, _)| is_rival(*pair));
+        let at = grouped(e.position.len(), rivals.flat_map(|(pair, points)| points.map(|point| (point, pair))));
         // What the best rival at a place leaves: free ends have rivals, other places take any number.
         let margin = |pair: usize, point: usize, of: &dyn Fn(usize) -> Option<f64>| {
             let own = of(pair).unwrap_or(0.0);
-            let rivals = at.get(&point).into_iter().flatten().filter(|other| **other != pair && e.end_at[point].is_some());
+            let rivals = at[point].iter().filter(|other| **other != pair && e.end_at[point].is_some());
             let best = rivals.filter_map(|other| of(*other)).fold(f64::NEG_INFINITY, f64::max);
             (own - best).clamp(-MOST_MARGIN, MOST_MARGIN)
         };

@@ -7,6 +7,7 @@ use crate::candidates::features::Extraction;
 use crate::candidates::search::{EndCandidate, least_detour, snapped};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, cross, distance, lerp, norm, smooth, sub, unit};
+use willis_core::support::numbered::grouped;
 use willis_io::masks::Scene;
 
 /// Paths go through places on cross-sections of the line: cross-sections and places on them lie about so many spacings apart.
@@ -20,7 +21,6 @@ const FLOOR: f64 = 0.08;
 const MOST_SECTIONS: f64 = 400.0;
 
 /// The cheapest path between two places.
-#[derive(Debug, Clone)]
 pub struct CheapestPath {
     /// Its points, m, from end to end.
     pub points: Vec<Point>,
@@ -184,13 +184,12 @@ impl Ahead {
 
     /// The candidates that are not among those found before, and their ways, by free end.
     pub fn candidates(&self, e: &Extraction, found: &[EndCandidate]) -> Vec<(EndCandidate, &[Point])> {
-        let mut known: Vec<Vec<usize>> = vec![Vec::new(); e.ends.len()];
-        for c in found {
-            known[c.end].push(c.point);
-            if let Some(other) = e.end_at[c.point] {
-                known[other].push(e.ends[c.end].point);
-            }
-        }
+        // What a candidate is to its free end, and to that which it reaches.
+        let both = |end: usize, point: usize| {
+            let back = e.end_at[point].map(|other| (other, e.ends[end].point));
+            std::iter::once((end, point)).chain(back)
+        };
+        let mut known = grouped(e.ends.len(), found.iter().flat_map(|c| both(c.end, c.point)));
         let mut paths = ShortestPaths::new(e.graph.nodes());
         let mut more = Vec::new();
         for (row, met) in self.met.iter().enumerate() {
@@ -201,9 +200,8 @@ impl Ahead {
                 if known[row].iter().any(near) || within && !saves(e, row, met.point, &mut paths) {
                     continue;
                 }
-                known[row].push(met.point);
-                if let Some(other) = e.end_at[met.point] {
-                    known[other].push(end.point);
+                for (end, point) in both(row, met.point) {
+                    known[end].push(point);
                 }
                 more.push((EndCandidate { end: row, point: met.point, within }, met.path.as_slice()));
             }
