@@ -87,7 +87,17 @@ pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
         stretches.extend(steps.filter(|(radii, length)| radii[0] > 0.0 && *length > 0.0));
     }
     let whole: f64 = stretches.iter().map(|(_, length)| length).sum();
-    let thin = narrowest_quarter(&stretches, whole);
+    // The radius that the narrowest quarter of the length has at most; zero without vessels.
+    let narrower = |radius: f64| {
+        let share =
+            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
+        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
+    };
+    let (mut low, mut thin) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + thin);
+        (low, thin) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, thin) };
+    }
     if thin <= 0.0 {
         return 1.0;
     }
@@ -102,21 +112,6 @@ pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
     };
     let most = (MOST_TIMES * stretches.len() as f64).clamp(MOST_POINTS[0], MOST_POINTS[1]);
     steady(step).max(whole / most)
-}
-
-/// The radius (m) that the narrowest quarter of the length has at most; zero without vessels.
-fn narrowest_quarter(stretches: &[([f64; 2], f64)], whole: f64) -> f64 {
-    let narrower = |radius: f64| {
-        let share =
-            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
-        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
-    };
-    let (mut low, mut high) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        (low, high) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, high) };
-    }
-    high
 }
 
 /// Arteries have no more independent loops than this, those of the circle and some to spare.

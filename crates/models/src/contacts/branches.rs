@@ -6,7 +6,6 @@ use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::walks::{Walk, vessels_at};
 use willis_core::network::{Network, Origin, PathPoint};
 use willis_core::support::geometry::{Point, centroid, lerp, smooth, straightest, sub, unit};
-use willis_core::support::numbered::counted;
 use willis_core::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
@@ -88,7 +87,7 @@ impl Branches {
     /// Divides the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
         let runs = runs(network, |_| false);
-        let degree = counted(network.node_count(), runs.iter().flat_map(|run| run.ends));
+        let degree = willis_core::support::numbered::counted(network.node_count(), runs.iter().flat_map(|run| run.ends));
         let is_junction = |node: usize| degree[node] > 2;
         let mut radius_at = vec![0.0_f64; network.node_count()];
         for run in &runs {

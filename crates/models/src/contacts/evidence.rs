@@ -44,52 +44,50 @@ struct OfTube {
     sections: [f64; 7],
 }
 
-impl OfTube {
-    fn new(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> Self {
-        let w = sub(b.middle, a.middle);
-        let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
-        let (miss_a, miss_b) = (off(a.along), off(b.along));
-        let sum = a.radius + b.radius;
-        let normal = cross(a.along, b.along);
-        let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
-        let ring = |share: f64| -> [f64; 2] {
-            let inside: Vec<f64> = (0..INNER)
-                .map(|n| tube.ring(n, share * tube.radii[n]).into_iter().filter(|p| field.signed(*p) > 0.0).count())
-                .map(|count| count as f64 / AROUND as f64)
-                .collect();
-            mean_least(&inside)
-        };
-        let over = |points: &[Point]| -> Vec<f64> {
-            points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
-        };
-        let (signed, far) = (over(&tube.points), over(&tube.far));
-        let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
-        let sections: Vec<Section> = (0..INNER)
-            .step_by(2)
-            .map(|n| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel()))
+fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTube {
+    let w = sub(b.middle, a.middle);
+    let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
+    let (miss_a, miss_b) = (off(a.along), off(b.along));
+    let sum = a.radius + b.radius;
+    let normal = cross(a.along, b.along);
+    let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
+    let ring = |share: f64| -> [f64; 2] {
+        let inside: Vec<f64> = (0..INNER)
+            .map(|n| tube.ring(n, share * tube.radii[n]).into_iter().filter(|p| field.signed(*p) > 0.0).count())
+            .map(|count| count as f64 / AROUND as f64)
             .collect();
-        let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
-        let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
-        let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
-        Self {
-            miss: sorted([miss_a, miss_b].map(|miss| (miss / sum + 0.1).ln())),
-            skew: (skew / sum + 0.1).ln(),
-            bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
-            rings: RINGS.map(ring),
-            signed: mean_least(&signed),
-            depth: mean_least(&depth),
-            far: mean_least(&far),
-            far_inside: far.iter().filter(|x| **x > 0.0).count() as f64 / INNER as f64,
-            sections: [
-                (sections.iter().map(|s| s.area).fold(f64::INFINITY, f64::min) / a.area.min(b.area) + 0.1).ln(),
-                (most(&|s| s.area, 0.0) / a.area.max(b.area) + 0.1).ln(),
-                median(&elongations).unwrap_or(1.0).ln(),
-                most(&Section::elongation, 1.0).ln(),
-                most(&|s| s.second, 0.0),
-                sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
-                most(&|s| norm(s.shift), 0.0) / mean_radius,
-            ],
-        }
+        mean_least(&inside)
+    };
+    let over = |points: &[Point]| -> Vec<f64> {
+        points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
+    };
+    let (signed, far) = (over(&tube.points), over(&tube.far));
+    let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
+    let sections: Vec<Section> = (0..INNER)
+        .step_by(2)
+        .map(|n| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel()))
+        .collect();
+    let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
+    let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
+    let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
+    OfTube {
+        miss: sorted([miss_a, miss_b].map(|miss| (miss / sum + 0.1).ln())),
+        skew: (skew / sum + 0.1).ln(),
+        bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
+        rings: RINGS.map(ring),
+        signed: mean_least(&signed),
+        depth: mean_least(&depth),
+        far: mean_least(&far),
+        far_inside: far.iter().filter(|x| **x > 0.0).count() as f64 / INNER as f64,
+        sections: [
+            (sections.iter().map(|s| s.area).fold(f64::INFINITY, f64::min) / a.area.min(b.area) + 0.1).ln(),
+            (most(&|s| s.area, 0.0) / a.area.max(b.area) + 0.1).ln(),
+            median(&elongations).unwrap_or(1.0).ln(),
+            most(&Section::elongation, 1.0).ln(),
+            most(&|s| s.second, 0.0),
+            sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
+            most(&|s| norm(s.shift), 0.0) / mean_radius,
+        ],
     }
 }
 
@@ -182,7 +180,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, cluster, end)).collect();
     let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
     let found: Vec<OfTube> =
-        pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
+        pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
     let cover = covers(&places, pairs, &tubes, field.voxel());
     let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));

@@ -6,11 +6,9 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::evidence::{IMAGE_FEATURES, MASK_FEATURES};
-use super::partition::PartitionWeights;
 use willis_core::error::Fault;
 use willis_core::network::{Network, Origin, Vessel, fragments};
 use willis_core::support::boosted_trees::{Boosted, check_features};
-use willis_core::support::calibration::Calibration;
 use willis_core::support::statistics::median;
 use willis_core::support::toml_text::{finite, parse, write};
 use willis_io::masks::{Field, Scene};
@@ -35,7 +33,7 @@ pub struct ContactPart {
     pub features: Vec<String>,
     /// The weights of the features of a partition.
     #[serde(deserialize_with = "finite")]
-    pub weights: PartitionWeights,
+    pub weights: super::partition::PartitionWeights,
     /// a and b: P of a contact is σ(a + b l), l the log-odds that its two blocks are joined by the partitions; b is at least 0.
     #[serde(deserialize_with = "finite")]
     pub calibration: [f64; 2],
@@ -50,7 +48,7 @@ impl ContactPart {
     /// The share of contacts that are one vessel, of those that the partitions join with this probability.
     pub fn probability(&self, joined: f64) -> f64 {
         let [a, b] = self.calibration;
-        Calibration([a, b, 0.0]).apply(joined)
+        willis_core::support::calibration::Calibration([a, b, 0.0]).apply(joined)
     }
 }
 

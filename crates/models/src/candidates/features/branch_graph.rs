@@ -2,7 +2,6 @@
 
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::arc_lengths::arc_lengths;
-use willis_core::support::geometry::Point;
 
 /// The branches as edges between nodes. Lengths in m.
 pub struct BranchGraph {
@@ -18,7 +17,7 @@ pub struct BranchGraph {
 
 impl BranchGraph {
     /// The graph of branches whose inner points are numbered after the nodes, branch by branch.
-    pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[Point]) -> Self {
+    pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[willis_core::support::geometry::Point]) -> Self {
         let (mut length, mut ends, mut inner) = (Vec::new(), Vec::new(), Vec::new());
         for (branch, line) in lines.iter().enumerate() {
             let (arc, last) = (arc_lengths(line.iter().map(|point| position[*point])), line.len() - 1);

@@ -222,6 +222,110 @@ impl Extraction {
         }
         out
     }
+
+    /// The free ends in node order. `vessels` are those of the first lines.
+    fn free_ends(&self, vessels: &[&Vessel]) -> Vec<FreeEnd> {
+        let arms: Vec<Vec<JunctionArm>> = (0..self.graph.nodes()).map(|node| self.arms(node)).collect();
+        let mut paths = ShortestPaths::new(self.graph.nodes());
+        let mut ends: Vec<FreeEnd> = Vec::new();
+        for (branch, (line, vessel)) in self.lines.iter().zip(vessels).enumerate() {
+            for last in [false, true] {
+                let inwards = willis_core::support::arc_lengths::in_direction(line.clone(), !last);
+                let point = inwards[0];
+                if self.degree[point] != 1 {
+                    continue;
+                }
+                let upto = |n: usize| &inwards[..n.min(inwards.len())];
+                let mean = |n: usize| mean_log(&self.radius, upto(n)).exp();
+                let direction = |n: usize| outwards(&upto(n).iter().map(|p| self.position[*p]).collect::<Vec<_>>());
+                let radii = FIT_RADII * mean(FIT_SPACINGS as usize) / self.spacing;
+                let n = steady(radii).round_ties_even().clamp(FIT_SPACINGS, FIT_POINTS) as usize;
+                ends.push(FreeEnd {
+                    point,
+                    branch,
+                    fragment: self.fragment[point],
+                    direction: direction(n),
+                    far_direction: direction(2 * n),
+                    radius: mean(n),
+                    mean_radius: vessel.end_radius(last),
+                    orientation: self.orientation(point, &arms, &mut paths),
+                });
+            }
+        }
+        ends.sort_by_key(|end| end.point);
+        ends
+    }
+
+    /// The orientation of the free end at a point: the mean, in [-1.5, 1.5], over the twelve junctions nearest along the vessels (and those as
+    /// near as the twelfth) of how much better blood divides there if it comes from this end; 0 without a junction.
+    fn orientation(&self, point: usize, arms: &[Vec<JunctionArm>], paths: &mut ShortestPaths) -> f64 {
+        let (mut sum, mut count, mut last) = (0.0, 0, 0.0);
+        self.graph.search(&[point], f64::INFINITY, paths, |length, node| {
+            let away = steady(length[node] / self.spacing);
+            let by = |(other, own, _): &JunctionArm| steady((length[*other] + own) / self.spacing);
+            let order = |a: &JunctionArm, b: &JunctionArm| by(a).total_cmp(&by(b)).then(a.2.total_cmp(&b.2));
+            if count >= JUNCTIONS && away > last {
+                return false;
+            }
+            if let Some((_, _, preference)) = arms[node].iter().min_by(|a, b| order(a, b)) {
+                (sum, count, last) = (sum + preference, count + 1, away);
+            }
+            true
+        });
+        if count > 0 { (sum / count as f64).clamp(-MOST, MOST) } else { 0.0 }
+    }
+
+    /// The branches at a junction; none at another node.
+    fn arms(&self, node: usize) -> Vec<JunctionArm> {
+        let headings = self.graph.headings(&self.lines, node);
+        if headings.len() < 3 {
+            return Vec::new();
+        }
+        let position = |point: usize| self.smooth.position[point];
+        let steps = self.steps(ARM, node);
+        let directions: Vec<Point> =
+            headings.iter().map(|heading| unit(sub(position(heading.walk(steps)), position(node)))).collect();
+        let others = |own: usize| (0..headings.len()).filter(move |other| *other != own);
+        let forwards: Vec<f64> = (0..headings.len())
+            .map(|own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min))
+            .collect();
+        let arm = |own: usize| {
+            let preference = forwards[own] - others(own).map(|other| forwards[other]).fold(f64::NEG_INFINITY, f64::max);
+            (headings[own].walk(usize::MAX / 2), self.graph.length[headings[own].branch], preference)
+        };
+        (0..headings.len()).map(arm).collect()
+    }
+
+    /// So many radii at a point in points, within bounds.
+    fn steps(&self, (radii, [least, most]): (f64, [f64; 2]), point: usize) -> usize {
+        steady(radii * self.smooth.radius[point] / self.spacing).round_ties_even().clamp(least, most) as usize
+    }
+
+    /// The shape of the branches at each point.
+    fn branch_shapes(&self) -> Vec<BranchShape> {
+        let mut out = vec![BranchShape::default(); self.radius.len()];
+        let direction = |from: usize, to: usize| unit(sub(self.smooth.position[to], self.smooth.position[from]));
+        for line in &self.lines {
+            for (at, point) in line.iter().enumerate().take(line.len() - 1).skip(1) {
+                let [near, side] = [NEAR, SIDE].map(|window| {
+                    let steps = self.steps(window, *point);
+                    [at.saturating_sub(steps), (at + steps).min(line.len() - 1)]
+                });
+                let [[from, onwards], [far_from, far_onwards]] =
+                    [near, side].map(|[first, last]| [direction(line[first], *point), direction(*point, line[last])]);
+                // A side of one point has but that one.
+                let behind = mean_log(&self.radius, &line[side[0]..(at - 1).max(side[0] + 1)]);
+                let ahead = mean_log(&self.radius, &line[(at + 2).min(side[1])..=side[1]]);
+                out[*point] = BranchShape {
+                    tangent: unit([0, 1, 2].map(|axis| from[axis] + onwards[axis])),
+                    kink: sub(onwards, from),
+                    far_kink: sub(far_onwards, far_from),
+                    narrowing: (behind - ahead).clamp(-1.0, 1.0),
+                };
+            }
+        }
+        out
+    }
 }
 
 /// The branch of each point: of the branches at a node the widest by mean radius, then the longest, then the first.
@@ -328,86 +432,6 @@ const MOST: f64 = 1.5;
 /// branch, is the least cosine between the direction it came in and those it leaves by.
 type JunctionArm = (usize, f64, f64);
 
-impl Extraction {
-    /// The free ends in node order. `vessels` are those of the first lines.
-    fn free_ends(&self, vessels: &[&Vessel]) -> Vec<FreeEnd> {
-        let arms: Vec<Vec<JunctionArm>> = (0..self.graph.nodes()).map(|node| self.arms(node)).collect();
-        let mut paths = ShortestPaths::new(self.graph.nodes());
-        let mut ends: Vec<FreeEnd> = Vec::new();
-        for (branch, (line, vessel)) in self.lines.iter().zip(vessels).enumerate() {
-            for last in [false, true] {
-                let inwards = willis_core::support::arc_lengths::in_direction(line.clone(), !last);
-                let point = inwards[0];
-                if self.degree[point] != 1 {
-                    continue;
-                }
-                let upto = |n: usize| &inwards[..n.min(inwards.len())];
-                let mean = |n: usize| mean_log(&self.radius, upto(n)).exp();
-                let direction = |n: usize| outwards(&upto(n).iter().map(|p| self.position[*p]).collect::<Vec<_>>());
-                let radii = FIT_RADII * mean(FIT_SPACINGS as usize) / self.spacing;
-                let n = steady(radii).round_ties_even().clamp(FIT_SPACINGS, FIT_POINTS) as usize;
-                ends.push(FreeEnd {
-                    point,
-                    branch,
-                    fragment: self.fragment[point],
-                    direction: direction(n),
-                    far_direction: direction(2 * n),
-                    radius: mean(n),
-                    mean_radius: vessel.end_radius(last),
-                    orientation: self.orientation(point, &arms, &mut paths),
-                });
-            }
-        }
-        ends.sort_by_key(|end| end.point);
-        ends
-    }
-
-    /// The orientation of the free end at a point: the mean, in [-1.5, 1.5], over the twelve junctions nearest along the vessels (and those as
-    /// near as the twelfth) of how much better blood divides there if it comes from this end; 0 without a junction.
-    fn orientation(&self, point: usize, arms: &[Vec<JunctionArm>], paths: &mut ShortestPaths) -> f64 {
-        let (mut sum, mut count, mut last) = (0.0, 0, 0.0);
-        self.graph.search(&[point], f64::INFINITY, paths, |length, node| {
-            let away = steady(length[node] / self.spacing);
-            let by = |(other, own, _): &JunctionArm| steady((length[*other] + own) / self.spacing);
-            let order = |a: &JunctionArm, b: &JunctionArm| by(a).total_cmp(&by(b)).then(a.2.total_cmp(&b.2));
-            if count >= JUNCTIONS && away > last {
-                return false;
-            }
-            if let Some((_, _, preference)) = arms[node].iter().min_by(|a, b| order(a, b)) {
-                (sum, count, last) = (sum + preference, count + 1, away);
-            }
-            true
-        });
-        if count > 0 { (sum / count as f64).clamp(-MOST, MOST) } else { 0.0 }
-    }
-
-    /// The branches at a junction; none at another node.
-    fn arms(&self, node: usize) -> Vec<JunctionArm> {
-        let headings = self.graph.headings(&self.lines, node);
-        if headings.len() < 3 {
-            return Vec::new();
-        }
-        let position = |point: usize| self.smooth.position[point];
-        let steps = self.steps(ARM, node);
-        let directions: Vec<Point> =
-            headings.iter().map(|heading| unit(sub(position(heading.walk(steps)), position(node)))).collect();
-        let others = |own: usize| (0..headings.len()).filter(move |other| *other != own);
-        let forwards: Vec<f64> = (0..headings.len())
-            .map(|own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min))
-            .collect();
-        let arm = |own: usize| {
-            let preference = forwards[own] - others(own).map(|other| forwards[other]).fold(f64::NEG_INFINITY, f64::max);
-            (headings[own].walk(usize::MAX / 2), self.graph.length[headings[own].branch], preference)
-        };
-        (0..headings.len()).map(arm).collect()
-    }
-
-    /// So many radii at a point in points, within bounds.
-    fn steps(&self, (radii, [least, most]): (f64, [f64; 2]), point: usize) -> usize {
-        steady(radii * self.smooth.radius[point] / self.spacing).round_ties_even().clamp(least, most) as usize
-    }
-}
-
 /// Rounds of averaging: a kernel of so many points to either side.
 const RADIUS_ROUNDS: usize = 3;
 const POSITION_ROUNDS: usize = 2;
@@ -463,32 +487,4 @@ pub struct BranchShape {
     /// ln of the mean radius on the side of the branch's first node over that on the other, in [-1, 1]: over 4 radii, without
     /// the points next to this one.
     pub narrowing: f64,
-}
-
-impl Extraction {
-    /// The shape of the branches at each point.
-    fn branch_shapes(&self) -> Vec<BranchShape> {
-        let mut out = vec![BranchShape::default(); self.radius.len()];
-        let direction = |from: usize, to: usize| unit(sub(self.smooth.position[to], self.smooth.position[from]));
-        for line in &self.lines {
-            for (at, point) in line.iter().enumerate().take(line.len() - 1).skip(1) {
-                let [near, side] = [NEAR, SIDE].map(|window| {
-                    let steps = self.steps(window, *point);
-                    [at.saturating_sub(steps), (at + steps).min(line.len() - 1)]
-                });
-                let [[from, onwards], [far_from, far_onwards]] =
-                    [near, side].map(|[first, last]| [direction(line[first], *point), direction(*point, line[last])]);
-                // A side of one point has but that one.
-                let behind = mean_log(&self.radius, &line[side[0]..(at - 1).max(side[0] + 1)]);
-                let ahead = mean_log(&self.radius, &line[(at + 2).min(side[1])..=side[1]]);
-                out[*point] = BranchShape {
-                    tangent: unit([0, 1, 2].map(|axis| from[axis] + onwards[axis])),
-                    kink: sub(onwards, from),
-                    far_kink: sub(far_onwards, far_from),
-                    narrowing: (behind - ahead).clamp(-1.0, 1.0),
-                };
-            }
-        }
-        out
-    }
 }

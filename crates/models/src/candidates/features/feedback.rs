@@ -3,8 +3,6 @@
 //! The posterior of [`FEATURES`](super::FEATURES) alone says where blood probably enters each fragment. From that follow its direction
 //! at every point, which meeting points are taken, and which fragments are fed. A second posterior uses all of these.
 
-use std::collections::BTreeMap;
-
 use ndarray::Array2;
 
 use super::extraction::{Extraction, FreeEnd};
@@ -84,27 +82,23 @@ impl<'a> Feedback<'a> {
             competitors: competitors(e, candidates),
             fed: e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect(),
         };
-        this.find_loops(&place);
-        this
-    }
-
-    /// Every branch outside of the trees closes a loop with those between its nodes, one of which is below the other.
-    fn find_loops(&mut self, place: &[usize]) {
-        for (_, branch) in self.from.iter().flatten() {
-            self.on_loop[*branch] = false;
+        // Every branch outside of the trees closes a loop with those between its nodes, one of which is below the other.
+        for (_, branch) in this.from.iter().flatten() {
+            this.on_loop[*branch] = false;
         }
-        let mut loops = vec![0_i64; self.order.len()];
-        for (_, [a, b]) in self.extraction.graph.ends.iter().enumerate().filter(|(branch, _)| self.on_loop[*branch]) {
+        let mut loops = vec![0_i64; this.order.len()];
+        for (_, [a, b]) in e.graph.ends.iter().enumerate().filter(|(branch, _)| this.on_loop[*branch]) {
             let (above, below) = if place[*a] < place[*b] { (*a, *b) } else { (*b, *a) };
             loops[above] -= 1;
             loops[below] += 1;
         }
-        self.add_below(&mut loops);
-        for (node, from) in self.from.iter().enumerate() {
+        this.add_below(&mut loops);
+        for (node, from) in this.from.iter().enumerate() {
             if let Some((_, branch)) = from {
-                self.on_loop[*branch] = loops[node] > 0;
+                this.on_loop[*branch] = loops[node] > 0;
             }
         }
+        this
     }
 
     /// Adds to each node what is below it.
@@ -212,7 +206,7 @@ fn competitors(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Competitors> 
         let hits = index.within(e.position[point], separation * (1.0 + 1e-9)).into_iter().map(|(_, hit)| points[hit]);
         (point, hits.filter(within).flat_map(|other| at[other].iter().copied()).collect())
     });
-    let nearby: BTreeMap<usize, Vec<usize>> = nearby.collect();
+    let nearby: std::collections::BTreeMap<usize, Vec<usize>> = nearby.collect();
     let of = |rows: Option<&Vec<usize>>, keep: &dyn Fn(usize) -> bool| {
         rows.into_iter().flatten().copied().filter(|row| keep(*row)).collect::<Vec<usize>>()
     };

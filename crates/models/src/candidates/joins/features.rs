@@ -135,8 +135,9 @@ const FACING_WIDTHS: f64 = 4.0;
 const FACING_COS: f64 = 0.825;
 
 /// What lies around a candidate, and what the whole extraction is like: ln(1 + free ends within 12 spacings of the child); ln of free ends per
-/// twenty points within 25 spacings of the child and of the parent; ln of the points within 25 spacings of the child; and what
-/// [`of_extraction`] says.
+/// twenty points within 25 spacings of the child and of the parent; ln of the points within 25 spacings of the child; of the
+/// extraction ln of free ends per hundred spacings of length, ln of the share of free ends that face another, the median of ln r/h, and ln of the
+/// number of fragments.
 fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<[f64; 8]> {
     let is_end = |point: &usize| e.end_at[*point].is_some();
     let h = e.spacing;
@@ -151,18 +152,6 @@ fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidat
     let near: BTreeMap<usize, (f64, f64)> = places.into_iter().zip(near).collect();
     let rate = |(ends, points): (f64, f64)| ((ends + 1.0) / (points / 20.0 + 1.0)).ln();
     let crowd: Vec<f64> = e.ends.iter().map(|end| ends_within(end.point, CROWD * h).0.ln_1p()).collect();
-    let [per_length, facing, width, fragments] = of_extraction(e, courses);
-    let of = |c: &EndCandidate| {
-        let [child, parent] = c.points(e).map(|point| near[&point]);
-        [crowd[c.end], rate(child), rate(parent), child.1.ln(), per_length, facing, width, fragments]
-    };
-    candidates.iter().map(of).collect()
-}
-
-/// Of a whole extraction ln of free ends per hundred spacings of length, ln of the share of free ends that face another, the median of ln r/h, ln
-/// of the number of fragments.
-fn of_extraction(e: &Extraction, courses: &[EndCourse]) -> [f64; 4] {
-    let h = e.spacing;
     let length: f64 = e.fragments.iter().map(|f| f.length).sum();
     let faces = |row: &usize| {
         let end = &e.ends[*row];
@@ -177,12 +166,14 @@ fn of_extraction(e: &Extraction, courses: &[EndCourse]) -> [f64; 4] {
     let ends = e.ends.len() as f64;
     let facing = (0..e.ends.len()).filter(faces).count() as f64;
     let widths: Vec<f64> = e.radius.iter().map(|r| (r / h).ln()).collect();
-    [
-        (ends.max(1.0) * 100.0 * h / length.max(h)).ln(),
-        (0.02 + facing / ends.max(1.0)).ln(),
-        median(&widths).unwrap_or(0.0),
-        (e.fragments.len() as f64).ln(),
-    ]
+    let per_length = (ends.max(1.0) * 100.0 * h / length.max(h)).ln();
+    let facing = (0.02 + facing / ends.max(1.0)).ln();
+    let (width, fragments) = (median(&widths).unwrap_or(0.0), (e.fragments.len() as f64).ln());
+    let of = |c: &EndCandidate| {
+        let [child, parent] = c.points(e).map(|point| near[&point]);
+        [crowd[c.end], rate(child), rate(parent), child.1.ln(), per_length, facing, width, fragments]
+    };
+    candidates.iter().map(of).collect()
 }
 
 /// Bound of a margin of costs.

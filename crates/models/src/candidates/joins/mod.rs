@@ -18,7 +18,6 @@ use super::resample::{CenterlineKind, Resampled};
 use super::search::{EndCandidate, Pairs, SearchOptions, search};
 use features::{EndCourse, join_features, second_features};
 use model::JoinModel;
-use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
 use willis_core::support::geometry::{dot, sub};
@@ -48,7 +47,7 @@ impl JoinTable {
     /// # Errors
     ///
     /// A node without position or with more than 1000 vessels, or points that are crowded.
-    pub fn new(network: &Network, branches: usize) -> Result<Self> {
+    pub fn new(network: &Network, branches: usize) -> willis_core::error::Result<Self> {
         let resampled = Resampled::new(network, CenterlineKind::Skeleton);
         let extraction = resampled.extraction(&[])?;
         let courses: Vec<EndCourse> = (0..extraction.ends.len()).map(|end| EndCourse::new(&extraction, end)).collect();

@@ -17,7 +17,6 @@ use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::boosted_trees::{Boosted, stored};
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
 use willis_core::support::numbered::grouped;
-use willis_core::support::statistics::quantile;
 use willis_io::masks::Scene;
 
 /// Places on a line or path lie so many spacings apart.
@@ -177,7 +176,7 @@ fn see(scene: &Scene, e: &Extraction, points: [usize; 2], ahead: &Ahead, way: Op
     // The least, the lower quartile and the mean.
     let spread = |x: Vec<f64>| {
         let least = x.iter().copied().fold(f64::INFINITY, f64::min);
-        [least, quantile(&x, 0.25).unwrap_or(0.0), x.iter().sum::<f64>() / x.len() as f64]
+        [least, willis_core::support::statistics::quantile(&x, 0.25).unwrap_or(0.0), x.iter().sum::<f64>() / x.len() as f64]
     };
     let dips = course.chunk_by(|a, b| (*a < DIP) == (*b < DIP)).filter(|run| run[0] < DIP);
     let widest_dip = dips.map(<[f64]>::len).max().unwrap_or(0) as f64 * STEP;

@@ -7,7 +7,6 @@ use crate::candidates::features::Extraction;
 use crate::candidates::search::{EndCandidate, least_detour, snapped};
 use willis_core::network::paths::ShortestPaths;
 use willis_core::support::geometry::{Point, cross, distance, lerp, norm, smooth, sub, unit};
-use willis_core::support::numbered::grouped;
 use willis_io::masks::Scene;
 
 /// Paths go through places on cross-sections of the line: cross-sections and places on them lie about so many spacings apart.
@@ -189,7 +188,7 @@ impl Ahead {
             let back = e.end_at[point].map(|other| (other, e.ends[end].point));
             std::iter::once((end, point)).chain(back)
         };
-        let mut known = grouped(e.ends.len(), found.iter().flat_map(|c| both(c.end, c.point)));
+        let mut known = willis_core::support::numbered::grouped(e.ends.len(), found.iter().flat_map(|c| both(c.end, c.point)));
         let mut paths = ShortestPaths::new(e.graph.nodes());
         let mut more = Vec::new();
         for (row, met) in self.met.iter().enumerate() {
