@@ -247,14 +247,9 @@ pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     out
 }
 
-/// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `typical` is the radius of most points, m.
-fn of_cluster(
-    branches: &Branches,
-    coarse: &Coarse,
-    [paths, inside]: [&mut ShortestPaths; 2],
-    pairs: &[Pair],
-    typical: f64,
-) -> Vec<Vec<f64>> {
+/// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `usual` is the radius of most points, m.
+fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 2], pairs: &[Pair], usual: f64) -> Vec<Vec<f64>> {
+    let [paths, inside] = paths;
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
     let rho = 1.5 * c.radius;
@@ -319,7 +314,7 @@ fn of_cluster(
         row.extend([radius.len() as f64, inside / core, lengths[0], lengths[1], ends.iter().filter(is_free).count() as f64]);
         row.extend([f64::from(u8::from(lengths[0] < 1.0)), (way / core).ln()]);
         row.extend([f64::from(u8::from(around > LONGEST_WAY * core)), (way / (length[i] + length[j] + core)).ln()]);
-        row.extend([met[0], met[1], near.get(i, j) * step, ways, (core / typical).ln()]);
+        row.extend([met[0], met[1], near.get(i, j) * step, ways, (core / usual).ln()]);
         row
     };
     pairs.iter().map(of_pair).collect()

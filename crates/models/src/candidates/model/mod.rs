@@ -264,19 +264,10 @@ pub fn closures(
     let score = table.within_features.dot(&ArrayView1::from(&first.candidate));
     let features = |c: &MeasuredCandidate, score: f64| {
         let [from, to] = [inlet[c.child.point], inlet[c.point]];
-        let two = from.is_some() && to.is_some() && from != to;
-        [
-            1.0,
-            score,
-            log_detour(c),
-            gap(c),
-            bend_child(c).powi(2),
-            bend_parent(c).powi(2),
-            (c.child.radius / middling).ln(),
-            relative_size(c),
-            if two { 1.0 } else { 0.0 },
-            f64::min(claimed[c.child.point], 1.0),
-        ]
+        let two_inlets = if from.is_some() && to.is_some() && from != to { 1.0 } else { 0.0 };
+        let [child, parent] = [bend_child(c), bend_parent(c)].map(|bend| bend.powi(2));
+        let (wide, claimed) = ((c.child.radius / middling).ln(), f64::min(claimed[c.child.point], 1.0));
+        [1.0, score, log_detour(c), gap(c), child, parent, wide, relative_size(c), two_inlets, claimed]
     };
     let mut best: BTreeMap<[usize; 2], (usize, f64)> = BTreeMap::new();
     let measured = measured(extraction, &table.within);

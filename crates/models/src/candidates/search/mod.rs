@@ -184,16 +184,12 @@ impl EndCandidate {
 ///
 /// Points that are crowded: far more of them within reach of free ends than vessels have.
 pub fn search(extraction: &Extraction, options: &SearchOptions) -> Result<Vec<EndCandidate>> {
-    from_each_end(
-        extraction,
-        |end| end.radius,
-        f64::INFINITY,
-        |around, paths| {
-            let mut points = around.other_fragments(options);
-            points.extend(around.own_branches(options, paths));
-            points
-        },
-    )
+    let radius = |end: &FreeEnd| end.radius;
+    from_each_end(extraction, radius, f64::INFINITY, |around, paths| {
+        let mut points = around.other_fragments(options);
+        points.extend(around.own_branches(options, paths));
+        points
+    })
 }
 
 /// The candidates without evidence: from each free end to the k nearest branches and free ends of any fragment within 20 spacings +
