@@ -51,22 +51,17 @@ fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTub
     let sum = a.radius + b.radius;
     let normal = cross(a.along, b.along);
     let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
-    let ring = |share: f64| -> [f64; 2] {
-        let inside: Vec<f64> = (0..INNER)
-            .map(|n| tube.ring(n, share * tube.radii[n]).into_iter().filter(|p| field.signed(*p) > 0.0).count())
-            .map(|count| count as f64 / AROUND as f64)
-            .collect();
-        mean_least(&inside)
+    let ring = |share: f64| {
+        let inside = |n: usize| tube.ring(n, share * tube.radii[n]).into_iter().filter(|p| field.signed(*p) > 0.0).count();
+        mean_least(&(0..INNER).map(|n| inside(n) as f64 / AROUND as f64).collect::<Vec<f64>>())
     };
     let over = |points: &[Point]| -> Vec<f64> {
         points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
     };
     let (signed, far) = (over(&tube.points), over(&tube.far));
     let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
-    let sections: Vec<Section> = (0..INNER)
-        .step_by(2)
-        .map(|n| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel()))
-        .collect();
+    let across = |n: usize| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel());
+    let sections: Vec<Section> = (0..INNER).step_by(2).map(across).collect();
     let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
     let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
     let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
@@ -335,13 +330,8 @@ fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[L
     let (step, half) = (reach / steps, steps as isize);
     let side = 2 * half + 1;
     let offset = |row: isize| [row % side - half, row / side % side - half, row / (side * side) - half];
-    let value: Vec<f64> = (0..side * side * side)
-        .map(|row| {
-            let o = offset(row);
-            let p = [0, 1, 2].map(|k| centre[k] + step * o[k] as f64);
-            contrast(p)
-        })
-        .collect();
+    let at = |o: [isize; 3]| contrast([0, 1, 2].map(|k| centre[k] + step * o[k] as f64));
+    let value: Vec<f64> = (0..side * side * side).map(|row| at(offset(row))).collect();
     let nearest = |p: Point| {
         let o = [0, 1, 2].map(|k| (((p[k] - centre[k]) / step).round() as isize).clamp(-half, half) + half);
         ((o[2] * side + o[1]) * side + o[0]) as usize

@@ -232,11 +232,9 @@ impl Crowding {
     /// What to tell a person of vessels more crowded than the `most` crowded that a model was calibrated on; `None` where they are not.
     pub fn unlike(self, most: Self) -> Option<String> {
         let figures = [("contacts", self.contacts, most.contacts), ("handles", self.handles, most.handles)];
-        let beyond: Vec<String> = figures
-            .into_iter()
-            .filter(|(_, here, most)| *here > TOLD * most)
-            .map(|(name, here, most)| format!("{here:.1} {name} (at most {most:.1})"))
-            .collect();
+        let beyond = figures.into_iter().filter(|(_, here, most)| *here > TOLD * most);
+        let told = beyond.map(|(name, here, most)| format!("{here:.1} {name} (at most {most:.1})"));
+        let beyond: Vec<String> = told.collect();
         (!beyond.is_empty()).then(|| {
             format!(
                 "the vessels are unlike those that P of contacts was calibrated on: {} per 1,000 radii of length; read P as a rank, not as a share",

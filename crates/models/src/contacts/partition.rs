@@ -41,13 +41,11 @@ pub fn size_of(ends: usize) -> usize {
 pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
     let mut out = vec![vec![0; ends.min(1)]];
     for _ in 1..ends {
-        out = out
-            .into_iter()
-            .flat_map(|blocks| {
-                let new = blocks.iter().max().map_or(0, |most| most + 1);
-                (0..=new).map(move |block| [&blocks[..], &[block]].concat())
-            })
-            .collect();
+        let longer = |blocks: Vec<usize>| {
+            let new = blocks.iter().max().map_or(0, |most| most + 1);
+            (0..=new).map(move |block| [&blocks[..], &[block]].concat())
+        };
+        out = out.into_iter().flat_map(longer).collect();
     }
     out
 }

@@ -173,14 +173,12 @@ impl LumenArm {
         let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
         let radii = course.radii_between(0.6 * rho, 5.0 * rho);
         let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
-        let sections: Vec<(Point, Section)> = STATIONS
-            .iter()
-            .map(|station| {
-                let s = station * rho * shrunk;
-                let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
-                (course.at(s), section(field, course.at(s), direction, HALF_WIDTH * typical))
-            })
-            .collect();
+        let at = |station: &f64| {
+            let s = station * rho * shrunk;
+            let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
+            (course.at(s), section(field, course.at(s), direction, HALF_WIDTH * typical))
+        };
+        let sections: Vec<(Point, Section)> = STATIONS.iter().map(at).collect();
         let there: Vec<&(Point, Section)> = sections.iter().filter(|(_, s)| s.area > 0.0).collect();
         let of = |f: &dyn Fn(&Section) -> f64| median(&there.iter().map(|(_, s)| f(s)).collect::<Vec<f64>>());
         let (centres, area, elongation) = if there.len() < LEAST_SECTIONS {

@@ -110,11 +110,8 @@ impl Extraction {
         }
         let mut degree = network.degrees(|v| v.origin == Origin::Observed);
         if let Some((node, degree)) = degree.iter().enumerate().find(|(_, degree)| **degree > MOST_VESSELS) {
-            return Err(Error::parameter(
-                format!("node {}", network.node(node).id),
-                format!("where {degree} vessels meet"),
-                format!("candidates need junctions of at most {MOST_VESSELS}"),
-            ));
+            let (what, accepted) = (format!("where {degree} vessels meet"), format!("junctions of at most {MOST_VESSELS}"));
+            return Err(Error::parameter(format!("node {}", network.node(node).id), what, format!("candidates need {accepted}")));
         }
         let junctions: Vec<usize> = (0..network.node_count()).filter(|n| degree[*n] > 2).collect();
         let observed = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Observed);
@@ -286,9 +283,8 @@ impl Extraction {
         let directions: Vec<Point> =
             headings.iter().map(|heading| unit(sub(position(heading.walk(steps)), position(node)))).collect();
         let others = |own: usize| (0..headings.len()).filter(move |other| *other != own);
-        let forwards: Vec<f64> = (0..headings.len())
-            .map(|own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min))
-            .collect();
+        let least = |own| others(own).map(|other| -dot(directions[own], directions[other])).fold(f64::INFINITY, f64::min);
+        let forwards: Vec<f64> = (0..headings.len()).map(least).collect();
         let arm = |own: usize| {
             let preference = forwards[own] - others(own).map(|other| forwards[other]).fold(f64::NEG_INFINITY, f64::max);
             (headings[own].walk(usize::MAX / 2), self.graph.length[headings[own].branch], preference)

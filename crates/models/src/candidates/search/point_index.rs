@@ -67,14 +67,10 @@ impl PointIndex {
         // The tree rounds another way: ask for a little more, then measure again.
         let wide = (reach * (1.0 + 1e-9) + self.rounding + ROUNDING * norm(p)).powi(2);
         let numbers: Vec<usize> = match &self.tree {
-            Some(tree) => tree
-                .query(&turned(p))
-                .within::<SquaredEuclidean<f64>>(wide)
-                .unsorted()
-                .execute()
-                .into_iter()
-                .map(|hit| hit.item as usize)
-                .collect(),
+            Some(tree) => {
+                let hits = tree.query(&turned(p)).within::<SquaredEuclidean<f64>>(wide).unsorted().execute();
+                hits.into_iter().map(|hit| hit.item as usize).collect()
+            }
             None => (0..self.points.len()).collect(),
         };
         let measured = numbers.into_iter().map(move |i| (norm_squared(sub(self.points[i], p)), i));

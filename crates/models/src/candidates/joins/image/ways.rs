@@ -70,13 +70,12 @@ pub fn cheapest_path(scene: &Scene, [a, b]: [Point; 2], own: [f64; 2], level: [f
     let (wide, rim) = (side + 2, side + 3);
     let row = |u: usize, v: usize| v * wide + u + rim;
     let size = wide * wide;
-    let moves: Vec<(isize, f32)> = (0..9)
-        .map(|n| (n % 3 - 1, n / 3 - 1))
-        .map(|(du, dv): (isize, isize)| {
-            let length = ahead.hypot(step * (du as f64).hypot(dv as f64));
-            (dv * wide as isize + du, (0.5 * length / h) as f32)
-        })
-        .collect();
+    let by = |n: isize| {
+        let (du, dv) = (n % 3 - 1, n / 3 - 1);
+        let length = ahead.hypot(step * (du as f64).hypot(dv as f64));
+        (dv * wide as isize + du, (0.5 * length / h) as f32)
+    };
+    let moves: Vec<(isize, f32)> = (0..9).map(by).collect();
     let middle = row(reach, reach);
     // Per place of a section the least cost so far, the price there, and by which move it was reached.
     let mut least = vec![f32::INFINITY; size];
