@@ -192,8 +192,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let deepest = c.core.iter().map(|p| field.depth(p.position)).fold(0.0, f64::max);
     let most_radius = arms.iter().map(|a| a.radius).fold(0.0, f64::max);
     let rivals = (arms.len() - 1) as f64;
-    let better =
-        |end: usize, value: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > value).count() as f64 / rivals;
+    let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
     let of_pair = |n: usize| -> Vec<f64> {
         let ends = pairs[n].ends;

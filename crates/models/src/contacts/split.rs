@@ -300,9 +300,9 @@ impl Pairings {
     /// The vessels at this place once some were divided: of both parts the nearer one. `divided` are pairs of rows.
     pub fn follow(&mut self, graph: &Network, divided: &[[usize; 2]]) {
         let away = |row: usize| {
-            let ends =
-                graph.ends(row).map(|node| graph.node(node).position.map_or(f64::INFINITY, |at| distance(at, self.position)));
-            ends[0].min(ends[1])
+            let ends = graph.ends(row).map(|node| graph.node(node).position);
+            let [a, b] = ends.map(|at| at.map_or(f64::INFINITY, |at| distance(at, self.position)));
+            a.min(b)
         };
         for [row, other] in divided {
             if away(*other) < away(*row) {

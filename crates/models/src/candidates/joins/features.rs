@@ -46,8 +46,7 @@ pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates:
     let measured = measured(extraction, candidates);
     // By this candidates compete before any model: length and bends, as a logarithm.
     let cost = |(m, candidate): (&MeasuredCandidate, &EndCandidate)| {
-        let least =
-            |course: &EndCourse, across: Point| (0..3).map(|k| angle(course.directions[k], across)).fold(f64::INFINITY, f64::min);
+        let least = |of: &EndCourse, across: Point| (0..3).map(|k| angle(of.directions[k], across)).fold(f64::INFINITY, f64::min);
         let parent = course_at(m.point).map_or(0.6, |course| least(course, reversed(m.across)));
         (m.gap + 0.5 * extraction.spacing).ln() - extraction.spacing.ln()
             + 0.9 * least(&courses[candidate.end], m.across)
@@ -56,10 +55,11 @@ pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates:
     let costs: Vec<f64> = measured.iter().zip(candidates).map(cost).collect();
     let rivals = rivals(extraction, courses, candidates, &costs);
     let around = surroundings(extraction, courses, candidates);
+    let shared: Vec<Feature> = shared_features().map(|(_, feature)| *feature).collect();
     let rows = in_order(candidates, |row, candidate| {
         let m = &measured[row];
         let more = more_features(m, &courses[candidate.end], course_at(m.point));
-        shared_features().map(|(_, feature)| feature(m)).chain(more).chain(rivals[row]).chain(around[row]).collect::<Vec<f64>>()
+        shared.iter().map(|feature| feature(m)).chain(more).chain(rivals[row]).chain(around[row]).collect::<Vec<f64>>()
     });
     Array2::from_shape_fn((rows.len(), join_feature_names().len()), |(row, column)| rows[row][column])
 }
