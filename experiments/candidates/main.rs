@@ -7,9 +7,8 @@ use std::time::Instant;
 
 use willis::error::Fault;
 use willis::internals::candidates::features::features;
-use willis::internals::candidates::kind::CenterlineKind;
-use willis::internals::candidates::resample::Resampled;
-use willis::internals::candidates::search::{MeetingPoints, SearchOptions, search};
+use willis::internals::candidates::resample::{CenterlineKind, Resampled};
+use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, RadiusRule, contract, nearest_node, parse_position};
 
@@ -18,17 +17,10 @@ const WELD_TOLERANCE: f64 = 1e-6;
 
 /// From the reference model's rules to ours, a change at a time.
 fn rule(name: &str) -> Option<SearchOptions> {
-    let reference = SearchOptions {
-        branches: 4,
-        free_ends: 4,
-        own_branches: 2,
-        meeting_points: MeetingPoints { ahead: 2, behind: 0, kinks: 0 },
-    };
-    let behind =
-        SearchOptions { meeting_points: MeetingPoints { behind: 2, ..reference.meeting_points.clone() }, ..reference.clone() };
-    let kinks =
-        SearchOptions { meeting_points: MeetingPoints { kinks: 2, ..behind.meeting_points.clone() }, ..reference.clone() };
-    let three = SearchOptions { meeting_points: MeetingPoints::default(), ..reference.clone() };
+    let reference = SearchOptions { branches: 4, free_ends: 4, own_branches: 2, ahead: 2, behind: 0, kinks: 0 };
+    let behind = SearchOptions { behind: 2, ..reference.clone() };
+    let kinks = SearchOptions { kinks: 2, ..behind.clone() };
+    let three = SearchOptions { ahead: 3, behind: 3, kinks: 3, ..reference.clone() };
     match name {
         "reference" => Some(reference),
         "behind" => Some(behind),

@@ -12,10 +12,10 @@ use willis_core::{flow::Given, network::Origin, network::Role, support::suggesti
 use willis_io::formats::{read_mask, read_prior_csv, read_prior_npy};
 use willis_io::masks::{Field, Foreground, Scene, View};
 use willis_models::candidates::{Looked, NEAREST, build, build_joins, build_with_evidence};
-use willis_models::contacts::suggested_cuts::{SuggestedCut, suggested_cuts};
+use willis_models::contacts::split::{SuggestedCut, suggested_cuts};
 use willis_models::{
-    candidates::joins::model::JoinModel, candidates::kind::CenterlineKind, candidates::model::Weights,
-    contacts::model::ContactModel, contacts::pairings::Pairings, contacts::with_contacts,
+    candidates::joins::model::JoinModel, candidates::model::Weights, candidates::resample::CenterlineKind,
+    contacts::model::ContactModel, contacts::split::Pairings, contacts::with_contacts,
 };
 
 /// Where the prior of candidates comes from; as text `evidence`, `weights:tracing`, `weights:tubes`, `weights:skeleton`, `none`, `uniform`,

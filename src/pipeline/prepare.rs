@@ -125,7 +125,8 @@ impl<'a> Loaded<'a> {
     /// Reads the files; beside them the image.
     fn read(input: &Input, options: &'a InferOptions) -> Result<(Self, Option<View>)> {
         let is_fragments = input.is_fragments;
-        let kind = willis_models::candidates::kind::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
+        let kind =
+            willis_models::candidates::resample::CenterlineKind::of(&input.network, input.format.is_some_and(Format::is_mask));
         let load_cuts = || Cuts::load(&options.cut, options.mask.as_deref(), &input.network, input.lumen.as_ref(), kind);
         let cuts = is_fragments.then(load_cuts).transpose()?.flatten();
         let notes = refuse_unused(input, options, cuts.as_ref())?;

@@ -4,11 +4,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::draw::Draw;
 use crate::vessels;
-use willis::internals::candidates::clusters::{Bounds, groups};
-use willis::internals::candidates::kind::CenterlineKind;
-use willis::internals::candidates::model::Weights;
-use willis::internals::candidates::model::posterior::posterior;
-use willis::internals::candidates::resample::Resampled;
+use willis::internals::candidates::model::{Weights, posterior};
+use willis::internals::candidates::over_connected::{Bounds, groups};
+use willis::internals::candidates::resample::{CenterlineKind, Resampled};
 use willis::internals::candidates::search::point_index::PointIndex;
 use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build, build_with_evidence};

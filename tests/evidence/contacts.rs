@@ -6,15 +6,11 @@ use std::f64::consts::PI;
 use crate::command::{data, folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::contacts::branches::{BranchEnd, Branches};
-use willis::internals::contacts::crowding::Crowding;
 use willis::internals::contacts::features::{PairTable, pairs_of, skeleton_feature_names};
-use willis::internals::contacts::model::ContactModel;
-use willis::internals::contacts::pairings::Pairings;
-use willis::internals::contacts::partition::{
-    Blocks, JoinableEnds, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions,
-};
+use willis::internals::contacts::model::{ContactModel, Crowding};
+use willis::internals::contacts::partition::{Blocks, PARTITION_FEATURES, SIZES, most_probable, pair_probabilities, partitions};
 use willis::internals::contacts::sections::section;
-use willis::internals::contacts::split::split;
+use willis::internals::contacts::split::{Pairings, split};
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{
@@ -462,7 +458,7 @@ fn independent_pairs_of_two_ends_have_the_probability_of_their_score() {
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
     let p = pair_probabilities(&scores, 2, &weights)[0].1;
     assert!((p - sigmoid(1.3)).abs() < 1e-12, "{p}");
-    let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), 2, &weights, JoinableEnds::ANY);
+    let blocks = most_probable(&PairTable::of(2, 0.0, |_, _| -1.3), 2, &weights, &BTreeSet::new());
     assert_eq!(blocks.of_end, [0, 1]);
     assert!((blocks.joined[0].1 - sigmoid(-1.3)).abs() < 1e-12);
 }
@@ -472,7 +468,7 @@ fn a_crossing_is_two_vessels() {
     // 0-1 and 2-3 pass straight through, the rest bends.
     let scores = PairTable::of(4, 0.0, |i, j| if (i, j) == (0, 1) || (i, j) == (2, 3) { 3.0 } else { -2.0 });
     let weights = [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; SIZES];
-    let blocks = most_probable(&scores, 4, &weights, JoinableEnds::ANY);
+    let blocks = most_probable(&scores, 4, &weights, &BTreeSet::new());
     assert_eq!(blocks.of_end, [0, 0, 1, 1]);
     // By hand: of the fifteen partitions those where a pair of the two vessels is together.
     let joined =
@@ -496,8 +492,5 @@ fn a_crossing_is_two_vessels() {
 #[test]
 fn a_clump_is_put_together_while_that_pays() {
     let scores = PairTable::of(8, 0.0, |i, j| if i / 4 == j / 4 { 1.0 } else { -1.0 });
-    assert_eq!(
-        most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], JoinableEnds::ANY).of_end,
-        [0, 0, 0, 0, 1, 1, 1, 1]
-    );
+    assert_eq!(most_probable(&scores, 8, &[[0.0; PARTITION_FEATURES]; SIZES], &BTreeSet::new()).of_end, [0, 0, 0, 0, 1, 1, 1, 1]);
 }

@@ -3,10 +3,8 @@
 use crate::draw::Draw;
 use crate::extracted::extracted;
 use crate::vessels;
-use willis::internals::candidates::features::candidate_features::log_detour;
-use willis::internals::candidates::features::candidate_features::relative_size;
 use willis::internals::candidates::features::{
-    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, measured, root_features,
+    Extraction, FEATURES, FEEDBACK_FEATURES, Feedback, features, log_detour, measured, relative_size, root_features,
 };
 use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::forest_posterior;

@@ -1,6 +1,6 @@
 //! What the image adds where shape ends: vessels met far round a corner, and the dip between two lumens that touch.
 
-use willis::internals::candidates::joins::image::ahead::Ahead;
+use willis::internals::candidates::joins::image::ways::Ahead;
 use willis::internals::candidates::search::{SearchOptions, search};
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::scene::Bits;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use willis::internals::candidates::joins::image::path::{Between, cheapest_path};
+use willis::internals::candidates::joins::image::ways::cheapest_path;
 use willis::internals::formats::{ReadOptions, read_image, write_nifti_image};
 use willis::internals::masks::{Appearance, Image, Picture, Scene, View};
 use willis::internals::network::Origin;
@@ -239,9 +239,7 @@ fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none()
             .expect("it shows the vessels");
         let ends = [[0.024, 0.015, 0.015], [0.036, 0.015, 0.015]];
         let level = scene.level(ends[0]);
-        let between =
-            Between { ends, own: [1e-3; 2], background: level.background, contrast: scene.typical, spacing: extraction.spacing };
-        let path = cheapest_path(&scene, &between).expect("a path");
+        let path = cheapest_path(&scene, ends, [1e-3; 2], [level.background, scene.typical], extraction.spacing).expect("a path");
         costs[n] = path.cost;
         highest[n] = path.points.iter().map(|p| (p[1] - 0.015) * 1e3).fold(0.0, f64::max);
         if n == 0 {

@@ -8,11 +8,9 @@ use std::path::Path;
 use crate::command::{folder, stderr, willis};
 use crate::refused::refused;
 use willis::internals::candidates::features::Extraction;
-use willis::internals::candidates::joins::course::EndCourse;
-use willis::internals::candidates::joins::features::join_feature_names;
+use willis::internals::candidates::joins::features::{EndCourse, join_feature_names};
 use willis::internals::candidates::joins::model::JoinModel;
-use willis::internals::candidates::kind::CenterlineKind;
-use willis::internals::candidates::resample::{Resampled, step_of};
+use willis::internals::candidates::resample::{CenterlineKind, Resampled, step_of};
 use willis::internals::network::{Network, Node, PathPoint, RadiusRule, Vessel};
 use willis::internals::support::boosted_trees::RegressionTree;
 use willis::internals::support::geometry::{Point, distance};
@@ -75,11 +73,11 @@ fn points_lie_on_the_path_at_equal_distances_and_know_their_places() {
     assert_eq!(path.len(), truth.len());
     for (n, (point, [x, y])) in path.iter().zip(truth).enumerate() {
         assert!(distance(point.position, [x / 1e3, y / 1e3, 0.0]) < 1e-12, "{n}: {:?}", point.position);
-        let place = resampled.place(0, n);
+        let place = resampled.places[0][n];
         assert!(distance(place.on(&network.vessel(0).path).position, point.position) < 1e-15);
     }
     // The third place is 0.2 mm before the corner, the fourth behind it.
-    assert_eq!([resampled.place(0, 2).point, resampled.place(0, 3).point], [0, 1]);
+    assert_eq!([resampled.places[0][2].point, resampled.places[0][3].point], [0, 1]);
 }
 
 #[test]

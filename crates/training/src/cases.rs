@@ -16,8 +16,7 @@ use willis_core::support::in_order;
 use willis_io::formats::tables::conditions::read_inlets;
 use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, read_links, regular_bytes_of};
 use willis_models::candidates::features::Extraction;
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::resample::Resampled;
+use willis_models::candidates::resample::{CenterlineKind, Resampled};
 
 /// Folders further down are not looked into.
 const DEEPEST: usize = 8;

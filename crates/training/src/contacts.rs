@@ -16,10 +16,8 @@ use willis_core::support::in_order;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::resample::Resampled;
-use willis_models::contacts::crowding::Crowding;
-use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
+use willis_models::candidates::resample::{CenterlineKind, Resampled};
+use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, Crowding, NOT_CALIBRATED};
 use willis_models::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
 };

@@ -14,9 +14,8 @@ use willis_core::support::model_provenance::ModelProvenance;
 use willis_io::formats::{ReadOptions, read_image};
 use willis_io::masks::{Appearance, Scene, View};
 use willis_models::candidates::features::Extraction;
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::model::feature_table::CandidateTable;
-use willis_models::candidates::resample::Resampled;
+use willis_models::candidates::model::CandidateTable;
+use willis_models::candidates::resample::{CenterlineKind, Resampled};
 use willis_models::candidates::search::{SearchOptions, search};
 
 /// What a model is fitted to.

@@ -14,11 +14,10 @@ use willis_core::forest_posterior::{Forests, Marginals, arborescence, marginals}
 use willis_core::support::in_order;
 use willis_core::support::model_provenance::ModelProvenance;
 use willis_models::candidates::features::Feedback;
-use willis_models::candidates::model::Usual;
-use willis_models::candidates::model::loop_closures::{Closure, closures};
-use willis_models::candidates::model::pass::PassWeights;
-use willis_models::candidates::model::posterior::{attachment_scores, last_pass, root_scores};
-use willis_models::candidates::model::weights::{Weights, input_features};
+use willis_models::candidates::model::weights::input_features;
+use willis_models::candidates::model::{
+    Closure, PassWeights, Usual, Weights, attachment_scores, closures, last_pass, root_scores,
+};
 
 /// Pairs no more probable than this are left out of calibration and scores.
 pub(crate) const LEAST_LISTED: f64 = 1e-3;

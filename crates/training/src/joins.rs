@@ -18,12 +18,10 @@ use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::statistics::sigmoid;
 use willis_models::candidates::features::Extraction;
 use willis_models::candidates::joins::features::join_feature_names;
-use willis_models::candidates::joins::image::features::image_feature_names;
-use willis_models::candidates::joins::in_image::InImage;
-use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
+use willis_models::candidates::joins::image::InImage;
+use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores, image_feature_names};
 use willis_models::candidates::joins::{JoinTable, ShapeScores};
-use willis_models::candidates::pairs::Pairs;
-use willis_models::candidates::search::SearchOptions;
+use willis_models::candidates::search::{Pairs, SearchOptions};
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -164,7 +162,7 @@ fn fit_image_pass(examples: &[&JoinExample], scores: &[Vec<Vec<f64>>], inner: &[
     let rows_of = |is_in: &dyn Fn(usize) -> bool| {
         let mut rows: Vec<(usize, usize, bool)> = Vec::new();
         for (view, (_, of, scores)) in views.iter().enumerate().filter(|(_, (at, ..))| is_in(*at)) {
-            let seen = |p: &usize| of.truth.clear[*p] && of.image.between.is_seen(*p, scores[*p]);
+            let seen = |p: &usize| of.truth.clear[*p] && of.image.is_seen(*p, scores[*p]);
             rows.extend((0..scores.len()).filter(seen).map(|p| (view, p, of.truth.matches[p].is_some())));
         }
         rows

@@ -9,8 +9,7 @@ use super::logistic::spread;
 use willis_core::error::Result;
 use willis_core::forest_posterior::{log_likelihood, marginals};
 use willis_core::support::in_order;
-use willis_models::candidates::model::feature_table::is_cut;
-use willis_models::candidates::model::pass::PassWeights;
+use willis_models::candidates::model::{PassWeights, is_cut};
 
 /// Added to the spread of a candidate's feature. One that hardly varies at all is not scaled.
 const LEAST_SPREAD: f64 = 1e-6;

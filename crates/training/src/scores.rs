@@ -8,8 +8,7 @@ use super::known_connections::{JoinedPieces, Match};
 use willis_core::error::Result;
 use willis_core::forest_posterior::log_likelihood;
 use willis_core::support::model_provenance::ModelProvenance;
-use willis_models::candidates::model::posterior::last_pass;
-use willis_models::candidates::model::weights::{HeldOutScores, Weights};
+use willis_models::candidates::model::{HeldOutScores, Weights, last_pass};
 
 /// Probabilities that leave doubt.
 const DOUBT: [f64; 2] = [0.05, 0.95];

@@ -7,7 +7,7 @@ use std::{collections::BTreeSet, io::Write, time::Instant};
 
 use serde_json::json;
 
-use crate::internals::candidates::model::weights::{Fold, HeldOutScores, Weights};
+use crate::internals::candidates::model::{Fold, HeldOutScores, Weights};
 use crate::internals::training::names::{NamingModel, fit_names, read_labelled_cases};
 use crate::internals::training::{
     CandidateExample, Case, Cases, ContactModel, FittedPass, Model, TrainParams, check_folds, cross_validate, fit,

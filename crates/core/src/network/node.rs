@@ -103,7 +103,7 @@ pub struct Node {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub is_source: bool,
     /// The score of leaving the fragment of this node a root, where there is evidence: the posterior probability that it is attached to
-    /// no other, times a factor (`candidates::model::posterior::root_scores`). `alone` in files.
+    /// no other, times a factor (`candidates::model::root_scores`). `alone` in files.
     #[serde(rename = "alone")]
     pub root_score: Option<f64>,
 }

@@ -1,33 +1,19 @@
 //! Candidate connections: from fragments to the over-connected graph.
 
-pub mod clusters;
 pub mod features;
 pub mod joins;
-pub mod kind;
 pub mod model;
-mod network_point;
-mod options;
-mod over_connected;
-pub mod pairs;
-mod recognise_kind;
+pub mod over_connected;
 pub mod resample;
 pub mod search;
 
-pub use network_point::NetworkPoint;
-pub use options::{Attach, CandidateOptions, CandidateRadius, NEAREST};
+pub use features::NetworkPoint;
+pub use search::{Attach, CandidateOptions, CandidateRadius, NEAREST};
 
-use clusters::{FragmentCluster, clusters};
-use features::Extraction;
-use joins::JoinTable;
-use joins::in_image::InImage;
-use joins::model::JoinModel;
-use kind::CenterlineKind;
-use model::Usual;
-use model::posterior::{ForestPosterior, posterior};
-use model::weights::Weights;
-use over_connected::{NewVessel, over_connected};
-use resample::Resampled;
-use search::{EndCandidate, SearchOptions, search, search_nearest};
+use model::{ForestPosterior, Usual, Weights, posterior};
+use over_connected::{FragmentCluster, NewVessel, clusters, over_connected};
+use resample::{CenterlineKind, Resampled};
+use search::{EndCandidate, search, search_nearest};
 use willis_core::error::Result;
 use willis_core::network::{Evidence, Network};
 use willis_io::masks::{Scene, Unseen, View};
@@ -82,10 +68,21 @@ pub fn build_with_evidence(
     options.validate()?;
     let (mut found, mut roots, mut largest) = (Vec::new(), Vec::new(), None);
     for cluster in clusters(network, inlets) {
-        let (vessels, scores, usual) = found_by_evidence(&cluster, options, weights)?;
-        found.extend(vessels);
-        roots.extend(scores);
-        largest = [largest, usual].into_iter().flatten().max_by(|a: &Usual, b| a.0[0][0].total_cmp(&b.0[0][0]));
+        let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
+        let e = resampled.extraction(&cluster.inlets)?;
+        let mut candidates = search(&e, &options.search())?;
+        candidates.retain(|c| options.allows(c, &e));
+        let posterior = posterior(&e, &candidates, weights)?;
+        let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP).map(|(candidate, p)| {
+            (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
+        });
+        found.extend(probable(&posterior).into_iter().chain(loops).map(|(candidate, evidence)| {
+            let radii = candidate.points(&e).map(|point| e.radius_at(point));
+            NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, &cluster) }
+        }));
+        let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
+        roots.extend(e.place.iter().zip(&e.fragment).map(root));
+        largest = [largest, Usual::new(&e)].into_iter().flatten().max_by(|a: &Usual, b| a.0[0][0].total_cmp(&b.0[0][0]));
     }
     let (mut graph, node_at) = over_connected(network, found, options);
     for (place, score) in roots {
@@ -100,34 +97,6 @@ pub fn build_with_evidence(
     Ok((graph, largest.and_then(|usual| usual.unlike(weights.usual?))))
 }
 
-/// Places in the network, each with how probably its fragment is a root.
-type Roots = Vec<(NetworkPoint, f64)>;
-
-/// The candidates of a cluster that the evidence allows, how probably the fragment of each place is a root, and what the fragments are like.
-fn found_by_evidence(
-    cluster: &FragmentCluster,
-    options: &CandidateOptions,
-    weights: &Weights,
-) -> Result<(Vec<NewVessel>, Roots, Option<Usual>)> {
-    let resampled = Resampled::new(&cluster.network, CenterlineKind::Tracing);
-    let e = resampled.extraction(&cluster.inlets)?;
-    let mut candidates = search(&e, &options.search())?;
-    candidates.retain(|c| options.allows(c, &e));
-    let posterior = posterior(&e, &candidates, weights)?;
-    let mut found = probable(&posterior);
-    let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP);
-    found.extend(loops.map(|(candidate, p)| {
-        (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
-    }));
-    let new_vessel = |(candidate, evidence): (EndCandidate, Evidence)| {
-        let radii = candidate.points(&e).map(|point| e.radius_at(point));
-        NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, cluster) }
-    };
-    let vessels = found.into_iter().map(new_vessel).collect();
-    let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
-    Ok((vessels, e.place.iter().zip(&e.fragment).map(root).collect(), Usual::new(&e)))
-}
-
 /// Joins the loose ends of an automatic skeleton by the candidates that the join model allows, within fragments too.
 ///
 /// Every candidate has its [`Evidence`], and its probability is its prior. Rows and lengths are as [`build`] makes them; where an image
@@ -140,7 +109,7 @@ fn found_by_evidence(
 pub fn build_joins(
     network: &Network,
     options: &CandidateOptions,
-    model: &JoinModel,
+    model: &joins::model::JoinModel,
     view: Option<View>,
 ) -> Result<(Network, Option<Looked>)> {
     options.validate()?;
@@ -149,59 +118,31 @@ pub fn build_joins(
     let parts = if view.is_some() { vec![whole] } else { clusters(network, &[]) };
     let (mut vessels, mut looked, mut view) = (Vec::new(), None, view);
     for cluster in parts {
-        let (found, seen) = found_by_joins(&cluster, options, model, view.take())?;
-        vessels.extend(found);
-        looked = seen;
+        let table = joins::JoinTable::new(&cluster.network, options.search().branches)?;
+        let e = &table.extraction;
+        let scores = table.scores(model);
+        looked = view.take().map(|view| Scene::new(&e.centerlines(), view));
+        let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
+        let image = scene.map(|scene| joins::image::InImage::new(&table, scene, Some(&scores.second)));
+        let (candidates, pairs, probabilities) = match &image {
+            Some(image) => (&image.candidates, &image.pairs, image.probabilities(&table, model, &scores)),
+            None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
+        };
+        vessels.extend(pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
+            let candidate = candidates[*row];
+            let gap = candidate.gap(e);
+            let within = candidate.fragments(e).iter().all(|row| gap <= e.fragments[*row].reach());
+            let stays = probability > LEAST_PROBABLE && options.allows(&candidate, e) && within;
+            let radii = candidate.points(e).map(|point| e.radius_at(point));
+            let course = image.as_ref().filter(|_| model.image.is_some());
+            stays.then(|| NewVessel {
+                evidence: Some(Evidence::undirected(probability)),
+                course: course.and_then(|image| image.course(pair, e.ends[candidate.end].point)),
+                ..NewVessel::of(candidate, radii, e, &table.resampled, &cluster)
+            })
+        }));
     }
     Ok((over_connected(network, vessels, options).0, looked))
-}
-
-/// The candidates of a cluster that the join model allows, and the image as it was measured.
-fn found_by_joins(
-    cluster: &FragmentCluster,
-    options: &CandidateOptions,
-    model: &JoinModel,
-    view: Option<View>,
-) -> Result<(Vec<NewVessel>, Option<Looked>)> {
-    let table = JoinTable::new(&cluster.network, options.search().branches)?;
-    let e = &table.extraction;
-    let scores = table.scores(model);
-    let looked = view.map(|view| Scene::new(&e.centerlines(), view));
-    let scene = looked.as_ref().and_then(|looked| looked.as_ref().ok());
-    let image = scene.map(|scene| InImage::new(&table, scene, Some(&scores.second)));
-    let (candidates, pairs, probabilities) = match &image {
-        Some(image) => (&image.candidates, &image.pairs, image.probabilities(&table, model, &scores)),
-        None => (&table.candidates, &table.pairs, table.probabilities(model, &scores)),
-    };
-    let found = pairs.first.iter().zip(probabilities).enumerate().filter_map(|(pair, (row, probability))| {
-        let candidate = candidates[*row];
-        let gap = candidate.gap(e);
-        let within = candidate.fragments(e).iter().all(|row| gap <= e.fragments[*row].reach());
-        let stays = probability > LEAST_PROBABLE && options.allows(&candidate, e) && within;
-        let radii = candidate.points(e).map(|point| e.radius_at(point));
-        let course = image.as_ref().filter(|_| model.image.is_some());
-        stays.then(|| NewVessel {
-            evidence: Some(Evidence::undirected(probability)),
-            course: course.and_then(|image| image.between.course(pair, e.ends[candidate.end].point, pairs)),
-            ..NewVessel::of(candidate, radii, e, &table.resampled, cluster)
-        })
-    });
-    let found = found.collect();
-    Ok((found, looked))
-}
-
-impl CandidateOptions {
-    /// How far the search with evidence goes.
-    fn search(&self) -> SearchOptions {
-        let usual = SearchOptions::default();
-        SearchOptions { branches: self.k.unwrap_or(usual.branches), ..usual }
-    }
-
-    /// Whether a candidate is no longer than the options allow, and ends where it may.
-    fn allows(&self, candidate: &EndCandidate, e: &Extraction) -> bool {
-        let may_end = self.attach == Attach::Centerline || e.end_at[candidate.point].is_some();
-        may_end && self.max_gap.is_none_or(|most| candidate.gap(e) <= most)
-    }
 }
 
 /// The candidates between fragments that are probable enough. Of the two directions between a pair of points the first found

@@ -1,12 +1,21 @@
-//! Centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
+//! Kinds of centerlines, and centerlines at one step, so that decisions do not depend on how densely a reader or another program puts points along a vessel.
 
-use super::features::extraction::Extraction;
-use super::kind::CenterlineKind;
-use willis_core::error::Result;
+use super::features::Extraction;
 use willis_core::network::path_places::{PathPlace, at_even_steps, length_of};
-use willis_core::network::{Network, Origin, Vessel};
+use willis_core::network::{Network, Origin, Vessel, cycles, fragments};
 use willis_core::support::geometry::distance;
 use willis_core::support::ties::steady;
+
+/// How centerlines came about. Each kind has a model of its own, which knows them with points at a step of its own.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CenterlineKind {
+    /// A person traced trees of vessels in an image, one point after the other.
+    Tracing,
+    /// A person drew vessel by vessel, each from within the lumen of the one it leaves, as in TubeTK.
+    Tubes,
+    /// A mask was thinned.
+    Skeleton,
+}
 
 /// Of a skeleton the step is so many times the radius that a quarter of the length falls short of: about one and a half voxels.
 const STEP_RADII: f64 = std::f64::consts::SQRT_2;
@@ -29,7 +38,7 @@ pub struct Resampled {
     /// The step, m, positive.
     pub step: f64,
     /// Per vessel and point of its path the place of that point on the original path.
-    places: Vec<Vec<PathPlace>>,
+    pub places: Vec<Vec<PathPlace>>,
 }
 
 impl Resampled {
@@ -41,7 +50,13 @@ impl Resampled {
         let mut resampled = network.clone();
         for row in 0..network.vessel_count() {
             let vessel = resampled.vessel_mut(row);
-            let place = places_at(vessel, step);
+            let (path, length) = (&vessel.path, length_of(&vessel.path));
+            // Its own points where it is not observed, or has no length.
+            let place = if vessel.origin != Origin::Observed || path.len() < 2 || length <= 0.0 {
+                (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect()
+            } else {
+                at_even_steps(path, (steady(length / step).round() as usize).max(1))
+            };
             vessel.path = place.iter().map(|place| place.on(&vessel.path)).collect();
             places.push(place);
         }
@@ -53,13 +68,8 @@ impl Resampled {
     /// # Errors
     ///
     /// A node without a position.
-    pub fn extraction(&self, inlets: &[usize]) -> Result<Extraction> {
+    pub fn extraction(&self, inlets: &[usize]) -> willis_core::error::Result<Extraction> {
         Extraction::new(&self.network, inlets, self.step)
-    }
-
-    /// The place on the original path of a point of a vessel's path.
-    pub fn place(&self, vessel: usize, point: usize) -> PathPlace {
-        self.places[vessel][point]
     }
 }
 
@@ -77,7 +87,17 @@ pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
         stretches.extend(steps.filter(|(radii, length)| radii[0] > 0.0 && *length > 0.0));
     }
     let whole: f64 = stretches.iter().map(|(_, length)| length).sum();
-    let thin = narrowest_quarter(&stretches, whole);
+    // The radius that the narrowest quarter of the length has at most; zero without vessels.
+    let narrower = |radius: f64| {
+        let share =
+            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
+        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
+    };
+    let (mut low, mut thin) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + thin);
+        (low, thin) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, thin) };
+    }
     if thin <= 0.0 {
         return 1.0;
     }
@@ -85,38 +105,66 @@ pub fn step_of(network: &Network, kind: CenterlineKind) -> f64 {
         CenterlineKind::Skeleton => STEP_RADII * thin,
         CenterlineKind::Tracing | CenterlineKind::Tubes => {
             let [low, high] = TRACING_RADII.map(|radii| radii * thin);
-            (volume(&stretches).cbrt() / STEPS_PER_SIDE).clamp(low, high)
+            // In m³, cone by cone.
+            let cone = |([a, b], length): &([f64; 2], f64)| std::f64::consts::PI / 3.0 * (a * a + a * b + b * b) * length;
+            (stretches.iter().map(cone).sum::<f64>().cbrt() / STEPS_PER_SIDE).clamp(low, high)
         }
     };
     let most = (MOST_TIMES * stretches.len() as f64).clamp(MOST_POINTS[0], MOST_POINTS[1]);
     steady(step).max(whole / most)
 }
 
-/// The radius (m) that the narrowest quarter of the length has at most; zero without vessels.
-fn narrowest_quarter(stretches: &[([f64; 2], f64)], whole: f64) -> f64 {
-    let narrower = |radius: f64| {
-        let share =
-            |[least, most]: [f64; 2]| if most <= radius { 1.0 } else { ((radius - least) / (most - least)).clamp(0.0, 1.0) };
-        stretches.iter().map(|(radii, length)| share(*radii) * length).sum::<f64>()
-    };
-    let (mut low, mut high) = (0.0, stretches.iter().map(|(radii, _)| radii[1]).fold(0.0, f64::max));
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        (low, high) = if narrower(middle) >= NARROW * whole { (low, middle) } else { (middle, high) };
+/// Arteries have no more independent loops than this, those of the circle and some to spare.
+const MOST_LOOPS: usize = 4;
+/// Vessels are drawn one by one where this share of them begins in the lumen of another, ...
+const INSIDE: f64 = 2.0 / 3.0;
+/// ... and there are so many.
+const LEAST_VESSELS: usize = 4;
+/// A lumen is looked for within so many radii of an end, for a branch is hardly thinner than its parent over this.
+const REACH: f64 = 4.0;
+
+impl CenterlineKind {
+    /// The kind of observed vessels: a skeleton where they come from a mask or have more loops than arteries have, which come where vessels
+    /// touch; tubes where two thirds of the pieces have a free end inside the lumen of another piece; else a tracing.
+    pub fn of(network: &Network, from_mask: bool) -> Self {
+        if from_mask || cycles(network) > MOST_LOOPS {
+            Self::Skeleton
+        } else if begin_in_lumens(network) {
+            Self::Tubes
+        } else {
+            Self::Tracing
+        }
     }
-    high
 }
 
-/// The volume (m³) of cone by cone.
-fn volume(stretches: &[([f64; 2], f64)]) -> f64 {
-    stretches.iter().map(|([a, b], length)| std::f64::consts::PI / 3.0 * (a * a + a * b + b * b) * length).sum()
-}
-
-/// Places at equal distances along an observed vessel, about one step apart; those of its points where it is none, or has no length.
-fn places_at(vessel: &Vessel, step: f64) -> Vec<PathPlace> {
-    let (path, length) = (&vessel.path, length_of(&vessel.path));
-    if vessel.origin != Origin::Observed || path.len() < 2 || length <= 0.0 {
-        return (0..path.len()).map(|point| PathPlace { point, share: 0.0 }).collect();
+fn begin_in_lumens(network: &Network) -> bool {
+    let observed = fragments(network, |_, vessel| vessel.origin == Origin::Observed);
+    if observed.count < LEAST_VESSELS || !network.has_positions() {
+        return false;
     }
-    at_even_steps(path, (steady(length / step).round() as usize).max(1))
+    let resampled = Resampled::new(network, CenterlineKind::Tubes).network;
+    let degree = resampled.degrees(|vessel| vessel.origin == Origin::Observed);
+    let (mut points, mut piece, mut radius, mut free) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    // A vessel of a ready graph may have no course.
+    let traced = |vessel: &Vessel| vessel.origin == Origin::Observed && !vessel.path.is_empty();
+    for (ends, vessel) in resampled.vessels().filter(|(_, vessel)| traced(vessel)) {
+        let first = points.len();
+        points.extend(vessel.path.iter().map(|at| at.position));
+        piece.resize(points.len(), observed.of_node[ends[0]]);
+        radius.extend(vessel.path.iter().map(|at| at.radius));
+        let at = [first, points.len().max(1) - 1];
+        free.extend(ends.iter().zip(at).filter(|(node, _)| degree[**node] == 1).map(|(_, point)| point));
+    }
+    let index = super::search::PointIndex::new(points.clone());
+    // Per piece with a free end whether one is inside another piece.
+    let mut inside: Vec<Option<bool>> = vec![None; observed.count];
+    for end in free {
+        let around = index.around(points[end], REACH * radius[end]);
+        let found = around.iter().any(|(away, point)| piece[*point] != piece[end] && *away <= radius[*point]);
+        let of_piece = inside[piece[end]].get_or_insert(false);
+        *of_piece |= found;
+    }
+    let known: Vec<bool> = inside.into_iter().flatten().collect();
+    let begun_inside = known.iter().filter(|inside| **inside).count();
+    known.len() >= LEAST_VESSELS && begun_inside as f64 >= INSIDE * known.len() as f64
 }

@@ -1,14 +1,11 @@
-//! Branches between junctions, and contact clusters: junctions that lie within each other's lumen, with the branch ends that meet there.
+//! Branches between junctions and their courses, and contact clusters: junctions that lie within each other's lumen, with the branch ends that meet there.
 
 use std::collections::BTreeMap;
 
-use petgraph::unionfind::UnionFind;
-
-use super::courses::{Course, even_course};
-use willis_core::network::path_places::length_of;
+use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::walks::{Walk, vessels_at};
 use willis_core::network::{Network, Origin, PathPoint};
-use willis_core::support::geometry::{Point, centroid, smooth, straightest, sub, unit};
+use willis_core::support::geometry::{Point, centroid, lerp, smooth, straightest, sub, unit};
 use willis_core::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
@@ -90,8 +87,7 @@ impl Branches {
     /// Divides the observed vessels of a network, whose nodes have positions.
     pub fn new(network: &Network) -> Self {
         let runs = runs(network, |_| false);
-        let mut degree = vec![0; network.node_count()];
-        runs.iter().flat_map(|run| run.ends).for_each(|node| degree[node] += 1);
+        let degree = willis_core::support::numbered::counted(network.node_count(), runs.iter().flat_map(|run| run.ends));
         let is_junction = |node: usize| degree[node] > 2;
         let mut radius_at = vec![0.0_f64; network.node_count()];
         for run in &runs {
@@ -99,8 +95,8 @@ impl Branches {
                 radius_at[node] = radius_at[node].max(point.map_or(0.0, |p| p.radius));
             }
         }
-        let mut union = UnionFind::<usize>::new(network.node_count());
-        let mut count: Vec<usize> = degree.clone();
+        let mut union = petgraph::unionfind::UnionFind::<usize>::new(network.node_count());
+        let mut count = degree.clone();
         let mut is_inner = vec![false; runs.len()];
         let mut order: Vec<usize> = (0..runs.len()).collect();
         order.sort_by(|a, b| runs[*a].length.total_cmp(&runs[*b].length).then(a.cmp(b)));
@@ -249,4 +245,78 @@ fn branch(network: &Network, run: Walk) -> Option<ObservedBranch> {
     let inside = if points.len() > 4 { &points[1..points.len() - 1] } else { &points[..] };
     let radius = median(&inside.iter().map(|p| p.radius).collect::<Vec<f64>>())?;
     (length > 0.0 && radius > 0.0).then_some(ObservedBranch { ends, vessels, nodes, points, length, radius, clusters: [None; 2] })
+}
+
+/// A course has no fewer and no more steps.
+const LEAST_STEPS: usize = 2;
+const MOST_STEPS: usize = 20_000;
+
+/// A line with the length along it.
+#[derive(Debug, Clone, Default)]
+pub struct Course {
+    /// Length from the beginning to each point, m, not falling.
+    pub arc: Vec<f64>,
+    /// The points.
+    pub points: Vec<Point>,
+    /// Their radii, m.
+    pub radii: Vec<f64>,
+}
+
+impl Course {
+    /// The whole length, m.
+    pub fn length(&self) -> f64 {
+        self.arc.last().copied().unwrap_or(0.0)
+    }
+
+    /// The place at a length from the beginning, no further than the line goes.
+    pub fn at(&self, arc: f64) -> Point {
+        let after = self.arc.partition_point(|s| *s < arc);
+        if after == 0 || after >= self.arc.len() {
+            return self.points.get(after.min(self.points.len().saturating_sub(1))).copied().unwrap_or_default();
+        }
+        let (from, to) = (self.arc[after - 1], self.arc[after]);
+        lerp(self.points[after - 1], self.points[after], (arc - from) / (to - from).max(f64::MIN_POSITIVE))
+    }
+
+    /// The direction from one length along it to another; zero where they are one place.
+    pub fn direction(&self, from: f64, to: f64) -> Point {
+        unit(sub(self.at(to), self.at(from)))
+    }
+
+    /// Radii of the points between two lengths, in order of the points.
+    pub fn radii_between(&self, from: f64, to: f64) -> Vec<f64> {
+        self.arc.iter().zip(&self.radii).filter(|(s, _)| (from..=to).contains(*s)).map(|(_, r)| *r).collect()
+    }
+
+    /// The same from its other end.
+    fn reversed(&self) -> Self {
+        let length = self.length();
+        Self {
+            arc: self.arc.iter().rev().map(|s| length - s).collect(),
+            points: self.points.iter().rev().copied().collect(),
+            radii: self.radii.iter().rev().copied().collect(),
+        }
+    }
+
+    /// Goes on along another line.
+    fn extend(&mut self, other: &Self) {
+        let length = self.length();
+        self.arc.extend(other.arc.iter().map(|s| s + length));
+        self.points.extend_from_slice(&other.points);
+        self.radii.extend_from_slice(&other.radii);
+    }
+}
+
+/// A line through points at even steps of about `step`.
+pub fn even_course(path: &[PathPoint], step: f64) -> Course {
+    let length = length_of(path);
+    let steps = ((length / step).ceil() as usize).clamp(LEAST_STEPS, MOST_STEPS);
+    let mut course = Course::default();
+    for (n, place) in at_even_steps(path, steps).into_iter().enumerate() {
+        let point = place.on(path);
+        course.arc.push(length * n as f64 / steps as f64);
+        course.points.push(point.position);
+        course.radii.push(point.radius);
+    }
+    course
 }

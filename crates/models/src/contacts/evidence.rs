@@ -1,20 +1,18 @@
 //! What the mask tells of a pair of branch ends: whether a tube from one to the other lies in the lumen, and how the lumen is shaped there.
 //!
-//! All features are ratios of lengths or areas, or cosines. R is the radius of the cluster's core, ρ = 1.5 R.
+//! What an image tells besides: whether it is bright all the way from one to the other, and as bright. All features are ratios of lengths, areas or
+//! contrasts, or cosines. Contrast is brightness above the background near the cluster, as a share of that of the dimmer end where nothing else is said.
+//! R is the radius of the cluster's core, ρ = 1.5 R.
 
 use super::branches::{Branches, Cluster};
 use super::features::{Pair, PairTable, pairs_among, sorted};
-use super::image::image_features;
-use super::lumen::{HALF_WIDTH, INNER, LumenArm, LumenTube};
-use super::sections::{Section, across, principal, section};
+use super::sections::{AROUND, HALF_WIDTH, INNER, LumenArm, LumenTube, Section, across, principal, section};
 use willis_core::support::geometry::{Point, cross, distance, dot, lerp, norm, sub};
-use willis_core::support::in_order;
 use willis_core::support::statistics::median;
 use willis_io::masks::{Field, Scene};
 
 /// Rings of points around the middle of the tube, at these shares of its radius.
 const RINGS: [f64; 2] = [0.5, 0.9];
-const AROUND: usize = 8;
 /// A depth profile is parted where it falls below this share of what is on both sides.
 const DIP: f64 = 0.85;
 
@@ -46,89 +44,71 @@ struct OfTube {
     sections: [f64; 7],
 }
 
-impl OfTube {
-    fn new(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> Self {
-        let w = sub(b.middle, a.middle);
-        let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
-        let (miss_a, miss_b) = (off(a.along), off(b.along));
-        let sum = a.radius + b.radius;
-        let normal = cross(a.along, b.along);
-        let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
-        let ring = |share: f64| -> [f64; 2] {
-            let inside: Vec<f64> = (0..INNER)
-                .map(|n| {
-                    let [u, v] = across(tube.tangents[n]);
-                    let hit = |k: &usize| {
-                        let (s, c) = (*k as f64 * std::f64::consts::TAU / AROUND as f64).sin_cos();
-                        let r = share * tube.radii[n];
-                        field.signed([0, 1, 2].map(|x| tube.points[n][x] + r * (c * u[x] + s * v[x]))) > 0.0
-                    };
-                    (0..AROUND).filter(hit).count() as f64 / AROUND as f64
-                })
-                .collect();
-            mean_least(&inside)
-        };
-        let over = |points: &[Point]| -> Vec<f64> {
-            points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
-        };
-        let (signed, far) = (over(&tube.points), over(&tube.far));
-        let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
-        let sections: Vec<Section> = (0..INNER)
-            .step_by(2)
-            .map(|n| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel()))
-            .collect();
-        let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
-        let areas: Vec<f64> = sections.iter().map(|s| s.area).collect();
-        let fold = |values: &[f64], of: fn(f64, f64) -> f64, from: f64| values.iter().copied().fold(from, of);
-        let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
-        let shifts: Vec<f64> = sections.iter().map(|s| norm(s.shift)).collect();
-        Self {
-            miss: sorted([miss_a, miss_b].map(|miss| (miss / sum + 0.1).ln())),
-            skew: (skew / sum + 0.1).ln(),
-            bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
-            rings: RINGS.map(ring),
-            signed: mean_least(&signed),
-            depth: mean_least(&depth),
-            far: mean_least(&far),
-            far_inside: far.iter().filter(|x| **x > 0.0).count() as f64 / INNER as f64,
-            sections: [
-                (fold(&areas, f64::min, f64::INFINITY) / a.area.min(b.area) + 0.1).ln(),
-                (fold(&areas, f64::max, 0.0) / a.area.max(b.area) + 0.1).ln(),
-                median(&elongations).unwrap_or(1.0).ln(),
-                fold(&elongations, f64::max, 1.0).ln(),
-                sections.iter().map(|s| s.second).fold(0.0, f64::max),
-                sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
-                fold(&shifts, f64::max, 0.0) / mean_radius,
-            ],
-        }
+fn of_tube(field: &Field, a: &LumenArm, b: &LumenArm, tube: &LumenTube) -> OfTube {
+    let w = sub(b.middle, a.middle);
+    let off = |along: Point| norm([0, 1, 2].map(|k| w[k] - dot(w, along) * along[k]));
+    let (miss_a, miss_b) = (off(a.along), off(b.along));
+    let sum = a.radius + b.radius;
+    let normal = cross(a.along, b.along);
+    let skew = if norm(normal) > 0.2 { dot(w, normal).abs() / norm(normal) } else { miss_a.min(miss_b) };
+    let ring = |share: f64| {
+        let inside = |n: usize| tube.ring(n, share * tube.radii[n]).into_iter().filter(|p| field.signed(*p) > 0.0).count();
+        mean_least(&(0..INNER).map(|n| inside(n) as f64 / AROUND as f64).collect::<Vec<f64>>())
+    };
+    let over = |points: &[Point]| -> Vec<f64> {
+        points.iter().zip(&tube.radii).map(|(p, r)| (field.signed(*p) / r).max(-1.0)).collect()
+    };
+    let (signed, far) = (over(&tube.points), over(&tube.far));
+    let depth: Vec<f64> = signed.iter().map(|x| x.max(0.0)).collect();
+    let across = |n: usize| section(field, tube.points[n], tube.tangents[n], HALF_WIDTH * tube.radii[n] + field.voxel());
+    let sections: Vec<Section> = (0..INNER).step_by(2).map(across).collect();
+    let elongations: Vec<f64> = sections.iter().map(Section::elongation).collect();
+    let most = |of: &dyn Fn(&Section) -> f64, from: f64| sections.iter().map(of).fold(from, f64::max);
+    let mean_radius = tube.radii.iter().sum::<f64>() / INNER as f64;
+    OfTube {
+        miss: sorted([miss_a, miss_b].map(|miss| (miss / sum + 0.1).ln())),
+        skew: (skew / sum + 0.1).ln(),
+        bend: ((tube.length + 1e-3 * sum) / (distance(b.root, a.root) + 0.1 * sum)).ln(),
+        rings: RINGS.map(ring),
+        signed: mean_least(&signed),
+        depth: mean_least(&depth),
+        far: mean_least(&far),
+        far_inside: far.iter().filter(|x| **x > 0.0).count() as f64 / INNER as f64,
+        sections: [
+            (sections.iter().map(|s| s.area).fold(f64::INFINITY, f64::min) / a.area.min(b.area) + 0.1).ln(),
+            (most(&|s| s.area, 0.0) / a.area.max(b.area) + 0.1).ln(),
+            median(&elongations).unwrap_or(1.0).ln(),
+            most(&Section::elongation, 1.0).ln(),
+            most(&|s| s.second, 0.0),
+            sections.iter().map(|s| s.saddle).fold(1.0, f64::min),
+            most(&|s| norm(s.shift), 0.0) / mean_radius,
+        ],
     }
 }
 
 /// The depths along the way from one end over the core to the other: least and most over a radius, the deepest dip, the number of dips.
 fn along_the_way(field: &Field, arms: [&LumenArm; 2], core: &[Point]) -> [f64; 4] {
     let [a, b] = arms;
+    // The core's points nearest to a few places on the straight line.
+    let near = |n: u32| {
+        let at = lerp(a.root, b.root, f64::from(n) / 4.0);
+        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
+    };
+    let mut way: Vec<Point> = (1..4).filter_map(near).collect();
+    way.dedup();
     let mut depth: Vec<f64> = a.depths.iter().rev().copied().collect();
-    depth.extend(core.iter().map(|p| field.depth(*p)));
+    depth.extend(way.iter().map(|p| field.depth(*p)));
     depth.extend_from_slice(&b.depths);
     let before = depth.clone();
     for n in 1..depth.len() - 1 {
         depth[n] = 0.25 * before[n - 1] + 0.5 * before[n] + 0.25 * before[n + 1];
     }
     let small = 0.1 * field.voxel();
-    let running = |values: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
-        let most = values.scan(0.0_f64, |most, x| {
-            *most = most.max(x);
-            Some(*most)
-        });
-        most.collect()
-    };
-    let forward = running(&mut depth.iter().copied());
-    let mut backward = running(&mut depth.iter().rev().copied());
-    backward.reverse();
-    let dips: Vec<f64> = (0..depth.len()).map(|n| (depth[n] + small) / (forward[n].min(backward[n]) + small)).collect();
-    let low: Vec<bool> = dips.iter().map(|x| *x < DIP).collect();
-    let count = (0..low.len()).filter(|n| low[*n] && (*n == 0 || !low[n - 1])).count();
-    let [least, most] = [depth.iter().copied().fold(f64::INFINITY, f64::min), depth.iter().copied().fold(0.0, f64::max)];
+    let most = |part: &[f64]| part.iter().copied().fold(0.0, f64::max);
+    let beside = |n: usize| most(&depth[..=n]).min(most(&depth[n..]));
+    let dips: Vec<f64> = (0..depth.len()).map(|n| (depth[n] + small) / (beside(n) + small)).collect();
+    let count = dips.chunk_by(|a, b| (*a < DIP) == (*b < DIP)).filter(|run| run[0] < DIP).count();
+    let (least, most) = (depth.iter().copied().fold(f64::INFINITY, f64::min), most(&depth));
     let [thin, wide] = sorted([a.radius, b.radius]);
     [(least / thin + 0.1).ln(), (most / wide + 0.1).ln(), dips.iter().copied().fold(f64::INFINITY, f64::min), count as f64]
 }
@@ -183,10 +163,10 @@ fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> 
     (0..pairs.len()).map(of).collect()
 }
 
-/// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`](super::image::IMAGE_FEATURES) where there is an image.
+/// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`] where there is an image.
 pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
-    in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, pairs)).concat()
+    willis_core::support::in_order(&clusters, |_, pairs| of_cluster(field, scene, branches, pairs)).concat()
 }
 
 fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
@@ -195,7 +175,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let arms: Vec<LumenArm> = (0..c.ends.len()).map(|end| LumenArm::new(field, branches, cluster, end)).collect();
     let tubes: Vec<LumenTube> = pairs.iter().map(|p| LumenTube::new(&arms[p.ends[0]], &arms[p.ends[1]])).collect();
     let found: Vec<OfTube> =
-        pairs.iter().zip(&tubes).map(|(p, tube)| OfTube::new(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
+        pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
     let cover = covers(&places, pairs, &tubes, field.voxel());
     let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));
@@ -212,8 +192,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let deepest = c.core.iter().map(|p| field.depth(p.position)).fold(0.0, f64::max);
     let most_radius = arms.iter().map(|a| a.radius).fold(0.0, f64::max);
     let rivals = (arms.len() - 1) as f64;
-    let better =
-        |end: usize, value: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > value).count() as f64 / rivals;
+    let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
     let of_pair = |n: usize| -> Vec<f64> {
         let ends = pairs[n].ends;
@@ -222,14 +201,11 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         let to_widest = sorted([a, b].map(|arm| (arm.area / widest).ln()));
         let elongation = sorted([a.elongation, b.elongation]);
         let miss_margin = straight.margins(ends, -1.5);
-        let ring_margin = ring.margins(ends, 0.0);
-        let signed_margin = signed.margins(ends, 0.0);
-        let far_margin = far.margins(ends, 0.0);
+        let [ring_margin, signed_margin, far_margin] = [&ring, &signed, &far].map(|table| table.margins(ends, 0.0));
         let own = fit.get(ends[0], ends[1]);
         let behind = sorted(ends.map(|end| better(end, own)));
         let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
-        let way = way_through(&core, a.root, b.root);
-        let way = along_the_way(field, [a, b], &way);
+        let way = along_the_way(field, [a, b], &core);
         let normal = sorted([a, b].map(|arm| dot(arm.along, across_it).abs()));
         let [alone, with, without] = cover[n];
         let mut row = t.miss.to_vec();
@@ -240,27 +216,173 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         row.extend([signed_margin, far_margin, [gain(&fit), gain(&straight)], behind].concat());
         row.extend(t.sections);
         row.extend(way);
-        row.push(murray);
-        row.extend(shape);
-        row.push((deepest / most_radius + 0.1).ln());
+        row.extend([murray, shape[0], shape[1], shape[2], (deepest / most_radius + 0.1).ln()]);
         row.extend([normal[0], normal[1], alone, with, without, with - without]);
         row
     };
     let mut rows: Vec<Vec<f64>> = (0..pairs.len()).map(of_pair).collect();
     if let Some(scene) = scene {
-        let shown = image_features(scene, field.voxel(), c.centre(), &arms, &tubes, pairs);
+        let shown = of_image(scene, field, c, &arms, &tubes, pairs);
         rows.iter_mut().zip(shown).for_each(|(row, shown)| row.extend(shown));
     }
     rows
 }
 
-/// Places on the core's way from one arm to the other: the core's points nearest to a few places on the straight line.
-fn way_through(core: &[Point], from: Point, to: Point) -> Vec<Point> {
-    let near = |n: u32| {
-        let at = lerp(from, to, f64::from(n) / 4.0);
-        core.iter().copied().min_by(|a, b| distance(*a, at).total_cmp(&distance(*b, at)))
+/// The names of the features, each behind `image_`.
+pub const IMAGE_FEATURES: &str = "\
+    noise dimmer ratio to_brightest_least to_brightest_most tube_least tube_mean tube_most ring_mean ring_least outside_mean \
+    outside_most dip bulge bend_along bend_along_most bend_across saddle saddle_noise tube_margin_least tube_margin_most \
+    saddle_margin_least saddle_margin_most ratio_margin_least ratio_margin_most tube_pairing saddle_pairing ratio_pairing";
+
+/// The contrast of an end is at least this share of the typical one.
+const LEAST_CONTRAST: f64 = 0.2;
+/// Rings around the tube inside and outside, in its radii and in voxels beside them.
+const INSIDE: f64 = 0.8;
+const OUTSIDE: [f64; 2] = [1.0, 1.5];
+/// Bends of the brightness are taken over so many radii and voxels.
+const BEND: [f64; 2] = [0.7, 0.5];
+/// The lattice on which ways between ends are searched has at most so many steps to each side.
+const MOST_STEPS: f64 = 10.0;
+/// More ends than this are not paired.
+const MOST_PAIRED: usize = 8;
+
+/// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
+fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube], pairs: &[Pair]) -> Vec<Vec<f64>> {
+    let (voxel, centre) = (field.voxel(), c.centre());
+    let level = scene.level(centre);
+    let contrast = |p: Point| scene.brightness(p).map_or(0.0, |x| x - level.background);
+    let least = LEAST_CONTRAST * scene.typical;
+    let of_arm =
+        |arm: &LumenArm| median(&arm.centres.iter().map(|p| contrast(*p)).collect::<Vec<f64>>()).unwrap_or(least).max(least);
+    let bright: Vec<f64> = arms.iter().map(of_arm).collect();
+    let brightest = bright.iter().copied().fold(least, f64::max);
+    let saddles = saddles(&contrast, voxel, centre, arms);
+    let dimmer = |pair: &Pair| bright[pair.ends[0]].min(bright[pair.ends[1]]);
+    let see = |(pair, tube): (&Pair, &LumenTube)| {
+        let m = dimmer(pair);
+        shown(&|p| contrast(p) / m, voxel, pair.ends.map(|end| &arms[end]), tube)
     };
-    let mut way: Vec<Point> = (1..4).filter_map(near).collect();
-    way.dedup();
-    way
+    let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
+    let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
+    let table = |f: &dyn Fn(usize) -> f64| PairTable::over(pairs, arms.len(), -9.0, f);
+    let (tube, saddle) = (table(&|row| shown[row][0] + shown[row][1]), table(&|row| saddle_of(&pairs[row])));
+    let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
+    let of_pair = |(pair, shown): (&Pair, &Vec<f64>)| {
+        let m = dimmer(pair);
+        let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
+        let gain = |table: &PairTable| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
+        let [low, high] = sorted([a, b]);
+        let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
+        out.extend_from_slice(shown);
+        out.extend([saddle_of(pair), saddle_of(pair) * m / level.noise]);
+        out.extend(tube.margins(pair.ends, 0.0));
+        out.extend(saddle.margins(pair.ends, 0.0));
+        out.extend(ratio.margins(pair.ends, -1.0));
+        out.extend([gain(&tube), gain(&saddle), gain(&ratio)]);
+        out
+    };
+    pairs.iter().zip(&shown).map(of_pair).collect()
+}
+
+/// What one pair shows along its tube, the least and the mean contrast first.
+fn shown(contrast: &dyn Fn(Point) -> f64, voxel: f64, [a, b]: [&LumenArm; 2], tube: &LumenTube) -> Vec<f64> {
+    let along: Vec<f64> = tube.points.iter().map(|p| contrast(*p)).collect();
+    let least = |x: &[f64]| x.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = |x: &[f64]| x.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let mean = |x: &[f64]| x.iter().sum::<f64>() / x.len().max(1) as f64;
+    let (mut inside, mut outside) = (Vec::new(), Vec::new());
+    let (mut bend_along, mut bend_across) = (Vec::new(), Vec::new());
+    for (n, p) in tube.points.iter().enumerate() {
+        let (r, t) = (tube.radii[n], tube.tangents[n]);
+        let [u, v] = across(t);
+        let ring = |reach: f64| tube.ring(n, reach).map(contrast).iter().sum::<f64>() / AROUND as f64;
+        inside.push(ring(INSIDE * r));
+        outside.push(ring(OUTSIDE[0] * r + OUTSIDE[1] * voxel));
+        let step = BEND[0] * r + BEND[1] * voxel;
+        let bend = |d: Point| {
+            let beside = |sign: f64| contrast([0, 1, 2].map(|x| p[x] + sign * step * d[x]));
+            beside(1.0) + beside(-1.0) - 2.0 * along[n]
+        };
+        bend_along.push(bend(t));
+        bend_across.push(0.5 * (bend(u) + bend(v)));
+    }
+    // From the middle of one end to that of the other.
+    let way: Vec<f64> = [a.middle, a.root].iter().map(|p| contrast(*p)).chain(along.iter().copied()).collect();
+    let way: Vec<f64> = way.into_iter().chain([b.root, b.middle].iter().map(|p| contrast(*p))).collect();
+    let before = |n: usize| most(&way[..=n]);
+    let after = |n: usize| most(&way[n..]);
+    let dip = (0..way.len()).map(|n| before(n).min(after(n)) - way[n]).fold(0.0, f64::max);
+    let bulge = most(&along) - contrast(a.middle).max(contrast(b.middle));
+    [
+        [least(&along), mean(&along), most(&along)],
+        [mean(&inside), least(&inside), mean(&outside)],
+        [most(&outside), dip, bulge],
+        [mean(&bend_along), most(&bend_along), mean(&bend_across)],
+    ]
+    .concat()
+}
+
+/// Per pair of arms the highest contrast that a way from the middle of one to that of the other need not fall below, near the cluster.
+fn saddles(contrast: &dyn Fn(Point) -> f64, voxel: f64, centre: Point, arms: &[LumenArm]) -> Vec<f64> {
+    let reach = arms.iter().map(|arm| distance(arm.middle, centre)).fold(voxel, f64::max) + 2.0 * voxel;
+    let steps = (reach / voxel).ceil().min(MOST_STEPS);
+    let (step, half) = (reach / steps, steps as isize);
+    let side = 2 * half + 1;
+    let offset = |row: isize| [row % side - half, row / side % side - half, row / (side * side) - half];
+    let at = |o: [isize; 3]| contrast([0, 1, 2].map(|k| centre[k] + step * o[k] as f64));
+    let value: Vec<f64> = (0..side * side * side).map(|row| at(offset(row))).collect();
+    let nearest = |p: Point| {
+        let o = [0, 1, 2].map(|k| (((p[k] - centre[k]) / step).round() as isize).clamp(-half, half) + half);
+        ((o[2] * side + o[1]) * side + o[0]) as usize
+    };
+    let mut order: Vec<usize> = (0..value.len()).collect();
+    order.sort_by(|a, b| value[*b].total_cmp(&value[*a]).then(a.cmp(b)));
+    let mut trees = petgraph::unionfind::UnionFind::<usize>::new(value.len());
+    let mut reached = vec![false; value.len()];
+    // The arms whose middles lie in the tree of each root.
+    let mut of_root: Vec<Vec<usize>> = vec![Vec::new(); value.len()];
+    for (arm, of) in arms.iter().enumerate() {
+        of_root[nearest(of.middle)].push(arm);
+    }
+    let count = arms.len();
+    let mut out = vec![0.0; count * count];
+    let mut met = |a: usize, b: usize, value: f64| {
+        out[a * count + b] = value;
+        out[b * count + a] = value;
+    };
+    let mut open = count;
+    for at in order {
+        reached[at] = true;
+        // Several middles in one place.
+        for (n, a) in of_root[at].iter().enumerate() {
+            of_root[at][n + 1..].iter().for_each(|b| met(*a, *b, value[at]));
+        }
+        open -= of_root[at].len().saturating_sub(1);
+        let o = offset(at as isize);
+        for n in 0..27 {
+            let next = [o[0] + n % 3 - 1, o[1] + n / 3 % 3 - 1, o[2] + n / 9 - 1];
+            if next.iter().any(|x| x.abs() > half) {
+                continue;
+            }
+            let next = (((next[2] + half) * side + next[1] + half) * side + next[0] + half) as usize;
+            if !reached[next] {
+                continue;
+            }
+            let [a, b] = [at, next].map(|place| trees.find_mut(place));
+            if !trees.union(a, b) {
+                continue;
+            }
+            let (from, root) = if trees.find(a) == a { (b, a) } else { (a, b) };
+            let moved = std::mem::take(&mut of_root[from]);
+            for i in &moved {
+                of_root[root].iter().for_each(|j| met(*i, *j, value[at]));
+            }
+            open -= usize::from(!moved.is_empty() && !of_root[root].is_empty());
+            of_root[root].extend(moved);
+        }
+        if open <= 1 {
+            break;
+        }
+    }
+    out
 }

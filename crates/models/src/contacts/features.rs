@@ -5,7 +5,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::branches::{BranchEnd, Branches, Cluster};
+use super::branches::{BranchEnd, Branches, Cluster, Course};
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
 use willis_core::support::statistics::median;
@@ -104,21 +104,20 @@ impl Coarse {
     }
 }
 
+/// The direction of a course from about one length along it to another, m.
+fn direction(course: &Course, [from, to]: [f64; 2]) -> Point {
+    let length = course.length();
+    course.direction(from.min(MOST_START * length), to.min(length))
+}
+
 /// The features of every branch as seen from each of its ends: first, last.
-fn branch_features(branches: &Branches) -> Vec<[[f64; 15]; 2]> {
-    let directions: Vec<Vec<Point>> = branches
-        .clusters
-        .iter()
-        .map(|c| {
-            let rho = 1.5 * c.radius;
-            let direction = |end: &BranchEnd| {
-                let course = branches.walk(*end, 5.0 * rho);
-                let length = course.length();
-                course.direction((0.5 * rho).min(MOST_START * length), (4.0 * rho).min(length))
-            };
-            c.ends.iter().map(direction).collect()
-        })
-        .collect();
+fn branch_features(branches: &Branches) -> Vec<[Vec<f64>; 2]> {
+    let directions = |c: &Cluster| {
+        let rho = 1.5 * c.radius;
+        let direction = |end: &BranchEnd| direction(&branches.walk(*end, 5.0 * rho), [0.5 * rho, 4.0 * rho]);
+        c.ends.iter().map(direction).collect::<Vec<Point>>()
+    };
+    let directions: Vec<Vec<Point>> = branches.clusters.iter().map(directions).collect();
     let of_branch = |row: usize| {
         let branch = &branches.branches[row];
         let course = &branches.courses[row];
@@ -159,23 +158,11 @@ fn branch_features(branches: &Branches) -> Vec<[[f64; 15]; 2]> {
         let narrowest = if widest_core > 0.0 { (least / widest_core).ln() } else { 0.0 };
         [0, 1].map(|here| {
             let (h, f) = (sides[here], sides[1 - here]);
-            [
-                (branch.length / (core[0] + core[1] + 0.3 * typical) + 0.05).ln(),
-                (typical / widest_core.max(0.3 * typical)).ln(),
-                narrowest,
-                f64::from(u8::from(branch.clusters[1 - here].is_none())),
-                f[0],
-                f[1],
-                f[2],
-                f[3],
-                h[0],
-                h[1],
-                h[2],
-                h[4],
-                (most / typical).ln(),
-                winding,
-                parallel,
-            ]
+            let length = (branch.length / (core[0] + core[1] + 0.3 * typical) + 0.05).ln();
+            let width = (typical / widest_core.max(0.3 * typical)).ln();
+            let is_free = f64::from(u8::from(branch.clusters[1 - here].is_none()));
+            let bulge = (most / typical).ln();
+            [&[length, width, narrowest, is_free][..], &f[..4], &[h[0], h[1], h[2], h[4], bulge, winding, parallel]].concat()
         })
     };
     (0..branches.branches.len()).map(of_branch).collect()
@@ -250,7 +237,7 @@ pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
         for (pair, mut row) in pairs.iter().zip(of_pairs) {
             let [a, b] = pair.ends.map(|end| {
                 let end = branches.clusters[cluster].ends[end];
-                of_branch[end.branch][usize::from(end.last)]
+                &of_branch[end.branch][usize::from(end.last)]
             });
             row.extend((0..a.len()).map(|k| a[k].min(b[k])));
             row.extend((0..a.len()).map(|k| a[k].max(b[k])));
@@ -260,14 +247,9 @@ pub fn skeleton_features(branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     out
 }
 
-/// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `typical` is the radius of most points, m.
-fn of_cluster(
-    branches: &Branches,
-    coarse: &Coarse,
-    [paths, inside]: [&mut ShortestPaths; 2],
-    pairs: &[Pair],
-    typical: f64,
-) -> Vec<Vec<f64>> {
+/// The features of the pairs of one cluster, in the order of [`PAIR_FEATURES`]; `usual` is the radius of most points, m.
+fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 2], pairs: &[Pair], usual: f64) -> Vec<Vec<f64>> {
+    let [paths, inside] = paths;
     let cluster = pairs[0].cluster;
     let c = &branches.clusters[cluster];
     let rho = 1.5 * c.radius;
@@ -275,8 +257,7 @@ fn of_cluster(
     for end in &c.ends {
         let course = branches.walk(*end, 8.0 * rho);
         let length = course.length();
-        let direction = |[from, to]: [f64; 2]| course.direction((from * rho).min(MOST_START * length), (to * rho).min(length));
-        along.push([NEAR, FAR].map(direction));
+        along.push([NEAR, FAR].map(|between| direction(&course, between.map(|n| n * rho))));
         let radii = course.radii_between(rho.min(0.3 * length), (5.0 * rho).min(length));
         radius.push(median(&radii).unwrap_or(branches.branches[end.branch].radius));
     }
@@ -326,36 +307,15 @@ fn of_cluster(
         let around = around.get(i, j);
         let way = around.min(LONGEST_WAY * core);
         let (inside, low) = within[i][j];
-        let (near_margin, far_margin) = (near.margins(ends, -1.0), far.margins(ends, -1.0));
-        vec![
-            near.get(i, j),
-            far.get(i, j),
-            near_margin[0],
-            near_margin[1],
-            far_margin[0],
-            far_margin[1],
-            far.pairing_gain(ends),
-            (radii[0] - radii[1]).abs(),
-            thin - widest,
-            wide - widest,
-            murray,
-            core.ln() - wide,
-            low.ln() - thin,
-            radius.len() as f64,
-            inside / core,
-            lengths[0],
-            lengths[1],
-            ends.iter().filter(is_free).count() as f64,
-            f64::from(u8::from(lengths[0] < 1.0)),
-            (way / core).ln(),
-            f64::from(u8::from(around > LONGEST_WAY * core)),
-            (way / (length[i] + length[j] + core)).ln(),
-            met[0],
-            met[1],
-            near.get(i, j) * (radii[0] - radii[1]).abs(),
-            ways,
-            (core / typical).ln(),
-        ]
+        let step = (radii[0] - radii[1]).abs();
+        let mut row = vec![near.get(i, j), far.get(i, j)];
+        row.extend([near.margins(ends, -1.0), far.margins(ends, -1.0)].concat());
+        row.extend([far.pairing_gain(ends), step, thin - widest, wide - widest, murray, core.ln() - wide, low.ln() - thin]);
+        row.extend([radius.len() as f64, inside / core, lengths[0], lengths[1], ends.iter().filter(is_free).count() as f64]);
+        row.extend([f64::from(u8::from(lengths[0] < 1.0)), (way / core).ln()]);
+        row.extend([f64::from(u8::from(around > LONGEST_WAY * core)), (way / (length[i] + length[j] + core)).ln()]);
+        row.extend([met[0], met[1], near.get(i, j) * step, ways, (core / usual).ln()]);
+        row
     };
     pairs.iter().map(of_pair).collect()
 }

@@ -2,37 +2,26 @@
 //!
 //! Thinning makes one skeleton of vessels that touch in the mask. Junctions within each other's lumen are a cluster ([`branches`]), and the
 //! branch ends at a cluster fall into blocks, each a vessel or a true junction ([`partition`]). Boosted trees score every pair of ends
-//! ([`features`], or [`evidence`] where there is a mask, and [`image`] where an image lies beside it), and a log-linear model makes of the scores a probability for every set
+//! ([`features`], or [`evidence`] where there is a mask, and perhaps an image beside it), and a log-linear model makes of the scores a probability for every set
 //! partition. In the most probable one each block gets junctions of its own, and the blocks of a cluster are joined by contacts
 //! ([`split()`]), vessels of origin contact whose probability a decision goes by.
 
-mod basis;
 pub mod branches;
-pub mod courses;
-pub mod crowding;
 pub mod evidence;
 pub mod features;
-pub mod image;
-mod loops;
-mod lumen;
 pub mod model;
-pub mod pairings;
 pub mod partition;
 pub mod sections;
 pub mod split;
-pub mod suggested_cuts;
 
-pub use basis::Basis;
+pub use model::Basis;
 
 use ndarray::Array2;
 
 use branches::{Branches, Cluster};
-use crowding::Crowding;
-use evidence::mask_features;
 use features::{Pair, PairTable, pairs_among, pairs_of, skeleton_features};
-use loops::without_narrow_loops;
-use model::ContactModel;
-use partition::{Blocks, JoinableEnds, PartitionWeights, most_probable};
+use model::{ContactModel, Crowding};
+use partition::{Blocks, PartitionWeights, most_probable, without_narrow_loops};
 use split::{Opened, split};
 use willis_core::network::Network;
 use willis_core::support::boosted_trees::stored;
@@ -57,7 +46,7 @@ impl ContactTable {
     /// are left out: on manual masks they mislead.
     pub fn features(&self, mask: Option<&Field>, scene: Option<&Scene>) -> Array2<f32> {
         let rows = match mask {
-            Some(field) => mask_features(field, scene, &self.branches, &self.pairs),
+            Some(field) => evidence::mask_features(field, scene, &self.branches, &self.pairs),
             None => skeleton_features(&self.branches, &self.pairs),
         };
         let columns = Basis::of(mask, scene).feature_names().len();
@@ -79,7 +68,7 @@ impl ContactTable {
     /// The most probable blocks of each cluster, given the scores of its pairs.
     pub fn blocks(&self, tables: &[PairTable], weights: &PartitionWeights) -> Vec<Blocks> {
         let clusters = tables.iter().zip(&self.branches.clusters);
-        clusters.map(|(table, c)| most_probable(table, c.ends.len(), weights, JoinableEnds::ANY)).collect()
+        clusters.map(|(table, c)| most_probable(table, c.ends.len(), weights, &std::collections::BTreeSet::new())).collect()
     }
 }
 

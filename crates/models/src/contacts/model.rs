@@ -5,17 +5,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::basis::Basis;
-use super::crowding::Crowding;
-use super::partition::PartitionWeights;
+use super::evidence::{IMAGE_FEATURES, MASK_FEATURES};
 use willis_core::error::Fault;
+use willis_core::network::{Network, Origin, Vessel, fragments};
 use willis_core::support::boosted_trees::{Boosted, check_features};
-use willis_core::support::calibration::Calibration;
-use willis_core::support::model_provenance::ModelProvenance;
+use willis_core::support::statistics::median;
 use willis_core::support::toml_text::{finite, parse, write};
-
-/// The model that comes with the program.
-const SHIPPED: &str = include_str!("contacts.toml");
+use willis_io::masks::{Field, Scene};
 
 const HEADING: &str = "\
 # The model of contacts, fitted by `willis train --model contacts`; read by `willis infer --cut FILE`.
@@ -37,7 +33,7 @@ pub struct ContactPart {
     pub features: Vec<String>,
     /// The weights of the features of a partition.
     #[serde(deserialize_with = "finite")]
-    pub weights: PartitionWeights,
+    pub weights: super::partition::PartitionWeights,
     /// a and b: P of a contact is σ(a + b l), l the log-odds that its two blocks are joined by the partitions; b is at least 0.
     #[serde(deserialize_with = "finite")]
     pub calibration: [f64; 2],
@@ -52,7 +48,7 @@ impl ContactPart {
     /// The share of contacts that are one vessel, of those that the partitions join with this probability.
     pub fn probability(&self, joined: f64) -> f64 {
         let [a, b] = self.calibration;
-        Calibration([a, b, 0.0]).apply(joined)
+        willis_core::support::calibration::Calibration([a, b, 0.0]).apply(joined)
     }
 }
 
@@ -79,7 +75,7 @@ pub struct ContactModel {
     pub image: Option<ContactPart>,
     /// Where it comes from.
     #[serde(default)]
-    pub provenance: ModelProvenance,
+    pub provenance: willis_core::support::model_provenance::ModelProvenance,
     /// How well such models did.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<ContactScores>,
@@ -117,7 +113,7 @@ impl ContactModel {
     ///
     /// None in a released program: it is tested.
     pub fn shipped() -> willis_core::error::Result<Arc<Self>> {
-        Self::read(SHIPPED).map(Arc::new).map_err(|fault| fault.in_file("contacts.toml".as_ref()))
+        Self::read(include_str!("contacts.toml")).map(Arc::new).map_err(|fault| fault.in_file("contacts.toml".as_ref()))
     }
 
     /// The part that goes by this; that of masks where the model does not know images.
@@ -162,5 +158,88 @@ impl ContactModel {
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
         write(out, HEADING, true, self)
+    }
+}
+
+/// What contacts are judged by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Basis {
+    /// The centerlines alone.
+    Skeleton,
+    /// Their mask.
+    Mask,
+    /// The mask and an image beside it.
+    Image,
+}
+
+impl Basis {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Skeleton, Self::Mask, Self::Image];
+
+    /// By what is there: an image without a mask says nothing.
+    pub fn of(mask: Option<&Field>, scene: Option<&Scene>) -> Self {
+        match (mask, scene) {
+            (None, _) => Self::Skeleton,
+            (Some(_), None) => Self::Mask,
+            (Some(_), Some(_)) => Self::Image,
+        }
+    }
+
+    /// The names of the features, in their order.
+    pub fn feature_names(self) -> Vec<String> {
+        let named = |of: &str, names: &str| names.split(' ').map(|name| format!("{of}_{name}")).collect::<Vec<String>>();
+        match self {
+            Self::Skeleton => super::features::skeleton_feature_names(),
+            Self::Mask => named("mask", MASK_FEATURES),
+            Self::Image => [named("mask", MASK_FEATURES), named("image", IMAGE_FEATURES)].concat(),
+        }
+    }
+}
+
+/// Figures are per so many radii of length.
+const RADII: f64 = 1e3;
+/// More than so many times the most of the calibration is told: subjects differ.
+const TOLD: f64 = 1.5;
+
+/// Contacts and handles per 1,000 radii of the length of observed vessels, the radius being the median of branches.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Crowding {
+    /// Contacts, kept or cut.
+    pub contacts: f64,
+    /// Independent cycles of the observed vessels before anything is cut.
+    pub handles: f64,
+}
+
+impl Crowding {
+    /// That of a network in which so many contacts were found; zeros without a branch.
+    pub fn new(network: &Network, branches: &super::branches::Branches, contacts: usize) -> Self {
+        let is_observed = |vessel: &Vessel| vessel.origin == Origin::Observed;
+        let lengths: Vec<f64> = network.vessels().filter(|(_, v)| is_observed(v)).map(|(_, vessel)| vessel.length).collect();
+        let handles = lengths.len() + fragments(network, |_, v| is_observed(v)).count - network.node_count();
+        let length: f64 = lengths.iter().sum();
+        let radius = median(&branches.branches.iter().map(|branch| branch.radius).collect::<Vec<f64>>());
+        let per = |count: usize| radius.filter(|_| length > 0.0).map_or(0.0, |radius| count as f64 * RADII * radius / length);
+        Self { contacts: per(contacts), handles: per(handles) }
+    }
+
+    /// The larger of both figures of two cases.
+    #[must_use]
+    pub fn most(self, other: Self) -> Self {
+        Self { contacts: self.contacts.max(other.contacts), handles: self.handles.max(other.handles) }
+    }
+
+    /// What to tell a person of vessels more crowded than the `most` crowded that a model was calibrated on; `None` where they are not.
+    pub fn unlike(self, most: Self) -> Option<String> {
+        let figures = [("contacts", self.contacts, most.contacts), ("handles", self.handles, most.handles)];
+        let beyond = figures.into_iter().filter(|(_, here, most)| *here > TOLD * most);
+        let told = beyond.map(|(name, here, most)| format!("{here:.1} {name} (at most {most:.1})"));
+        let beyond: Vec<String> = told.collect();
+        (!beyond.is_empty()).then(|| {
+            format!(
+                "the vessels are unlike those that P of contacts was calibrated on: {} per 1,000 radii of length; read P as a rank, not as a share",
+                beyond.join(" and ")
+            )
+        })
     }
 }

@@ -2,11 +2,22 @@
 //!
 //! P(z) ~ exp(θ·f(z)), where f adds up the scores of pairs in one block, and counts blocks. A cluster of more ends than the exact sum
 //! takes is put together greedily.
+//!
+//! Loops around a hole that is narrower than the vessels: two vessels that touch in two places, or one that is pierced. Brains have
+//! none, so each is opened at the contact where that is most probable.
+//!
+//! A loop lives, in the distance to the wall, from the depth of its weakest neck inside down to the width of its hole outside: the
+//! persistence of Edelsbrunner, Letscher and Zomorodian, "Topological persistence and simplification" (2002). Of a narrow one the life is
+//! shorter than a vessel is wide.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
+use super::branches::{BranchEnd, Branches};
 use super::features::{PairTable, pairs_among};
-use willis_core::support::statistics::sigmoid;
+use willis_core::support::geometry::{Point, centroid, lerp};
+use willis_core::support::statistics::{median, sigmoid};
+use willis_io::masks::Field;
 
 /// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
 pub const MOST_ENDS: usize = 6;
@@ -30,13 +41,11 @@ pub fn size_of(ends: usize) -> usize {
 pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
     let mut out = vec![vec![0; ends.min(1)]];
     for _ in 1..ends {
-        out = out
-            .into_iter()
-            .flat_map(|blocks| {
-                let new = blocks.iter().max().map_or(0, |most| most + 1);
-                (0..=new).map(move |block| [&blocks[..], &[block]].concat())
-            })
-            .collect();
+        let longer = |blocks: Vec<usize>| {
+            let new = blocks.iter().max().map_or(0, |most| most + 1);
+            (0..=new).map(move |block| [&blocks[..], &[block]].concat())
+        };
+        out = out.into_iter().flat_map(longer).collect();
     }
     out
 }
@@ -57,22 +66,9 @@ pub fn partition_features(blocks: &[usize], scores: &PairTable) -> [f64; PARTITI
     [sum, against, count as f64 - 1.0, of_size(1) as f64, pairs, f64::from(u8::from(one_pair))]
 }
 
-/// Which ends of a cluster may be one vessel.
-#[derive(Debug, Clone, Copy)]
-pub struct JoinableEnds<'a>(Option<&'a BTreeSet<[usize; 2]>>);
-
-impl<'a> JoinableEnds<'a> {
-    /// Any.
-    pub const ANY: Self = Self(None);
-
-    /// Any but these pairs, the lower end first.
-    pub fn except(apart: &'a BTreeSet<[usize; 2]>) -> Self {
-        Self(Some(apart))
-    }
-
-    fn allows(self, of_end: &[usize]) -> bool {
-        self.0.is_none_or(|apart| apart.iter().all(|[a, b]| of_end[*a] != of_end[*b]))
-    }
+/// Whether no pair of ends that must stay apart is in one block.
+fn keeps_apart(of_end: &[usize], apart: &BTreeSet<[usize; 2]>) -> bool {
+    apart.iter().all(|[a, b]| of_end[*a] != of_end[*b])
 }
 
 /// The blocks of a cluster's ends, and how probable it is that two blocks are one vessel after all.
@@ -100,15 +96,15 @@ impl Blocks {
     }
 }
 
-/// The most probable blocks of the ends of a cluster, given the scores of their pairs, of those that are allowed.
-pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, together: JoinableEnds<'_>) -> Blocks {
+/// The most probable blocks of the ends of a cluster, given the scores of their pairs and the pairs that must stay apart, the lower end first.
+pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, apart: &BTreeSet<[usize; 2]>) -> Blocks {
     if ends > MOST_ENDS {
-        return greedy(scores, ends, together);
+        return greedy(scores, ends, apart);
     }
     let theta = weights[size_of(ends)];
     let all = partitions(ends);
     let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
-    let allowed = (0..all.len()).filter(|z| together.allows(&all[*z]));
+    let allowed = (0..all.len()).filter(|z| keeps_apart(&all[*z], apart));
     let best = allowed.max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
     let total: f64 = weight.iter().sum();
@@ -147,7 +143,7 @@ fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Ve
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
-fn greedy(scores: &PairTable, ends: usize, together: JoinableEnds<'_>) -> Blocks {
+fn greedy(scores: &PairTable, ends: usize, apart: &BTreeSet<[usize; 2]>) -> Blocks {
     let mut of_end: Vec<usize> = (0..ends).collect();
     let between = |of_end: &[usize], a: usize, b: usize| {
         let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
@@ -159,7 +155,7 @@ fn greedy(scores: &PairTable, ends: usize, together: JoinableEnds<'_>) -> Blocks
             let there = |which: usize| of_end.contains(&which);
             let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
             let joined = || of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
-            if sum > best.map_or(0.0, |(most, _)| most) && together.allows(&joined()) {
+            if sum > best.map_or(0.0, |(most, _)| most) && keeps_apart(&joined(), apart) {
                 best = Some((sum, [a, b]));
             }
         }
@@ -181,4 +177,133 @@ pub fn numbered(mut of_end: Vec<usize>) -> Vec<usize> {
         *block = *number.entry(*block).or_insert(next);
     }
     of_end
+}
+
+/// Loops longer than so many of their radii are not looked at.
+const LONGEST: f64 = 60.0;
+/// Holes that are not wider than so many voxels are no better known than the wall.
+const RESOLUTION: f64 = 1.5;
+/// A loop is not looked for beyond so many blocks: in a sponge it would be looked for all over.
+const MOST_BLOCKS: usize = 1000;
+/// Places along the way from a loop to its middle where its hole is looked for.
+const STEPS: usize = 4;
+
+/// A block of a cluster.
+type Vertex = (usize, usize);
+
+/// A loop: its branches, and per block that it passes its cluster and the two ends by which it does.
+type Loop = (Vec<usize>, Vec<(usize, [usize; 2])>);
+
+/// The blocks of clusters, and which of their ends may not be one vessel.
+struct Opening<'a> {
+    branches: &'a Branches,
+    tables: &'a [PairTable],
+    weights: &'a PartitionWeights,
+    blocks: Vec<Blocks>,
+    apart: Vec<BTreeSet<[usize; 2]>>,
+    /// Per branch end its row in its cluster.
+    row_of: BTreeMap<BranchEnd, usize>,
+}
+
+/// The blocks of clusters with narrow loops opened; `tables` are the scores of the pairs of ends of each cluster.
+pub fn without_narrow_loops(
+    branches: &Branches,
+    tables: &[PairTable],
+    blocks: Vec<Blocks>,
+    weights: &PartitionWeights,
+    field: &Field,
+) -> Vec<Blocks> {
+    let rows = branches.clusters.iter().flat_map(|cluster| cluster.ends.iter().copied().zip(0..));
+    let mut opening =
+        Opening { branches, tables, weights, apart: vec![BTreeSet::new(); blocks.len()], blocks, row_of: rows.collect() };
+    for row in 0..branches.branches.len() {
+        while let Some(found) = opening.shortest_loop(row).filter(|found| opening.is_narrow(found, field)) {
+            if !opening.open(&found) {
+                break;
+            }
+        }
+    }
+    opening.blocks
+}
+
+impl Opening<'_> {
+    fn vertex(&self, end: BranchEnd) -> Option<Vertex> {
+        let cluster = self.branches.cluster(end)?;
+        Some((cluster, self.blocks[cluster].of_end[self.row_of[&end]]))
+    }
+
+    /// The shortest loop through a branch.
+    fn shortest_loop(&self, row: usize) -> Option<Loop> {
+        let [first, last] = [false, true].map(|last| BranchEnd { branch: row, last });
+        let (from, to) = (self.vertex(last)?, self.vertex(first)?);
+        // Per block how far it is, and the end by which it is left towards the start.
+        let mut best: BTreeMap<Vertex, (f64, BranchEnd)> = BTreeMap::from([(from, (0.0, last))]);
+        // Lengths are not negative, so that their bits are in their order.
+        let mut open = BinaryHeap::from([Reverse((0_u64, from))]);
+        while let Some(Reverse((bits, here))) = open.pop() {
+            let so_far = f64::from_bits(bits);
+            if here == to {
+                break;
+            }
+            if best.len() > MOST_BLOCKS {
+                return None;
+            }
+            if best[&here].0 < so_far {
+                continue;
+            }
+            let ends = self.branches.clusters[here.0].ends.iter().zip(&self.blocks[here.0].of_end);
+            for (end, _) in ends.filter(|(end, block)| **block == here.1 && end.branch != row) {
+                let length = so_far + self.branches.branches[end.branch].length;
+                let Some(next) = self.vertex(end.other()) else { continue };
+                if best.get(&next).is_none_or(|(known, _)| length < *known) {
+                    best.insert(next, (length, end.other()));
+                    open.push(Reverse((length.to_bits(), next)));
+                }
+            }
+        }
+        let (mut branches, mut passes, mut here, mut by) = (vec![row], Vec::new(), to, first);
+        loop {
+            let (_, back) = best.get(&here)?;
+            passes.push((here.0, [self.row_of[&by], self.row_of[back]]));
+            if here == from {
+                return Some((branches, passes));
+            }
+            branches.push(back.branch);
+            by = back.other();
+            here = self.vertex(by)?;
+        }
+    }
+
+    /// Whether the hole of a loop is nowhere as wide as its vessels: at no place on the ways from the loop to its middle.
+    fn is_narrow(&self, (branches, _): &Loop, field: &Field) -> bool {
+        let courses = || branches.iter().map(|row| &self.branches.branches[*row]);
+        let points: Vec<Point> = courses().flat_map(|branch| branch.points.iter().map(|point| point.position)).collect();
+        let radii: Vec<f64> = courses().flat_map(|branch| branch.points.iter().map(|point| point.radius)).collect();
+        let radius = median(&radii).unwrap_or(0.0);
+        let within = (radius + 0.5 * field.voxel()).max(RESOLUTION * field.voxel());
+        if courses().map(|branch| branch.length).sum::<f64>() > LONGEST * within {
+            return false;
+        }
+        let middle = centroid(points.iter().copied());
+        let mut places =
+            points.iter().flat_map(|point| (0..STEPS).map(move |step| lerp(middle, *point, step as f64 / STEPS as f64)));
+        !places.any(|place| field.signed(place) < 0.0 && field.voxels_around(place, within).is_empty())
+    }
+
+    /// Opens a loop at the block where that costs least probability; `false` where it cannot be.
+    fn open(&mut self, (_, passes): &Loop) -> bool {
+        let ways = passes.iter().filter(|(_, [a, b])| a != b).map(|(cluster, [a, b])| {
+            let ends = self.branches.clusters[*cluster].ends.len();
+            let blocks = |apart: &BTreeSet<[usize; 2]>| most_probable(&self.tables[*cluster], ends, self.weights, apart);
+            let mut apart = self.apart[*cluster].clone();
+            let now = blocks(&apart);
+            apart.insert([*a.min(b), *a.max(b)]);
+            let then = blocks(&apart);
+            (now.log - then.log, *cluster, apart, then)
+        });
+        let least = ways.reduce(|best, next| if next.0 < best.0 { next } else { best });
+        let Some((_, cluster, apart, blocks)) = least else { return false };
+        (self.apart[cluster], self.blocks[cluster]) = (apart, blocks);
+        true
+    }
 }

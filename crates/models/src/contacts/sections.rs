@@ -1,8 +1,10 @@
-//! Cross-sections of the lumen: the part of a plane inside the mask that a place belongs to.
+//! The lumen: cross-sections, which are the part of a plane inside the mask that a place belongs to, the lumen along each branch end at a cluster, and
+//! the tubes that may run from one end to another.
 
 use faer::{Mat, Side};
 
-use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, sub, unit};
+use willis_core::support::geometry::{Point, area_of, centroid, cross, distance, dot, lerp, norm, radius_of, sub, unit};
+use willis_core::support::statistics::median;
 use willis_io::masks::Field;
 
 /// Samples across a section.
@@ -115,15 +117,6 @@ pub fn section(field: &Field, place: Point, direction: Point, half: f64) -> Sect
     }
 }
 
-/// The axis through some places: their mean, and their first principal direction, the way from the first to the last.
-pub fn axis_of(places: &[Point]) -> (Point, Point) {
-    let mean = centroid(places.iter().copied());
-    let [.., (_, direction)] = principal(places, mean);
-    let (first, last) = (places.first().copied().unwrap_or(mean), places.last().copied().unwrap_or(mean));
-    let along = sub(last, first);
-    if dot(direction, along) < 0.0 { (mean, direction.map(|x| -x)) } else { (mean, direction) }
-}
-
 /// The variances of places around their mean, and their directions, the least first.
 pub fn principal(places: &[Point], mean: Point) -> [(f64, Point); 3] {
     let covariance = Mat::from_fn(3, 3, |i, j| {
@@ -135,4 +128,136 @@ pub fn principal(places: &[Point], mean: Point) -> [(f64, Point); 3] {
     };
     let (values, vectors) = (found.S(), found.U());
     [0, 1, 2].map(|k| (values[k], [vectors[(0, k)], vectors[(1, k)], vectors[(2, k)]]))
+}
+
+/// Sections of an end lie at these multiples of ρ along its course, across the direction over this multiple to either side.
+const STATIONS: [f64; 6] = [1.0, 1.5, 2.0, 2.5, 3.0, 3.5];
+const SPAN: f64 = 0.5;
+/// They are so many radii wide to either side.
+pub const HALF_WIDTH: f64 = 3.0;
+/// Fewer sections than this do not make an axis.
+const LEAST_SECTIONS: usize = 3;
+/// Inner points of the tube between two ends.
+pub const INNER: usize = 9;
+/// Points on a ring around one of them.
+pub const AROUND: usize = 8;
+
+/// The lumen near the core along a branch end.
+pub struct LumenArm {
+    /// The middle of its axis.
+    pub middle: Point,
+    /// The axis, away from the core.
+    pub along: Point,
+    /// Where the axis is nearest to the core.
+    pub root: Point,
+    /// The typical area of its sections, m².
+    pub area: f64,
+    /// The radius of a circle of that area, m.
+    pub radius: f64,
+    /// The typical elongation of its sections.
+    pub elongation: f64,
+    /// Depths along the course from the core outwards, m.
+    pub depths: Vec<f64>,
+    /// The middles of its sections.
+    pub centres: Vec<Point>,
+}
+
+impl LumenArm {
+    /// That of an end of a cluster.
+    pub fn new(field: &Field, branches: &super::branches::Branches, cluster: usize, end: usize) -> Self {
+        let c = &branches.clusters[cluster];
+        let rho = 1.5 * c.radius;
+        let course = branches.walk(c.ends[end], 8.0 * rho);
+        let length = course.length();
+        let last = STATIONS[STATIONS.len() - 1] * rho;
+        let shrunk = if length < 1.1 * last { (0.9 * length / last).min(1.0) } else { 1.0 };
+        let radii = course.radii_between(0.6 * rho, 5.0 * rho);
+        let typical = median(&radii).unwrap_or(branches.branches[c.ends[end].branch].radius).max(field.voxel());
+        let at = |station: &f64| {
+            let s = station * rho * shrunk;
+            let direction = course.direction((s - SPAN * rho).max(0.0), (s + SPAN * rho).min(length));
+            (course.at(s), section(field, course.at(s), direction, HALF_WIDTH * typical))
+        };
+        let sections: Vec<(Point, Section)> = STATIONS.iter().map(at).collect();
+        let there: Vec<&(Point, Section)> = sections.iter().filter(|(_, s)| s.area > 0.0).collect();
+        let of = |f: &dyn Fn(&Section) -> f64| median(&there.iter().map(|(_, s)| f(s)).collect::<Vec<f64>>());
+        let (centres, area, elongation) = if there.len() < LEAST_SECTIONS {
+            (sections.iter().map(|(p, _)| *p).collect::<Vec<Point>>(), area_of(typical), 1.0)
+        } else {
+            let centre = |(p, s): &&(Point, Section)| {
+                let share = (0.5 * typical / norm(s.shift).max(f64::MIN_POSITIVE)).min(1.0);
+                [0, 1, 2].map(|k| p[k] + share * s.shift[k])
+            };
+            let area = of(&|s| s.area).unwrap_or(area_of(typical));
+            (there.iter().map(centre).collect(), area, of(&Section::elongation).unwrap_or(1.0))
+        };
+        // The axis: the mean of the centres, and their first principal direction, the way from the first to the last.
+        let middle = centroid(centres.iter().copied());
+        let [.., (_, axis)] = principal(&centres, middle);
+        let onwards = sub(centres[centres.len() - 1], centres[0]);
+        let along = if dot(axis, onwards) < 0.0 { axis.map(|x| -x) } else { axis };
+        let ahead = dot(sub(centres[0], middle), along);
+        let reach = (2.0 * rho).min(0.9 * length);
+        Self {
+            root: [0, 1, 2].map(|k| middle[k] + ahead * along[k]),
+            middle,
+            along,
+            area,
+            radius: radius_of(area),
+            elongation,
+            depths: (0..7).map(|n| field.depth(course.at(reach * f64::from(n) / 8.0))).collect(),
+            centres,
+        }
+    }
+}
+
+/// A curve from `p` to `q` that leaves p against `u` and arrives at q along `v`, both away from the core; with its tangents.
+fn hermite([p, u]: [Point; 2], [q, v]: [Point; 2]) -> Vec<Point> {
+    let l = distance(q, p);
+    let at = |n: usize| {
+        let s = n as f64 / (INNER + 1) as f64;
+        let (s2, s3) = (s * s, s * s * s);
+        let weights = [1.0 - 3.0 * s2 + 2.0 * s3, s - 2.0 * s2 + s3, 3.0 * s2 - 2.0 * s3, s3 - s2];
+        [0, 1, 2].map(|k| weights[0] * p[k] - weights[1] * l * u[k] + weights[2] * q[k] + weights[3] * l * v[k])
+    };
+    (0..INNER + 2).map(at).collect()
+}
+
+/// A tube between two arms: inner points, tangents, radii.
+pub struct LumenTube {
+    /// Points.
+    pub points: Vec<Point>,
+    /// Unit vectors along it.
+    pub tangents: Vec<Point>,
+    /// Radii, m.
+    pub radii: Vec<f64>,
+    /// Points of a tube between the middles of the arms.
+    pub far: Vec<Point>,
+    /// Its length, m.
+    pub length: f64,
+}
+
+impl LumenTube {
+    /// Points around one of the inner points, on a circle of a radius (m) across the tube.
+    pub fn ring(&self, n: usize, radius: f64) -> [Point; AROUND] {
+        let (p, [u, v]) = (self.points[n], across(self.tangents[n]));
+        std::array::from_fn(|k| {
+            let (s, c) = (k as f64 * std::f64::consts::TAU / AROUND as f64).sin_cos();
+            [0, 1, 2].map(|x| p[x] + radius * (c * u[x] + s * v[x]))
+        })
+    }
+
+    /// That between two arms.
+    pub fn new(a: &LumenArm, b: &LumenArm) -> Self {
+        let curve = hermite([a.root, a.along], [b.root, b.along]);
+        let far = hermite([a.middle, a.along], [b.middle, b.along]);
+        let inner = 1..=INNER;
+        Self {
+            tangents: inner.clone().map(|n| unit(sub(curve[n + 1], curve[n - 1]))).collect(),
+            radii: inner.clone().map(|n| a.radius + (b.radius - a.radius) * n as f64 / (INNER + 1) as f64).collect(),
+            points: curve[inner.clone()].to_vec(),
+            far: far[inner].to_vec(),
+            length: curve.windows(2).map(|w| distance(w[1], w[0])).sum(),
+        }
+    }
 }

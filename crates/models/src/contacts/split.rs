@@ -1,14 +1,17 @@
-//! Opens contacts: every block of a cluster's ends gets junctions of its own, and contacts join the blocks.
+//! Opens contacts: every block of a cluster's ends gets junctions of its own, and contacts join the blocks. Which vessels are one at a contact, and
+//! which others might be; cuts that are suggested and not made.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::branches::{BranchEnd, Branches};
-use super::pairings::Pairings;
-use super::partition::Blocks;
-use willis_core::network::path_places::length_of;
+use serde::{Deserialize, Serialize};
+
+use super::branches::Branches;
+use super::partition::{Blocks, numbered};
+use willis_core::decision::{RECONNECT, reconnected};
+use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::paths::ShortestPaths;
-use willis_core::network::units::as_stored;
-use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use willis_core::network::units::{as_stored, millimetres};
+use willis_core::network::{Edit, Evidence, Network, Node, Origin, PathPoint, Vessel};
 use willis_core::support::arc_lengths::in_direction;
 use willis_core::support::geometry::{Point, distance};
 
@@ -24,8 +27,8 @@ const DOUBTFUL: f64 = 0.1;
 struct SplitPlan {
     /// The ids that nodes have.
     taken: BTreeSet<String>,
-    /// Per branch end at such a cluster its node.
-    node_of_end: BTreeMap<BranchEnd, usize>,
+    /// Per vessel at an end of a branch at such a cluster, and its side there, the node that this end has now.
+    node_of_vessel: BTreeMap<(usize, usize), usize>,
     /// Per vessel inside such a cluster its copies, each by its nodes.
     copies: BTreeMap<usize, Vec<[usize; 2]>>,
     /// Per node of such a cluster the node that a candidate there goes to.
@@ -54,12 +57,6 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
     for (row, blocks) in blocks.iter().enumerate().filter(|(_, blocks)| blocks.count() > 1) {
         part(&mut graph, branches, row, blocks, &mut paths, &mut plan);
     }
-    // Per vessel at an end of a branch the node that this end has now.
-    let mut node_of_vessel: BTreeMap<(usize, usize), usize> = BTreeMap::new();
-    for (end, node) in &plan.node_of_end {
-        let (vessel, backwards) = branches.vessel_at(*end);
-        node_of_vessel.insert((vessel, usize::from(end.last != backwards)), *node);
-    }
     let mut row_of = vec![0; network.vessel_count()];
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         if let Some(copies) = plan.copies.get(&row) {
@@ -69,7 +66,7 @@ pub fn split(network: &Network, branches: &Branches, blocks: &[Blocks], probabil
             continue;
         }
         let ends = [0, 1].map(|side| {
-            let at_end = node_of_vessel.get(&(row, side)).copied();
+            let at_end = plan.node_of_vessel.get(&(row, side)).copied();
             let moved = || plan.node_of_candidate.get(&ends[side]).copied().filter(|_| vessel.origin == Origin::Candidate);
             at_end.or_else(moved).unwrap_or(ends[side])
         });
@@ -146,7 +143,9 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
     }
     for (end, block) in cluster.ends.iter().zip(&blocks.of_end) {
         let node = branches.node(*end);
-        plan.node_of_end.insert(*end, own[*block].get(&node).copied().unwrap_or(node));
+        let (vessel, backwards) = branches.vessel_at(*end);
+        let side = usize::from(end.last != backwards);
+        plan.node_of_vessel.insert((vessel, side), own[*block].get(&node).copied().unwrap_or(node));
     }
     // A candidate at a junction that no block has goes to the nearest hub.
     let inside = cluster.inner.iter().flat_map(|inner| branches.inner[*inner].nodes.iter().copied());
@@ -155,10 +154,28 @@ fn part(graph: &mut Network, branches: &Branches, row: usize, blocks: &Blocks, p
         let nearest = nearest.min_by(|a, b| apart(graph, *a, node).total_cmp(&apart(graph, *b, node)).then(a.cmp(b)));
         plan.node_of_candidate.extend(nearest.map(|hub| (node, hub)));
     }
+    // A contact is the way through the core from one hub to the other.
     for ([a, b], p) in &blocks.joined {
-        let ends = [*a, *b].map(|block| own[block][&hubs[block].0]);
-        let between = [hubs[*a].0, hubs[*b].0];
-        plan.contacts.push((ends, contact(graph, branches, row, paths, between, *p), between[0]));
+        let [from, to] = [*a, *b].map(|block| hubs[block].0);
+        let mut path = vec![PathPoint { position: position(graph, from), radius: cluster.radius, id: None }];
+        let mut node = from;
+        for inner in ways(branches, row, paths, from, &[to]).concat() {
+            let inner = &branches.inner[inner];
+            let forward = inner.ends[0] == node;
+            node = inner.ends[usize::from(forward)];
+            path.extend_from_slice(&in_direction(inner.points.clone(), forward)[1..]);
+        }
+        let length = as_stored(length_of(&path).max(SHORTEST * cluster.radius));
+        if path.len() < 2 {
+            // Both hubs are one place.
+            path.clear();
+        }
+        for point in &mut path {
+            point.radius = as_stored(point.radius);
+            point.position = point.position.map(as_stored);
+        }
+        let contact = Vessel { prior: *p, path, ..Vessel::new(length, as_stored(cluster.radius), Origin::Contact) };
+        plan.contacts.push(([*a, *b].map(|block| own[block][&hubs[block].0]), contact, from));
     }
 }
 
@@ -180,34 +197,147 @@ fn copied(node: &Node, block: usize, taken: &mut BTreeSet<String>) -> Node {
     Node { id, position: node.position, radius: node.radius, ..Node::default() }
 }
 
-/// The contact of two blocks, joined so probably: the way through the core from one hub to the other.
-fn contact(
-    graph: &Network,
-    branches: &Branches,
-    row: usize,
-    paths: &mut ShortestPaths,
-    [from, to]: [usize; 2],
-    p: f64,
-) -> Vessel {
-    let cluster = &branches.clusters[row];
-    let mut path = vec![PathPoint { position: position(graph, from), radius: cluster.radius, id: None }];
-    let mut node = from;
-    for inner in ways(branches, row, paths, from, &[to]).concat() {
-        let inner = &branches.inner[inner];
-        let forward = inner.ends[0] == node;
-        node = inner.ends[usize::from(forward)];
-        path.extend_from_slice(&in_direction(inner.points.clone(), forward)[1..]);
+/// A place that stands for a vessel of a pairing is so far from its end, m, but no further than its middle.
+const OUTSIDE: f64 = 0.003;
+const STEPS: usize = 64;
+
+/// The vessels that end at a place where vessels touch or, without contacts, may only touch, and the ways to pair them.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Pairings {
+    /// The middle of the place, m.
+    pub position: Point,
+    /// The vessel of each end, a row of the opened graph.
+    pub vessels: Vec<usize>,
+    /// The way in which it was opened, as the block of each end.
+    pub opened: Vec<usize>,
+    /// The most probable ways with their probabilities, the most probable first; none where they are too many to be summed.
+    pub ways: Vec<(Vec<usize>, f64)>,
+    /// The contacts between two blocks of the way in which it was opened, rows of the opened graph.
+    pub contacts: Vec<([usize; 2], usize)>,
+}
+
+/// A vessel by its row, its node at a place, and its block there.
+pub type PlacedVessel = (usize, usize, usize);
+
+/// What says one way to pair vessels to a run: contacts that are accepted and rejected or, where no contacts say it, an edit.
+#[derive(Debug, Default)]
+pub struct PairingDecision {
+    /// Rows of the graph.
+    pub accept: Vec<usize>,
+    /// Rows of the graph.
+    pub reject: Vec<usize>,
+    /// Parts the vessels; the contacts are left to it.
+    pub part: Option<Edit>,
+}
+
+impl Pairings {
+    /// The way that a decision takes: the blocks that kept contacts join are one.
+    pub fn taken(&self, kept: &[bool]) -> Vec<usize> {
+        let mut blocks = self.opened.clone();
+        let mut name: Vec<usize> = (0..blocks.len()).collect();
+        for ([a, b], _) in self.contacts.iter().filter(|(_, row)| kept[*row]) {
+            let (from, to) = (name[*b], name[*a]);
+            name.iter_mut().filter(|block| **block == from).for_each(|block| *block = to);
+        }
+        for block in &mut blocks {
+            *block = name[*block];
+        }
+        numbered(blocks)
     }
-    let length = length_of(&path);
-    let length = as_stored(length.max(SHORTEST * cluster.radius));
-    if path.len() < 2 {
-        // Both hubs are one place.
-        path.clear();
+
+    /// What a person decides who takes a way; `None` where both ends of a vessel are here, which no places tell apart.
+    pub fn decision(&self, way: &[usize], graph: &Network) -> Option<PairingDecision> {
+        let ends = 0..self.vessels.len();
+        let one = |blocks: &[usize], [a, b]: [usize; 2]| blocks[a] == blocks[b];
+        if ends.clone().all(|a| ends.clone().all(|b| !one(&self.opened, [a, b]) || one(way, [a, b]))) {
+            let of_block = |block: usize| self.opened.iter().position(|of| *of == block).unwrap_or_default();
+            let (accept, reject) = self.contacts.iter().partition::<Vec<_>, _>(|(blocks, _)| one(way, blocks.map(of_block)));
+            let rows = |contacts: Vec<&([usize; 2], usize)>| contacts.into_iter().map(|(_, row)| *row).collect();
+            return Some(PairingDecision { accept: rows(accept), reject: rows(reject), part: None });
+        }
+        if ends.clone().any(|end| self.vessels[..end].contains(&self.vessels[end])) {
+            return None;
+        }
+        let mut groups = vec![Vec::new(); way.iter().max().map_or(0, |most| most + 1)];
+        for (vessel, block) in self.vessels.iter().zip(way) {
+            groups[*block].push(self.outside(graph, *vessel).map(|x| (millimetres(x) * 1e3).round() / 1e3));
+        }
+        Some(PairingDecision { part: Some(Edit::Part(groups)), ..PairingDecision::default() })
     }
-    for point in &mut path {
-        point.radius = as_stored(point.radius);
-        point.position = point.position.map(as_stored);
+
+    /// A place on a vessel a little outside of where it meets the others. Contacts are looked for only where every node has a position.
+    fn outside(&self, graph: &Network, vessel: usize) -> Point {
+        let path = graph.path_of(vessel);
+        let [first, last] = [path[0], path[path.len() - 1]].map(|end| distance(end.position, self.position));
+        let path = in_direction(path, first <= last);
+        let step = ((OUTSIDE / graph.vessel(vessel).length * STEPS as f64) as usize).clamp(1, STEPS / 2);
+        at_even_steps(&path, STEPS)[step].on(&path).position
     }
-    let vessel = Vessel::new(length, as_stored(cluster.radius), Origin::Contact);
-    Vessel { prior: p, path, ..vessel }
+
+    /// Where one line may show two vessels: the probability that it does, and the vessels with their nodes here and their blocks in the most probable way.
+    pub fn doubt(&self, graph: &Network) -> Option<(f64, Vec<PlacedVessel>)> {
+        let apart = |way: &Vec<usize>| way.iter().any(|block| *block > 0);
+        let (way, _) = self.ways.iter().find(|(way, _)| self.contacts.is_empty() && apart(way))?;
+        let chance = self.ways.iter().filter(|(way, _)| apart(way)).map(|(_, p)| p).sum();
+        let near = |row: usize| {
+            let away = |node: &usize| graph.node(*node).position.map_or(f64::INFINITY, |at| distance(at, self.position));
+            let [a, b] = graph.ends(row);
+            if away(&b) < away(&a) { b } else { a }
+        };
+        Some((chance, self.vessels.iter().zip(way).map(|(row, block)| (*row, near(*row), *block)).collect()))
+    }
+
+    /// A way in words: vessels of one block with a plus between them, blocks with a bar, as in `12+45 | 31+46`.
+    pub fn told(&self, way: &[usize]) -> String {
+        let count = way.iter().max().map_or(0, |most| most + 1);
+        let block = |which: usize| {
+            let own = self.vessels.iter().zip(way).filter(|(_, block)| **block == which);
+            own.map(|(vessel, _)| vessel.to_string()).collect::<Vec<String>>().join("+")
+        };
+        (0..count).map(block).collect::<Vec<String>>().join(" | ")
+    }
+
+    /// The vessels at this place once some were divided: of both parts the nearer one. `divided` are pairs of rows.
+    pub fn follow(&mut self, graph: &Network, divided: &[[usize; 2]]) {
+        let away = |row: usize| {
+            let ends = graph.ends(row).map(|node| graph.node(node).position);
+            let [a, b] = ends.map(|at| at.map_or(f64::INFINITY, |at| distance(at, self.position)));
+            a.min(b)
+        };
+        for [row, other] in divided {
+            if away(*other) < away(*row) {
+                self.vessels.iter_mut().filter(|vessel| *vessel == row).for_each(|vessel| *vessel = *other);
+            }
+        }
+    }
+}
+
+/// A place where two vessels may only touch.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SuggestedCut {
+    /// The id of a junction there.
+    pub node: String,
+    /// The middle of the contact, m.
+    pub position: Point,
+    /// The radius there, m.
+    pub radius: f64,
+    /// How probably the two are one vessel all the same.
+    pub probability: f64,
+}
+
+/// The contacts of a network that stay cut when they are opened ([`reconnected()`]), the least probable to be one vessel first.
+pub fn suggested_cuts(network: &Network, opened: &Opened) -> Vec<SuggestedCut> {
+    let Opened { graph, junctions, .. } = opened;
+    let kept = reconnected(graph, RECONNECT);
+    let contacts = graph.vessels().zip(kept).filter(|((_, vessel), _)| vessel.origin == Origin::Contact);
+    let cut = contacts.zip(junctions).filter(|((_, kept), _)| !kept);
+    let suggested = cut.map(|(((ends, vessel), _), junction)| SuggestedCut {
+        node: network.node(*junction).id.clone(),
+        position: graph.middle_of(ends, vessel),
+        radius: vessel.radius,
+        probability: vessel.prior,
+    });
+    let mut suggested: Vec<SuggestedCut> = suggested.collect();
+    suggested.sort_by(|a, b| a.probability.total_cmp(&b.probability));
+    suggested
 }

@@ -16,8 +16,8 @@ use willis_core::sampling::{Likelihood, Method, SamplingOptions};
 use willis_core::support::geometry::Point;
 use willis_io::formats::{self, Column, POSITION_COLUMNS, Values, coordinate_columns};
 use willis_models::candidates::CandidateOptions;
-use willis_models::contacts::pairings::{PairingDecision, Pairings};
-use willis_models::contacts::suggested_cuts::SuggestedCut;
+use willis_models::contacts::split::SuggestedCut;
+use willis_models::contacts::split::{PairingDecision, Pairings};
 
 /// How samples were computed, as run.json has it.
 #[derive(Debug, Clone, Serialize, Deserialize)]

@@ -2,7 +2,6 @@
 
 use willis_core::network::paths::{ShortestPaths, lengths_at};
 use willis_core::support::arc_lengths::arc_lengths;
-use willis_core::support::geometry::Point;
 
 /// The branches as edges between nodes. Lengths in m.
 pub struct BranchGraph {
@@ -11,14 +10,14 @@ pub struct BranchGraph {
     /// The two nodes of each branch.
     pub ends: Vec<[usize; 2]>,
     /// Per node its branches, with the node at the other end and the length, m.
-    branches: Vec<Vec<(usize, usize, f64)>>,
+    pub branches: Vec<Vec<(usize, usize, f64)>>,
     /// Per inner point its branch and the length from the branch's first node to it.
     arc: Vec<(usize, f64)>,
 }
 
 impl BranchGraph {
     /// The graph of branches whose inner points are numbered after the nodes, branch by branch.
-    pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[Point]) -> Self {
+    pub fn new(nodes: usize, lines: &[Vec<usize>], position: &[willis_core::support::geometry::Point]) -> Self {
         let (mut length, mut ends, mut inner) = (Vec::new(), Vec::new(), Vec::new());
         for (branch, line) in lines.iter().enumerate() {
             let (arc, last) = (arc_lengths(line.iter().map(|point| position[*point])), line.len() - 1);
@@ -33,11 +32,6 @@ impl BranchGraph {
     /// How many nodes there are.
     pub fn nodes(&self) -> usize {
         self.branches.len()
-    }
-
-    /// The branches at a node, each with the node at its other end and its length, m.
-    pub fn branches(&self, node: usize) -> &[(usize, usize, f64)] {
-        &self.branches[node]
     }
 
     /// Visits the nodes along the branches, as [`ShortestPaths::search`] does.
@@ -70,7 +64,7 @@ impl BranchGraph {
             let at = 1 + point - lines[branch][1];
             return vec![heading(branch, at, false), heading(branch, at, true)];
         }
-        let mut branches: Vec<usize> = self.branches(point).iter().map(|(branch, ..)| *branch).collect();
+        let mut branches: Vec<usize> = self.branches[point].iter().map(|(branch, ..)| *branch).collect();
         // A branch that returns to its node is there twice.
         branches.dedup();
         let mut headings = Vec::new();
@@ -85,7 +79,6 @@ impl BranchGraph {
 }
 
 /// One of the two directions along a branch, from a point of it.
-#[derive(Debug, Clone, Copy)]
 pub struct Heading<'a> {
     /// The branch.
     pub branch: usize,

@@ -3,15 +3,13 @@
 //! The posterior of [`FEATURES`](super::FEATURES) alone says where blood probably enters each fragment. From that follow its direction
 //! at every point, which meeting points are taken, and which fragments are fed. A second posterior uses all of these.
 
-use std::collections::BTreeMap;
-
 use ndarray::Array2;
 
-use super::extraction::Extraction;
-use crate::candidates::search::point_index::PointIndex;
-use crate::candidates::search::{EndCandidate, rows_by_end};
+use super::extraction::{Extraction, FreeEnd};
+use crate::candidates::search::{EndCandidate, PointIndex, rows_by_end};
 use willis_core::forest_posterior::{Forests, Marginals, rooted_in};
-use willis_core::support::geometry::{distance, dot, sub, unit};
+use willis_core::support::geometry::{dot, sub, unit};
+use willis_core::support::numbered::{counted, grouped};
 use willis_core::support::ties::steady;
 
 /// The features of a candidate from a posterior, by the names that weights have in a file. P is the probability of a candidate.
@@ -31,67 +29,142 @@ pub const FEEDBACK_FEATURES: &[&str] =
 /// Competitors on a point beyond so many are all alike.
 const MOST_COMPETITORS: f64 = 2.0;
 
-/// The part of the feedback that does not change from one posterior to the next.
+/// A root is either no fragment or fed from outside: so much of its probability goes to its widest free end.
+const ROOT_ENTRY: f64 = 0.5;
+
+/// The part of the feedback that does not change from one posterior to the next: the fragments as trees of nodes, which branches are on loops,
+/// and the competitors of each candidate.
 pub struct Feedback<'a> {
     extraction: &'a Extraction,
     candidates: Vec<EndCandidate>,
-    inflow: InflowBalance,
-    competitors: Competitors,
+    /// The nodes, each after the one it was reached from.
+    order: Vec<usize>,
+    /// Per node the one it was reached from and the branch between; the other branches close loops.
+    from: Vec<Option<(usize, usize)>>,
+    /// Per branch whether it lies on a loop, so that it has no upstream side.
+    on_loop: Vec<bool>,
+    /// Per fragment its widest free ends, more than one when both ends of a short vessel are as wide.
+    widest: Vec<Vec<usize>>,
+    competitors: Vec<Competitors>,
     /// Per fragment whether it is taken to be fed.
     fed: Vec<bool>,
 }
 
 impl<'a> Feedback<'a> {
     /// The feedback on candidates between fragments. Where no inlet is known the longest fragment is taken to be fed.
-    ///
-    /// # Panics
-    ///
-    /// When a candidate is within a fragment.
     pub fn new(extraction: &'a Extraction, candidates: &[EndCandidate]) -> Self {
-        assert!(candidates.iter().all(|candidate| !candidate.within), "candidates between fragments");
-        let fragments = &extraction.fragments;
-        let longest = fragments.iter().map(|f| f.length).fold(0.0, f64::max);
-        let given = fragments.iter().any(|f| f.fed);
-        let fed = |length: f64| longest > 0.0 && steady(length / longest) >= 1.0;
-        Self {
+        let e = extraction;
+        let given = e.fragments.iter().any(|f| f.fed);
+        let is_longest = |length: f64| e.longest > 0.0 && steady(length / e.longest) >= 1.0;
+        // Every fragment is gone through once, depth first.
+        let nodes = e.graph.nodes();
+        let (mut order, mut place, mut from) = (Vec::with_capacity(nodes), vec![usize::MAX; nodes], vec![None; nodes]);
+        for start in 0..nodes {
+            let mut open = vec![(start, None)];
+            while let Some((node, reached_from)) = open.pop() {
+                if place[node] < usize::MAX {
+                    continue;
+                }
+                (place[node], from[node]) = (order.len(), reached_from);
+                order.push(node);
+                open.extend(e.graph.branches[node].iter().map(|(branch, next, _)| (*next, Some((node, *branch)))));
+            }
+        }
+        let most = |end: &FreeEnd| e.fragments[end.fragment].widest_end.unwrap_or(f64::INFINITY);
+        let widest = e.ends.iter().filter(|end| steady(end.radius / most(end)) >= 1.0).map(|end| (end.fragment, end.point));
+        let mut this = Self {
             extraction,
             candidates: candidates.to_vec(),
-            inflow: InflowBalance::new(extraction),
-            competitors: Competitors::new(extraction, candidates),
-            fed: fragments.iter().map(|f| if given { f.fed } else { fed(f.length) }).collect(),
+            order,
+            from,
+            on_loop: vec![true; e.graph.length.len()],
+            widest: grouped(e.fragments.len(), widest),
+            competitors: competitors(e, candidates),
+            fed: e.fragments.iter().map(|f| if given { f.fed } else { is_longest(f.length) }).collect(),
+        };
+        // Every branch outside of the trees closes a loop with those between its nodes, one of which is below the other.
+        for (_, branch) in this.from.iter().flatten() {
+            this.on_loop[*branch] = false;
+        }
+        let mut loops = vec![0_i64; this.order.len()];
+        for (_, [a, b]) in e.graph.ends.iter().enumerate().filter(|(branch, _)| this.on_loop[*branch]) {
+            let (above, below) = if place[*a] < place[*b] { (*a, *b) } else { (*b, *a) };
+            loops[above] -= 1;
+            loops[below] += 1;
+        }
+        this.add_below(&mut loops);
+        for (node, from) in this.from.iter().enumerate() {
+            if let Some((_, branch)) = from {
+                this.on_loop[*branch] = loops[node] > 0;
+            }
+        }
+        this
+    }
+
+    /// Adds to each node what is below it.
+    fn add_below<T: Copy + std::ops::AddAssign>(&self, values: &mut [T]) {
+        for node in self.order.iter().rev() {
+            if let Some((above, _)) = self.from[*node] {
+                let below = values[*node];
+                values[above] += below;
+            }
         }
     }
 
-    /// The features of every candidate, shape (candidates, [`FEEDBACK_FEATURES`]).
-    ///
-    /// # Panics
-    ///
-    /// When the forests are not those of the candidates, in their order, or the marginals are of others.
+    /// The features of every candidate, shape (candidates, [`FEEDBACK_FEATURES`]), by the forests of the same candidates, in their order, and
+    /// their marginals.
     pub fn features(&self, forests: &Forests, marginals: &Marginals) -> Array2<f64> {
-        assert_eq!(forests.edges().len(), self.candidates.len(), "the forests of the same candidates");
-        assert_eq!(forests.fragments(), self.fed.len(), "the forests of the same fragments");
-        assert_eq!(marginals.edges.len(), self.candidates.len(), "the marginals of the same forests");
         let e = self.extraction;
-        let balance = self.inflow.balance(e, &self.candidates, marginals);
+        let balance = self.balance(marginals);
         let fed = rooted_in(forests, &self.fed);
         let mut out = Array2::zeros((self.candidates.len(), FEEDBACK_FEATURES.len()));
         for (row, (candidate, mut out)) in self.candidates.iter().zip(out.rows_mut()).enumerate() {
-            let sum = |rows: &[usize]| rows.iter().map(|row| marginals.edges[*row]).sum::<f64>();
+            let sum = |rows: &Vec<usize>| rows.iter().map(|row| marginals.edges[*row]).sum::<f64>();
+            let [elsewhere, on_child, nearby] = self.competitors[row].each_ref().map(sum);
             let shape = &e.shape[candidate.point];
             let across = unit(sub(e.position[candidate.point], e.position[e.ends[candidate.end].point]));
             // At nodes the shape is zero, and so are the first two features.
             let balance = balance[e.branch[candidate.point]];
-            let values = [
-                -balance * dot(shape.tangent, across),
-                balance * shape.narrowing,
-                sum(&self.competitors.elsewhere[row]),
-                sum(&self.competitors.on_child[row]),
-                fed_without(forests, marginals, &fed, row),
-                sum(&self.competitors.nearby[row]).min(MOST_COMPETITORS),
-            ];
-            out.iter_mut().zip(values).for_each(|(out, value)| *out = value);
+            let with_flow = [-balance * dot(shape.tangent, across), balance * shape.narrowing];
+            let fed = fed_without(forests, marginals, &fed, row);
+            let of_others = [elsewhere, on_child, fed, nearby.min(MOST_COMPETITORS)];
+            out.iter_mut().zip(with_flow.into_iter().chain(of_others)).for_each(|(out, value)| *out = value);
         }
         out
+    }
+
+    /// F per branch: the entries to expect on the side of its first node less those on the side of its last; 0 on a loop, where
+    /// blood comes from both.
+    ///
+    /// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
+    /// that it is a root, and without inlets half of that goes to the widest end.
+    fn balance(&self, marginals: &Marginals) -> Vec<f64> {
+        let e = self.extraction;
+        let mut entries = vec![0.0; self.order.len()];
+        for (candidate, p) in self.candidates.iter().zip(&marginals.edges) {
+            entries[e.ends[candidate.end].point] += p;
+        }
+        let inlets = counted(e.fragments.len(), e.inlets.iter().map(|inlet| e.fragment[*inlet]));
+        for inlet in &e.inlets {
+            entries[*inlet] += marginals.roots[e.fragment[*inlet]] / inlets[e.fragment[*inlet]] as f64;
+        }
+        for (fragment, ends) in self.widest.iter().enumerate().filter(|(fragment, _)| inlets[*fragment] == 0) {
+            for end in ends {
+                entries[*end] += ROOT_ENTRY * marginals.roots[fragment] / ends.len() as f64;
+            }
+        }
+        let mut total = vec![0.0; e.fragments.len()];
+        entries.iter().zip(&e.fragment).for_each(|(entry, fragment)| total[*fragment] += entry);
+        self.add_below(&mut entries);
+        // Lone nodes are branches too.
+        let mut balance = vec![0.0; e.lines.len()];
+        for (node, from) in self.from.iter().enumerate() {
+            if let Some((above, branch)) = from.filter(|(_, branch)| !self.on_loop[*branch]) {
+                let down = total[e.fragment[node]] - 2.0 * entries[node];
+                balance[branch] = if e.graph.ends[branch][0] == above { down } else { -down };
+            }
+        }
+        balance
     }
 }
 
@@ -112,162 +185,38 @@ fn fed_without(forests: &Forests, marginals: &Marginals, fed: &[f64], row: usize
 const SEPARATION_RADII: f64 = 2.0;
 const SEPARATION_SPACINGS: f64 = 2.0;
 
-/// Per candidate the rows of others.
-#[derive(Default)]
-pub struct Competitors {
-    /// Those that attach the parent to a third fragment by the free end that is met.
-    pub elsewhere: Vec<Vec<usize>>,
-    /// Those that attach a third fragment to the child's end.
-    pub on_child: Vec<Vec<usize>>,
-    /// Those that attach other fragments near the same point, where that is between the ends of a vessel.
-    pub nearby: Vec<Vec<usize>>,
-}
+/// Rows of other candidates: those that attach the parent to a third fragment by the free end that is met; those that attach a third fragment to
+/// the child's end; and those that attach other fragments near the same point, where that is between the ends of a vessel.
+type Competitors = [Vec<usize>; 3];
 
-impl Competitors {
-    /// The competitors of each candidate.
-    pub fn new(e: &Extraction, candidates: &[EndCandidate]) -> Self {
-        let child = |row: usize| e.ends[candidates[row].end].fragment;
-        let parent = |row: usize| e.fragment[candidates[row].point];
-        let from = rows_by_end(e, candidates);
-        let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-        for (row, candidate) in candidates.iter().enumerate() {
-            at.entry(candidate.point).or_default().push(row);
-        }
-        let nearby = near_each(e, &at);
-        let of = |rows: Option<&Vec<usize>>, keep: &dyn Fn(usize) -> bool| {
-            rows.into_iter().flatten().copied().filter(|row| keep(*row)).collect::<Vec<usize>>()
-        };
-        let mut this = Self::default();
-        for (row, candidate) in candidates.iter().enumerate() {
-            let by_end = e.end_at[candidate.point].map(|end| &from[end]);
-            this.elsewhere.push(of(by_end, &|other| parent(other) != child(row)));
-            this.on_child.push(of(at.get(&e.ends[candidate.end].point), &|other| child(other) != parent(row)));
-            this.nearby.push(of(nearby.get(&candidate.point), &|other| child(other) != child(row)));
-        }
-        this
-    }
-}
-
-/// Per meeting point between the ends of a vessel the candidates that meet its fragment there or near.
-fn near_each(e: &Extraction, at: &BTreeMap<usize, Vec<usize>>) -> BTreeMap<usize, Vec<usize>> {
-    let points: Vec<usize> = at.keys().copied().collect();
+/// The competitors of each candidate.
+fn competitors(e: &Extraction, candidates: &[EndCandidate]) -> Vec<Competitors> {
+    let child = |row: usize| e.ends[candidates[row].end].fragment;
+    let parent = |row: usize| e.fragment[candidates[row].point];
+    let from = rows_by_end(e, candidates);
+    let at = grouped(e.position.len(), candidates.iter().enumerate().map(|(row, candidate)| (candidate.point, row)));
+    // Per meeting point between the ends of a vessel the candidates that meet its fragment there or near.
+    let points: Vec<usize> = (0..at.len()).filter(|point| !at[*point].is_empty()).collect();
     let index = PointIndex::new(points.iter().map(|point| e.position[*point]).collect());
     let between_ends = points.iter().copied().filter(|point| e.end_at[*point].is_none());
-    let near = between_ends.map(|point| {
+    let nearby = between_ends.map(|point| {
         let separation = SEPARATION_RADII * e.smooth.radius[point] + SEPARATION_SPACINGS * e.spacing;
-        let within = |other: &usize| {
-            let off = distance(e.position[*other], e.position[point]);
-            e.fragment[*other] == e.fragment[point] && steady(off / e.spacing) <= steady(separation / e.spacing)
-        };
+        let near = steady(separation / e.spacing);
+        let within = |other: &usize| e.fragment[*other] == e.fragment[point] && e.spacings(*other, point) <= near;
         let hits = index.within(e.position[point], separation * (1.0 + 1e-9)).into_iter().map(|(_, hit)| points[hit]);
-        (point, hits.filter(within).flat_map(|other| at[&other].iter().copied()).collect())
+        (point, hits.filter(within).flat_map(|other| at[other].iter().copied()).collect())
     });
-    near.collect()
-}
-
-/// A root is either no fragment or fed from outside: so much of its probability goes to its widest free end.
-const ROOT_ENTRY: f64 = 0.5;
-
-/// Where blood is expected to enter each branch: the fragments as trees of nodes, and which branches are on loops.
-pub struct InflowBalance {
-    /// The nodes, each after the one it was reached from.
-    order: Vec<usize>,
-    /// Per node the one it was reached from and the branch between; the other branches close loops.
-    from: Vec<Option<(usize, usize)>>,
-    /// Per branch whether it lies on a loop, so that it has no upstream side.
-    on_loop: Vec<bool>,
-    /// Per fragment its widest free ends, more than one when both ends of a short vessel are as wide.
-    widest: Vec<Vec<usize>>,
-}
-
-impl InflowBalance {
-    /// Goes through every fragment once, depth first.
-    pub fn new(e: &Extraction) -> Self {
-        let nodes = e.graph.nodes();
-        let (mut order, mut place, mut from) = (Vec::with_capacity(nodes), vec![usize::MAX; nodes], vec![None; nodes]);
-        for start in 0..nodes {
-            let mut open = vec![(start, None)];
-            while let Some((node, reached_from)) = open.pop() {
-                if place[node] < usize::MAX {
-                    continue;
-                }
-                (place[node], from[node]) = (order.len(), reached_from);
-                order.push(node);
-                open.extend(e.graph.branches(node).iter().map(|(branch, next, _)| (*next, Some((node, *branch)))));
-            }
-        }
-        let mut widest = vec![Vec::new(); e.fragments.len()];
-        for end in &e.ends {
-            let most = e.fragments[end.fragment].widest_end.unwrap_or(f64::INFINITY);
-            if steady(end.radius / most) >= 1.0 {
-                widest[end.fragment].push(end.point);
-            }
-        }
-        let mut this = Self { order, from, on_loop: vec![false; e.graph.length.len()], widest };
-        this.find_loops(e, &place);
-        this
-    }
-
-    /// Every branch outside of the trees closes a loop with those between its nodes, one of which is below the other.
-    fn find_loops(&mut self, e: &Extraction, place: &[usize]) {
-        let mut closes = vec![true; self.on_loop.len()];
-        self.from.iter().flatten().for_each(|(_, branch)| closes[*branch] = false);
-        let mut loops = vec![0_i64; self.order.len()];
-        for (branch, [a, b]) in e.graph.ends.iter().enumerate().filter(|(branch, _)| closes[*branch]) {
-            self.on_loop[branch] = true;
-            let (above, below) = if place[*a] < place[*b] { (*a, *b) } else { (*b, *a) };
-            loops[above] -= 1;
-            loops[below] += 1;
-        }
-        self.add_below(&mut loops);
-        for (node, from) in self.from.iter().enumerate() {
-            if let Some((_, branch)) = from {
-                self.on_loop[*branch] = loops[node] > 0;
-            }
-        }
-    }
-
-    /// Adds to each node what is below it.
-    fn add_below<T: Copy + std::ops::AddAssign>(&self, values: &mut [T]) {
-        for node in self.order.iter().rev() {
-            if let Some((above, _)) = self.from[*node] {
-                let below = values[*node];
-                values[above] += below;
-            }
-        }
-    }
-
-    /// F per branch: the entries to expect on the side of its first node less those on the side of its last; 0 on a loop, where
-    /// blood comes from both.
-    ///
-    /// A free end counts with the probability that its fragment is attached by it, the inlets of a fragment share the probability
-    /// that it is a root, and without inlets half of that goes to the widest end.
-    pub fn balance(&self, e: &Extraction, candidates: &[EndCandidate], marginals: &Marginals) -> Vec<f64> {
-        let mut entries = vec![0.0; self.order.len()];
-        for (candidate, p) in candidates.iter().zip(&marginals.edges) {
-            entries[e.ends[candidate.end].point] += p;
-        }
-        let mut inlets = vec![0.0; e.fragments.len()];
-        e.inlets.iter().for_each(|inlet| inlets[e.fragment[*inlet]] += 1.0);
-        for inlet in &e.inlets {
-            entries[*inlet] += marginals.roots[e.fragment[*inlet]] / inlets[e.fragment[*inlet]];
-        }
-        for (fragment, ends) in self.widest.iter().enumerate().filter(|(fragment, _)| inlets[*fragment] == 0.0) {
-            for end in ends {
-                entries[*end] += ROOT_ENTRY * marginals.roots[fragment] / ends.len() as f64;
-            }
-        }
-        let mut total = vec![0.0; e.fragments.len()];
-        entries.iter().zip(&e.fragment).for_each(|(entry, fragment)| total[*fragment] += entry);
-        self.add_below(&mut entries);
-        // Lone nodes are branches too.
-        let mut balance = vec![0.0; e.lines.len()];
-        for (node, from) in self.from.iter().enumerate() {
-            if let Some((above, branch)) = from.filter(|(_, branch)| !self.on_loop[*branch]) {
-                let down = total[e.fragment[node]] - 2.0 * entries[node];
-                balance[branch] = if e.graph.ends[branch][0] == above { down } else { -down };
-            }
-        }
-        balance
-    }
+    let nearby: std::collections::BTreeMap<usize, Vec<usize>> = nearby.collect();
+    let of = |rows: Option<&Vec<usize>>, keep: &dyn Fn(usize) -> bool| {
+        rows.into_iter().flatten().copied().filter(|row| keep(*row)).collect::<Vec<usize>>()
+    };
+    let of_candidate = |(row, candidate): (usize, &EndCandidate)| {
+        let by_end = e.end_at[candidate.point].map(|end| &from[end]);
+        [
+            of(by_end, &|other| parent(other) != child(row)),
+            of(Some(&at[e.ends[candidate.end].point]), &|other| child(other) != parent(row)),
+            of(nearby.get(&candidate.point), &|other| child(other) != child(row)),
+        ]
+    };
+    candidates.iter().enumerate().map(of_candidate).collect()
 }

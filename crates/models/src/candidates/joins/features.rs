@@ -1,4 +1,6 @@
-//! The features of a candidate on an automatic skeleton: those of a tracing, and more of courses, rivals and surroundings.
+//! The features of a candidate on an automatic skeleton: those of a tracing, and more of the course of a vessel from a free end inwards, rivals and
+//! surroundings. Rivals, which want the same
+//! places, are compared by cost before any model, by probability after the first pass.
 //!
 //! d is the gap, h the spacing, r the radius of a free end. All are dimensionless.
 
@@ -6,100 +8,27 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use ndarray::Array2;
 
-use super::course::EndCourse;
-use super::rivals::{Rivals, rivals};
-use crate::candidates::features::candidate_features::{log_detour, slenderness};
-use crate::candidates::features::fragment::Fragment;
-use crate::candidates::features::measured_candidate::{MeasuredCandidate, angle, measured};
-use crate::candidates::features::{Extraction, FEATURES, Feature};
-use crate::candidates::search::EndCandidate;
-use willis_core::support::geometry::{Point, dot, norm_squared, sub, unit};
+use crate::candidates::features::{
+    Extraction, FEATURES, Feature, MeasuredCandidate, angle, log_detour, mean_log, measured, slenderness,
+};
+use crate::candidates::search::{EndCandidate, Pairs, PointIndex, rows_by_end, unordered};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction};
+use willis_core::support::geometry::{Point, distance, dot, norm_squared, straightest, sub, unit};
 use willis_core::support::in_order;
-use willis_core::support::statistics::median;
-
-/// A candidate with everything that its features are computed from.
-pub struct Join<'a> {
-    /// Its gap, bends and nearest rivals.
-    pub measured: MeasuredCandidate<'a>,
-    /// The course of the child.
-    pub child: &'a EndCourse,
-    /// The course of the parent's free end, where it is met there.
-    pub parent: Option<&'a EndCourse>,
-    /// Other candidates for the same places.
-    pub rivals: Rivals,
-    /// What lies around.
-    pub around: Surroundings,
-}
-
-/// A feature of a candidate on a skeleton.
-pub type JoinFeature = fn(&Join) -> f64;
+use willis_core::support::statistics::{median, sigmoid};
+use willis_core::support::ties::steady;
 
 /// Features of tracings that say nothing of a skeleton, or depend on what a user clicked.
 const LEFT_OUT: [&str; 2] = ["fed_parent", "share_parent"];
 
-/// The features that only skeletons have, by name.
-pub const MORE_FEATURES: &[(&str, JoinFeature)] = &[
-    ("log_gap", |j| (j.measured.gap / j.measured.width()).ln()),
-    ("gap_spacings", |j| (j.measured.gap / h(j)).ln()),
-    ("bend_3", |j| bend(j, 0)),
-    ("bend_6", |j| bend(j, 1)),
-    ("bend_12", |j| bend(j, 2)),
-    ("bend_24", |j| bend(j, 3)),
-    ("parent_bend_3", |j| parent_bend(j, 0)),
-    ("parent_bend_6", |j| parent_bend(j, 1)),
-    ("parent_bend_12", |j| parent_bend(j, 2)),
-    ("parent_bend_24", |j| parent_bend(j, 3)),
-    ("least_bend", least_bend),
-    ("least_parent_bend", least_parent_bend),
-    ("least_bends", |j| least_bend(j) + least_parent_bend(j)),
-    ("tip_bend", |j| angle(j.child.tip_direction, j.measured.across)),
-    ("parent_tip_bend", |j| j.parent.map_or(0.0, |p| angle(p.tip_direction, reversed(j.measured.across)))),
-    ("miss", |j| miss(j, j.child, j.measured.across)),
-    ("parent_miss", |j| j.parent.map_or(0.0, |p| miss(j, p, reversed(j.measured.across)))),
-    ("energy_3", |j| bending(j, 0)[0]),
-    ("energy_6", |j| bending(j, 1)[0]),
-    ("energy_12", |j| bending(j, 2)[0]),
-    ("torsion", |j| if j.parent.is_some() { bending(j, 1)[1] } else { 0.0 }),
-    ("facing", |j| j.parent.map_or(0.0, |p| angle(j.child.directions[1], reversed(p.directions[1])))),
-    ("width_child", |j| (j.measured.child.radius / h(j)).ln()),
-    ("width_parent", |j| (j.measured.parent_radius / h(j)).ln()),
-    ("run_child", |j| (j.child.first_run / j.measured.width() + 0.1).ln()),
-    ("run_parent", |j| j.parent.map_or(0.0, |p| (p.first_run / parent_width(j) + 0.1).ln())),
-    ("spur_child", |j| spur(j, j.child)),
-    ("spur_parent", |j| j.parent.map_or(0.0, |p| spur(j, p))),
-    ("tip_child", |j| (j.child.tip_radius / j.measured.child.radius).ln()),
-    ("tip_parent", |j| j.parent.map_or(0.0, |p| (p.tip_radius / j.measured.parent_radius).ln())),
-    ("taper_child", |j| (j.child.far_radius / j.measured.child.radius).ln()),
-    ("taper_parent", |j| j.parent.map_or(0.0, |p| (p.far_radius / j.measured.parent_radius).ln())),
-    ("far_step", |j| j.parent.map_or(0.0, |p| (j.child.far_radius / p.far_radius).ln().abs())),
-    ("far_ratio", |j| (j.child.far_radius / j.parent.map_or(j.measured.parent_radius, |p| p.far_radius)).ln()),
-    ("slim_child", |j| slim(j)[0]),
-    ("slim_least", |j| slim(j)[0].min(slim(j)[1])),
-    ("ends_child", |j| free_ends(j)[0]),
-    ("ends_parent", |j| free_ends(j)[1]),
-    ("gap_over_length", |j| ((j.measured.gap + h(j)) / (lengths(j)[0].min(lengths(j)[1]) + h(j))).ln()),
-    ("tiny", |j| if lengths(j)[0].max(lengths(j)[1]) < 8.0 * h(j) { 1.0 } else { 0.0 }),
-    ("detour", |j| log_detour(&j.measured)),
-    ("wiggle_child", |j| j.child.wiggle.min(3.0)),
-    ("wiggle_parent", |j| j.parent.map_or(0.0, |p| p.wiggle.min(3.0))),
-    ("course_child", |j| (j.child.length / j.measured.width() + 0.2).ln()),
-    ("course_parent", |j| j.parent.map_or(0.0, |p| (p.length / parent_width(j) + 0.2).ln())),
-    ("cost_rank", |j| (j.rivals.rank as f64).min(8.0)),
-    ("cost_margin", |j| j.rivals.margin),
-    ("cost_mutual", |j| if j.rivals.mutual { 1.0 } else { 0.0 }),
-    ("site_rank", |j| (j.rivals.site_rank as f64).min(6.0)),
-    ("site_margin", |j| j.rivals.site_margin),
-    ("pair_rank", |j| (j.rivals.pair_rank as f64).min(6.0)),
-    ("ends_in_cone", |j| (j.rivals.in_cone as f64).min(6.0)),
-    ("crowd", |j| j.around.crowd),
-    ("ends_around_child", |j| j.around.ends[0]),
-    ("ends_around_parent", |j| j.around.ends[1]),
-    ("points_around", |j| j.around.points),
-    ("ends_per_length", |j| j.around.extraction[0]),
-    ("ends_facing", |j| j.around.extraction[1]),
-    ("usual_width", |j| j.around.extraction[2]),
-    ("fragments", |j| j.around.extraction[3]),
-];
+/// The names of the features that only skeletons have.
+const MORE_FEATURES: &str = "\
+    log_gap gap_spacings bend_3 bend_6 bend_12 bend_24 parent_bend_3 parent_bend_6 parent_bend_12 parent_bend_24 least_bend \
+    least_parent_bend least_bends tip_bend parent_tip_bend miss parent_miss energy_3 energy_6 energy_12 torsion facing width_child \
+    width_parent run_child run_parent spur_child spur_parent tip_child tip_parent taper_child taper_parent far_step far_ratio \
+    slim_child slim_least ends_child ends_parent gap_over_length tiny detour wiggle_child wiggle_parent course_child course_parent \
+    cost_rank cost_margin cost_mutual site_rank site_margin pair_rank ends_in_cone crowd ends_around_child ends_around_parent \
+    points_around ends_per_length ends_facing usual_width fragments";
 
 /// The features of a tracing that a skeleton has too.
 fn shared_features() -> impl Iterator<Item = &'static (&'static str, Feature)> {
@@ -108,115 +37,93 @@ fn shared_features() -> impl Iterator<Item = &'static (&'static str, Feature)> {
 
 /// The names of all features, in the order of their columns.
 pub fn join_feature_names() -> Vec<&'static str> {
-    shared_features().map(|(name, _)| *name).chain(MORE_FEATURES.iter().map(|(name, _)| *name)).collect()
+    shared_features().map(|(name, _)| *name).chain(MORE_FEATURES.split(' ')).collect()
 }
 
 /// The features of the candidates of one search: a row a candidate, a column a feature of [`join_feature_names`].
 pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Array2<f64> {
+    let course_at = |point: usize| extraction.end_at[point].map(|end| &courses[end]);
     let measured = measured(extraction, candidates);
-    let costs: Vec<f64> = measured.iter().zip(candidates).map(|(m, c)| cost(m, courses, extraction, c)).collect();
+    // By this candidates compete before any model: length and bends, as a logarithm.
+    let cost = |(m, candidate): (&MeasuredCandidate, &EndCandidate)| {
+        let least = |of: &EndCourse, across: Point| (0..3).map(|k| angle(of.directions[k], across)).fold(f64::INFINITY, f64::min);
+        let parent = course_at(m.point).map_or(0.6, |course| least(course, reversed(m.across)));
+        (m.gap + 0.5 * extraction.spacing).ln() - extraction.spacing.ln()
+            + 0.9 * least(&courses[candidate.end], m.across)
+            + 0.6 * parent
+    };
+    let costs: Vec<f64> = measured.iter().zip(candidates).map(cost).collect();
     let rivals = rivals(extraction, courses, candidates, &costs);
     let around = surroundings(extraction, courses, candidates);
-    let joins: Vec<Join> = measured
-        .into_iter()
-        .zip(candidates)
-        .zip(rivals.into_iter().zip(around))
-        .map(|((measured, candidate), (rivals, around))| Join {
-            measured,
-            child: &courses[candidate.end],
-            parent: extraction.end_at[candidate.point].map(|end| &courses[end]),
-            rivals,
-            around,
-        })
-        .collect();
-    let own: Vec<Feature> = shared_features().map(|(_, feature)| *feature).collect();
-    let rows = in_order(&joins, |_, j| {
-        own.iter().map(|f| f(&j.measured)).chain(MORE_FEATURES.iter().map(|(_, f)| f(j))).collect::<Vec<f64>>()
+    let shared: Vec<Feature> = shared_features().map(|(_, feature)| *feature).collect();
+    let rows = in_order(candidates, |row, candidate| {
+        let m = &measured[row];
+        let more = more_features(m, &courses[candidate.end], course_at(m.point));
+        shared.iter().map(|feature| feature(m)).chain(more).chain(rivals[row]).chain(around[row]).collect::<Vec<f64>>()
     });
-    let columns = own.len() + MORE_FEATURES.len();
-    Array2::from_shape_fn((rows.len(), columns), |(row, column)| rows[row][column])
-}
-
-/// What a candidate costs by length and bends, as a logarithm: by this candidates compete before any model.
-fn cost(m: &MeasuredCandidate, courses: &[EndCourse], extraction: &Extraction, candidate: &EndCandidate) -> f64 {
-    let least =
-        |course: &EndCourse, across: Point| (0..3).map(|k| angle(course.directions[k], across)).fold(f64::INFINITY, f64::min);
-    let parent = extraction.end_at[candidate.point].map_or(0.6, |end| least(&courses[end], reversed(m.across)));
-    (m.gap + 0.5 * extraction.spacing).ln() - extraction.spacing.ln()
-        + 0.9 * least(&courses[candidate.end], m.across)
-        + 0.6 * parent
+    Array2::from_shape_fn((rows.len(), join_feature_names().len()), |(row, column)| rows[row][column])
 }
 
 fn reversed(a: Point) -> Point {
     a.map(|x| -x)
 }
 
-fn h(j: &Join) -> f64 {
-    j.measured.extraction.spacing
-}
-
-fn parent_width(j: &Join) -> f64 {
-    2.0 * j.measured.parent_radius + h(j)
-}
-
-fn bend(j: &Join, scale: usize) -> f64 {
-    angle(j.child.directions[scale], j.measured.across)
-}
-
-fn parent_bend(j: &Join, scale: usize) -> f64 {
-    j.parent.map_or(0.0, |p| angle(p.directions[scale], reversed(j.measured.across)))
-}
-
-fn least_bend(j: &Join) -> f64 {
-    (0..4).map(|scale| bend(j, scale)).fold(f64::INFINITY, f64::min)
-}
-
-fn least_parent_bend(j: &Join) -> f64 {
-    (0..4).map(|scale| parent_bend(j, scale)).fold(f64::INFINITY, f64::min)
-}
-
-/// How far from the other place a course ends that is continued with its curvature over the gap, in gaps, at most 3.
-fn miss(j: &Join, course: &EndCourse, across: Point) -> f64 {
-    let d = j.measured.gap;
-    let curved = d.min(12.0 * h(j) + 4.0 * j.measured.child.radius).powi(2);
-    let off = [0, 1, 2].map(|k| course.tip_direction[k] * d + course.curvature[k] * curved - across[k] * d);
-    (norm_squared(off).sqrt() / d).min(3.0)
-}
-
-/// The bending of a cubic across the gap that leaves and arrives in the directions of a scale, and the product of its two bends.
-fn bending(j: &Join, scale: usize) -> [f64; 2] {
-    let u = j.measured.across;
-    let bends = |direction: Point| {
-        let along = dot(direction, u);
-        let sideways = unit([0, 1, 2].map(|k| direction[k] - along * u[k]));
-        sideways.map(|x| x * angle(direction, u))
+/// What [`MORE_FEATURES`] names of a candidate, up to what is around it, given the course of the child and that of the parent's free end where it
+/// is met there.
+fn more_features(c: &MeasuredCandidate, child: &EndCourse, parent: Option<&EndCourse>) -> Vec<f64> {
+    let (e, h, d, u) = (c.extraction, c.extraction.spacing, c.gap, c.across);
+    // Of the child, and of the parent's free end, by course, radius, width, and direction to the other place; 0 without such an end.
+    let both = |of: &dyn Fn(&EndCourse, f64, f64, Point) -> f64| {
+        let there = parent.map_or(0.0, |p| of(p, c.parent_radius, c.parent_width(), reversed(u)));
+        [of(child, c.child.radius, c.width(), u), there]
     };
-    let a = bends(j.child.directions[scale]);
-    let c = bends(j.parent.map_or(u, |p| reversed(p.directions[scale])));
-    [(norm_squared(a) + dot(a, c) + norm_squared(c)).max(0.0).sqrt(), dot(a, c)]
-}
-
-/// ln of the first run over the radius at its junction: what is shorter than wide is a spur.
-fn spur(j: &Join, course: &EndCourse) -> f64 {
-    ((course.first_run + 0.5 * h(j)) / (course.junction_radius + h(j))).ln()
-}
-
-/// The fragments of the child and of the parent.
-fn fragments<'a>(j: &Join<'a>) -> [&'a Fragment; 2] {
-    let e = j.measured.extraction;
-    [j.measured.child.point, j.measured.point].map(|point| &e.fragments[e.fragment[point]])
-}
-
-fn slim(j: &Join) -> [f64; 2] {
-    fragments(j).map(|fragment| slenderness(j.measured.extraction, fragment))
-}
-
-fn free_ends(j: &Join) -> [f64; 2] {
-    fragments(j).map(|fragment| (fragment.free_ends as f64).ln_1p())
-}
-
-fn lengths(j: &Join) -> [f64; 2] {
-    fragments(j).map(|fragment| fragment.length)
+    let bends = [0, 1, 2, 3].map(|scale| both(&|course, _, _, across| angle(course.directions[scale], across)));
+    let [child_bends, parent_bends] = [0, 1].map(|side| bends.map(|both| both[side]));
+    let [least, parent_least] = [child_bends, parent_bends].map(|bends| bends.into_iter().fold(f64::INFINITY, f64::min));
+    // How far from the other place a course ends that is continued with its curvature over the gap, in gaps, at most 3.
+    let curved = d.min(12.0 * h + 4.0 * c.child.radius).powi(2);
+    let miss = |course: &EndCourse, _: f64, _: f64, across: Point| {
+        let off = [0, 1, 2].map(|k| course.tip_direction[k] * d + course.curvature[k] * curved - across[k] * d);
+        (norm_squared(off).sqrt() / d).min(3.0)
+    };
+    // The bending of a cubic across the gap that leaves and arrives in the directions of a scale, and the product of its two bends.
+    let bending = |scale: usize| {
+        let [a, b] = [child.directions[scale], parent.map_or(u, |p| reversed(p.directions[scale]))].map(|direction| {
+            let along = dot(direction, u);
+            let sideways = unit([0, 1, 2].map(|k| direction[k] - along * u[k]));
+            sideways.map(|x| x * angle(direction, u))
+        });
+        [(norm_squared(a) + dot(a, b) + norm_squared(b)).max(0.0).sqrt(), dot(a, b)]
+    };
+    let bendings = [0, 1, 2].map(bending);
+    // What is shorter than wide is a spur.
+    let spur = |course: &EndCourse, _: f64, _: f64, _: Point| ((course.first_run + 0.5 * h) / (course.junction_radius + h)).ln();
+    let fragments = [c.child.point, c.point].map(|point| &e.fragments[e.fragment[point]]);
+    let [slim, other_slim] = fragments.map(|fragment| slenderness(e, fragment));
+    let [length, other_length] = fragments.map(|fragment| fragment.length);
+    let mut out = vec![(d / c.width()).ln(), (d / h).ln()];
+    out.extend([child_bends, parent_bends].concat());
+    out.extend([least, parent_least, least + parent_least]);
+    out.extend(both(&|course, _, _, across| angle(course.tip_direction, across)));
+    out.extend(both(&miss));
+    out.extend(bendings.map(|[energy, _]| energy));
+    out.push(if parent.is_some() { bendings[1][1] } else { 0.0 });
+    out.push(parent.map_or(0.0, |p| angle(child.directions[1], reversed(p.directions[1]))));
+    out.extend([c.child.radius, c.parent_radius].map(|radius| (radius / h).ln()));
+    out.extend(both(&|course, _, width, _| (course.first_run / width + 0.1).ln()));
+    out.extend(both(&spur));
+    out.extend(both(&|course, radius, _, _| (course.tip_radius / radius).ln()));
+    out.extend(both(&|course, radius, _, _| (course.far_radius / radius).ln()));
+    out.push(parent.map_or(0.0, |p| (child.far_radius / p.far_radius).ln().abs()));
+    out.push((child.far_radius / parent.map_or(c.parent_radius, |p| p.far_radius)).ln());
+    out.extend([slim, slim.min(other_slim)]);
+    out.extend(fragments.map(|fragment| (fragment.free_ends as f64).ln_1p()));
+    out.push(((d + h) / (length.min(other_length) + h)).ln());
+    out.push(if length.max(other_length) < 8.0 * h { 1.0 } else { 0.0 });
+    out.push(log_detour(c));
+    out.extend(both(&|course, _, _, _| course.wiggle.min(3.0)));
+    out.extend(both(&|course, _, width, _| (course.length / width + 0.2).ln()));
+    out
 }
 
 /// Free ends are counted over so many spacings around a free end, ...
@@ -227,21 +134,11 @@ const NEARBY: f64 = 25.0;
 const FACING_WIDTHS: f64 = 4.0;
 const FACING_COS: f64 = 0.825;
 
-/// What lies around a candidate, and what the whole extraction is like.
-#[derive(Clone, Copy)]
-pub struct Surroundings {
-    /// ln(1 + free ends within 12 spacings of the child).
-    crowd: f64,
-    /// ln of free ends per twenty points within 25 spacings of the child and of the parent.
-    ends: [f64; 2],
-    /// ln of the points within 25 spacings of the child.
-    points: f64,
-    /// ln of free ends per hundred spacings of length, ln of the share of free ends that face another, the median of ln r/h, ln of the
-    /// number of fragments.
-    extraction: [f64; 4],
-}
-
-fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<Surroundings> {
+/// What lies around a candidate, and what the whole extraction is like: ln(1 + free ends within 12 spacings of the child); ln of free ends per
+/// twenty points within 25 spacings of the child and of the parent; ln of the points within 25 spacings of the child; of the
+/// extraction ln of free ends per hundred spacings of length, ln of the share of free ends that face another, the median of ln r/h, and ln of the
+/// number of fragments.
+fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<[f64; 8]> {
     let is_end = |point: &usize| e.end_at[*point].is_some();
     let h = e.spacing;
     let ends_within = |point: usize, reach: f64| {
@@ -255,16 +152,6 @@ fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidat
     let near: BTreeMap<usize, (f64, f64)> = places.into_iter().zip(near).collect();
     let rate = |(ends, points): (f64, f64)| ((ends + 1.0) / (points / 20.0 + 1.0)).ln();
     let crowd: Vec<f64> = e.ends.iter().map(|end| ends_within(end.point, CROWD * h).0.ln_1p()).collect();
-    let whole = of_extraction(e, courses);
-    let of = |c: &EndCandidate| {
-        let [child, parent] = c.points(e).map(|point| near[&point]);
-        Surroundings { crowd: crowd[c.end], ends: [rate(child), rate(parent)], points: child.1.ln(), extraction: whole }
-    };
-    candidates.iter().map(of).collect()
-}
-
-fn of_extraction(e: &Extraction, courses: &[EndCourse]) -> [f64; 4] {
-    let h = e.spacing;
     let length: f64 = e.fragments.iter().map(|f| f.length).sum();
     let faces = |row: &usize| {
         let end = &e.ends[*row];
@@ -279,10 +166,340 @@ fn of_extraction(e: &Extraction, courses: &[EndCourse]) -> [f64; 4] {
     let ends = e.ends.len() as f64;
     let facing = (0..e.ends.len()).filter(faces).count() as f64;
     let widths: Vec<f64> = e.radius.iter().map(|r| (r / h).ln()).collect();
-    [
-        (ends.max(1.0) * 100.0 * h / length.max(h)).ln(),
-        (0.02 + facing / ends.max(1.0)).ln(),
-        median(&widths).unwrap_or(0.0),
-        (e.fragments.len() as f64).ln(),
-    ]
+    let per_length = (ends.max(1.0) * 100.0 * h / length.max(h)).ln();
+    let facing = (0.02 + facing / ends.max(1.0)).ln();
+    let (width, fragments) = (median(&widths).unwrap_or(0.0), (e.fragments.len() as f64).ln());
+    let of = |c: &EndCandidate| {
+        let [child, parent] = c.points(e).map(|point| near[&point]);
+        [crowd[c.end], rate(child), rate(parent), child.1.ln(), per_length, facing, width, fragments]
+    };
+    candidates.iter().map(of).collect()
+}
+
+/// Bound of a margin of costs.
+const MOST_MARGIN: f64 = 2.0;
+/// Candidates to one vessel between its ends are rivals within so many spacings and a radius.
+const SITE_SPACINGS: f64 = 2.5;
+/// Other free ends count as nearer ones up to this share of the gap, and within a cone of at least this cosine.
+const NEARER: f64 = 0.98;
+const CONE_COS: f64 = 0.7;
+
+fn site(e: &Extraction, point: usize) -> f64 {
+    SITE_SPACINGS * e.spacing + e.radius_at(point)
+}
+
+/// Of each candidate of one search what the others for the same places cost: how many branches cost less from the child; cost less that of the best other branch, in
+/// [-2, 2]; whether both free ends prefer each other's branch; the fragments with a cheaper candidate to the same place; cost less that of the
+/// best of them, in [-2, 2]; cheaper pairs of points between the same two fragments; and free ends of other fragments that are nearer and no further
+/// off the course. Numbers are at most 8, and beyond the first 6.
+pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<[f64; 7]> {
+    let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
+    let mut out = vec![[0.0; 7]; candidates.len()];
+    let few = |count: usize| (count as f64).min(6.0);
+    let of_end = rows_by_end(e, candidates);
+    // Per free end the branches that are cheapest from it.
+    let mut preferred: Vec<Option<usize>> = vec![None; e.ends.len()];
+    for (end, rows) in of_end.iter().enumerate() {
+        let mut best: BTreeMap<usize, f64> = BTreeMap::new();
+        for row in rows {
+            let least = best.entry(e.branch[candidates[*row].point]).or_insert(f64::INFINITY);
+            *least = least.min(costs[*row]);
+        }
+        let mut in_order: Vec<(f64, usize)> = best.iter().map(|(branch, cost)| (*cost, *branch)).collect();
+        in_order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        preferred[end] = in_order.first().map(|(_, branch)| *branch);
+        for row in rows {
+            let own = best[&e.branch[candidates[*row].point]];
+            let rank = in_order.iter().take_while(|(cost, _)| *cost < own).count();
+            let other = if rank > 0 { Some(in_order[0].0) } else { in_order.get(1).map(|(cost, _)| *cost) };
+            out[*row][0] = (rank as f64).min(8.0);
+            out[*row][1] = (costs[*row] - other.unwrap_or(own + MOST_MARGIN)).clamp(-MOST_MARGIN, MOST_MARGIN);
+        }
+    }
+    let sites = PointIndex::new(candidates.iter().map(|c| e.position[c.point]).collect());
+    let mut by_fragments: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+    for (row, c) in candidates.iter().enumerate() {
+        by_fragments.entry(unordered(c.fragments(e))).or_default().push(row);
+        let own_branch = e.ends[c.end].branch;
+        let there = e.end_at[c.point].and_then(|end| preferred[end]);
+        let mutual = there == Some(own_branch) && preferred[c.end] == Some(e.branch[c.point]);
+        let near = sites.around(e.position[c.point], site(e, c.point)).into_iter().map(|(_, other)| other);
+        let [child, parent] = c.fragments(e);
+        let rivals: Vec<usize> =
+            near.filter(|o| e.fragment[candidates[*o].point] == parent && e.ends[candidates[*o].end].fragment != child).collect();
+        let cheaper = rivals.iter().filter(|o| costs[**o] < costs[row]).map(|o| e.ends[candidates[*o].end].fragment);
+        let site_rank = cheaper.collect::<BTreeSet<usize>>().len();
+        let best = rivals.iter().map(|o| costs[*o]).fold(f64::INFINITY, f64::min);
+        let site_margin = (costs[row] - best).clamp(-MOST_MARGIN, MOST_MARGIN);
+        out[row][2..5].copy_from_slice(&[if mutual { 1.0 } else { 0.0 }, few(site_rank), site_margin]);
+        out[row][6] = few(in_cone(e, &courses[c.end], c));
+    }
+    let pairs = Pairs::new(e, candidates);
+    for rows in by_fragments.values() {
+        let mut cheapest: BTreeMap<usize, f64> = BTreeMap::new();
+        for row in rows {
+            let least = cheapest.entry(pairs.of[*row]).or_insert(f64::INFINITY);
+            *least = least.min(costs[*row]);
+        }
+        for row in rows {
+            let cheaper = cheapest.iter().filter(|(pair, cost)| **pair != pairs.of[*row] && **cost < costs[*row]);
+            out[*row][5] = few(cheaper.count());
+        }
+    }
+    out
+}
+
+/// Free ends of other fragments that are nearer than the candidate's point and no further off the child's course.
+fn in_cone(e: &Extraction, course: &EndCourse, c: &EndCandidate) -> usize {
+    let end = &e.ends[c.end];
+    let across = sub(e.position[c.point], e.position[end.point]);
+    let gap = norm_squared(across).sqrt();
+    let along = course.directions[1];
+    let least = steady((dot(across, along) / gap.max(f64::MIN_POSITIVE)).max(CONE_COS));
+    let near = e.index.around(e.position[end.point], NEARER * gap).into_iter();
+    near.filter(|(away, point)| {
+        let to = sub(e.position[*point], e.position[end.point]);
+        e.end_at[*point].is_some() && e.fragment[*point] != end.fragment && *away > 0.0 && steady(dot(to, along) / away) > least
+    })
+    .count()
+}
+
+/// How many features the second pass has of the first: the mean score of both directions and the own one; of the others at the child, and
+/// of those at the parent, the best, the sum of probabilities and the margin; the sums of both fragments, the best way by a third fragment, and
+/// the best and the sum of the other pairs of these two.
+pub const SECOND_FEATURES: usize = 13;
+
+/// A score where there is no other candidate, and the bound of all features.
+const NO_SCORE: f64 = -8.0;
+const MOST: f64 = 12.0;
+const MOST_SUM: f64 = 3.0;
+/// Pairs of fragments less probable than this lead nowhere.
+const LEAST_STEP: f64 = 0.02;
+const LEAST_TWO_STEPS: f64 = 1e-3;
+
+/// The features of the second pass that come from the scores (log-odds) of the first: a row a candidate, a column one of [`SECOND_FEATURES`].
+pub fn second_features(e: &Extraction, candidates: &[EndCandidate], pairs: &Pairs, scores: &[f64]) -> Array2<f64> {
+    let score = pairs.mean(scores);
+    let p: Vec<f64> = score.iter().map(|s| sigmoid(*s)).collect();
+    let firsts: Vec<&EndCandidate> = pairs.first.iter().map(|row| &candidates[*row]).collect();
+    let mut at: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    let mut between: BTreeMap<[usize; 2], Vec<usize>> = BTreeMap::new();
+    let mut of_fragment = vec![0.0; e.fragments.len()];
+    let mut steps: Vec<BTreeMap<usize, f64>> = vec![BTreeMap::new(); e.fragments.len()];
+    for (pair, c) in firsts.iter().enumerate() {
+        pairs.points[pair].iter().for_each(|point| at.entry(*point).or_default().push(pair));
+        let [a, b] = c.fragments(e);
+        between.entry(unordered([a, b])).or_default().push(pair);
+        of_fragment[a] += p[pair];
+        of_fragment[b] += p[pair];
+        if a != b && p[pair] > LEAST_STEP {
+            for (from, to) in [(a, b), (b, a)] {
+                let most = steps[from].entry(to).or_insert(0.0);
+                *most = most.max(p[pair]);
+            }
+        }
+    }
+    let sites = PointIndex::new(firsts.iter().map(|c| e.position[c.point]).collect());
+    let best_and_sum = |rivals: &[usize]| {
+        let best = rivals.iter().map(|pair| score[*pair]).fold(NO_SCORE, f64::max);
+        (best, rivals.iter().map(|pair| p[*pair]).sum::<f64>().min(MOST_SUM))
+    };
+    let mut out = Array2::zeros((candidates.len(), SECOND_FEATURES));
+    for (row, c) in candidates.iter().enumerate() {
+        let (pair, child) = (pairs.of[row], e.ends[c.end].point);
+        // Of the two points of a pair the other one.
+        let other_place = |pair: &usize, from: usize| pairs.points[*pair][usize::from(pairs.points[*pair][0] == from)];
+        let elsewhere = |from: usize, to: usize| -> Vec<usize> {
+            at[&from].iter().copied().filter(|pair| e.branch[other_place(pair, from)] != e.branch[to]).collect()
+        };
+        let at_child = best_and_sum(&elsewhere(child, c.point));
+        let [own, parent] = c.fragments(e);
+        let at_parent = if e.end_at[c.point].is_some() {
+            best_and_sum(&elsewhere(c.point, child))
+        } else {
+            let near = sites.within(e.position[c.point], site(e, c.point)).into_iter().map(|(_, pair)| pair);
+            let rivals = near.filter(|o| e.fragment[firsts[*o].point] == parent && e.ends[firsts[*o].end].point != child);
+            best_and_sum(&rivals.collect::<Vec<usize>>())
+        };
+        let (few, many) = if steps[own].len() < steps[parent].len() { (own, parent) } else { (parent, own) };
+        let two = |(via, p): (&usize, &f64)| steps[many].get(via).map(|q| p * q);
+        let two_steps = if own == parent { 0.0 } else { steps[few].iter().filter_map(two).fold(0.0, f64::max) };
+        let same = &between[&unordered([own, parent])];
+        let others = same.iter().filter(|o| **o != pair);
+        let mut features = vec![score[pair], scores[row]];
+        features.extend([at_child, at_parent].iter().flat_map(|(best, sum)| [*best, *sum, score[pair] - best]));
+        features.extend([own, parent].map(|fragment| of_fragment[fragment] - p[pair]));
+        features.push((two_steps + LEAST_TWO_STEPS).ln());
+        features.extend([others.clone().map(|o| score[*o]).fold(NO_SCORE, f64::max), others.map(|o| p[*o]).sum()]);
+        for (column, x) in features.into_iter().enumerate() {
+            out[[row, column]] = x.clamp(-MOST, MOST);
+        }
+    }
+    out
+}
+
+/// Directions are fitted over so many spacings and a third of that in radii.
+pub const SCALES: [f64; 4] = [3.0, 6.0, 12.0, 24.0];
+/// A course is followed over the largest scale, so many spacings and so many radii more.
+const MORE_SPACINGS: f64 = 2.0;
+const MORE_RADII: f64 = 8.0;
+/// Past a junction it follows the branch that runs on straightest, by the direction over so many points.
+const LOOK: usize = 5;
+/// Thinning bends the last stretch of a line, over so many radii; only the smallest scale sees it.
+const BENT_RADII: f64 = 0.7;
+/// The curvature is fitted over so many spacings and radii, with this ridge.
+const CURVED_SPACINGS: f64 = 16.0;
+const CURVED_RADII: f64 = 6.0;
+const RIDGE: f64 = 0.02;
+
+/// What is measured along the course of a free end. Lengths in m.
+#[derive(Default)]
+pub struct EndCourse {
+    /// Unit vectors out of the vessel, by [`SCALES`].
+    pub directions: [Point; 4],
+    /// The unit vector out of the vessel at its end, by a parabola.
+    pub tip_direction: Point,
+    /// Half the second derivative of that parabola, 1/m.
+    pub curvature: Point,
+    /// Length to the first junction, or of the course.
+    pub first_run: f64,
+    /// Radius at the first junction, or at the end.
+    pub junction_radius: f64,
+    /// Mean radius of the last two points.
+    pub tip_radius: f64,
+    /// Geometric mean radius from the fourth to the sixteenth point.
+    pub far_radius: f64,
+    /// Length of the course.
+    pub length: f64,
+    /// Distance of the points from the line at the third scale, root mean square, in spacings.
+    pub wiggle: f64,
+}
+
+impl EndCourse {
+    /// The course of a free end of an extraction, by its row.
+    pub fn new(extraction: &Extraction, row: usize) -> Self {
+        let end = &extraction.ends[row];
+        let h = extraction.spacing;
+        let limit = (SCALES[3] + MORE_SPACINGS) * h + MORE_RADII * end.radius;
+        let (points, junction) = inwards(extraction, end.point, end.branch, limit);
+        let position: Vec<Point> = points.iter().map(|p| extraction.position[*p]).collect();
+        let arc = arc_lengths(position.iter().copied());
+        let smooth = if position.len() > 3 { slightly_smooth(&position) } else { position };
+        let mut course = Self {
+            first_run: junction.map_or(arc[arc.len() - 1], |at| arc[at]),
+            junction_radius: junction.map_or(extraction.radius[end.point], |at| extraction.smooth.radius[points[at]]),
+            tip_radius: points.iter().take(2).map(|p| extraction.radius[*p]).sum::<f64>() / points.len().min(2) as f64,
+            far_radius: if points.len() > 4 {
+                mean_log(&extraction.radius, &points[3..points.len().min(16)]).exp()
+            } else {
+                end.radius
+            },
+            length: arc[arc.len() - 1],
+            ..Self::default()
+        };
+        for (scale, windows) in SCALES.iter().enumerate() {
+            let upto = arc.iter().take_while(|s| **s <= windows * h + windows / 3.0 * end.radius).count();
+            let from = arc.iter().take_while(|s| **s < BENT_RADII * end.radius).count();
+            let from = if scale > 0 && upto > 8 && upto - from >= 2 { from } else { 0 };
+            let upto = upto.max(2).min(smooth.len());
+            let (direction, spread) = line(&smooth[from..upto], &arc[from..upto]);
+            course.directions[scale] = direction;
+            if scale == 2 {
+                course.wiggle = spread / h;
+            }
+        }
+        let upto = arc.iter().take_while(|s| **s <= CURVED_SPACINGS * h + CURVED_RADII * end.radius).count();
+        course.tip_direction = course.directions[1];
+        if upto >= 6 {
+            let (slope, curvature) = parabola(&smooth[..upto], &arc[..upto]);
+            course.tip_direction = unit(slope.map(|x| -x));
+            course.curvature = curvature;
+        }
+        course
+    }
+}
+
+/// The points from a free end inwards, at most so long, and the place of the first junction among them.
+fn inwards(e: &Extraction, from: usize, branch: usize, limit: f64) -> (Vec<usize>, Option<usize>) {
+    let (mut way, mut length, mut junction) = (vec![from], 0.0, None);
+    let mut branch = branch;
+    let mut seen = vec![branch];
+    loop {
+        let line = &e.lines[branch];
+        for point in in_direction(line.clone(), line[0] == way[way.len() - 1]).into_iter().skip(1) {
+            length += distance(e.position[way[way.len() - 1]], e.position[point]);
+            way.push(point);
+            if length >= limit {
+                return (way, junction);
+            }
+        }
+        let node = way[way.len() - 1];
+        if e.degree[node] < 2 {
+            return (way, junction);
+        }
+        if e.degree[node] > 2 && junction.is_none() {
+            junction = Some(way.len() - 1);
+        }
+        let smooth = |p: usize| e.smooth.position[p];
+        let back = unit(sub(smooth(node), smooth(way[way.len().saturating_sub(LOOK + 1)])));
+        let headings = e.graph.headings(&e.lines, node).into_iter().filter(|heading| !seen.contains(&heading.branch));
+        let ways = headings.map(|heading| {
+            let wider = (e.smooth.radius[heading.walk(1)] / e.smooth.radius[node]).ln();
+            (heading.branch, sub(smooth(heading.walk(LOOK)), smooth(node)), wider)
+        });
+        let Some(next) = straightest(back, ways, steady) else { return (way, junction) };
+        branch = next;
+        seen.push(branch);
+    }
+}
+
+/// The Gaussian average (1.5 points) of positions; those beyond the ends are the ends.
+fn slightly_smooth(position: &[Point]) -> Vec<Point> {
+    const SIGMA: f64 = 1.5;
+    let last = position.len() as isize - 1;
+    let weight: Vec<f64> = (-6..=6).map(|o: i32| (-0.5 * (f64::from(o) / SIGMA).powi(2)).exp()).collect();
+    let total: f64 = weight.iter().sum();
+    let at = |i: isize| {
+        let mut sum = [0.0; 3];
+        for (o, w) in (-6..=6).zip(&weight) {
+            let p = position[(i + o).clamp(0, last) as usize];
+            (0..3).for_each(|k| sum[k] += w * p[k]);
+        }
+        sum.map(|x| x / total)
+    };
+    (0..position.len() as isize).map(at).collect()
+}
+
+/// The direction of the least-squares line against the arc length, towards its beginning, and the root mean square distance from it.
+fn line(points: &[Point], arc: &[f64]) -> (Point, f64) {
+    let n = points.len() as f64;
+    let middle = arc.iter().sum::<f64>() / n;
+    let mean = [0, 1, 2].map(|k| points.iter().map(|p| p[k]).sum::<f64>() / n);
+    let mut v = [0.0; 3];
+    for (p, s) in points.iter().zip(arc) {
+        (0..3).for_each(|k| v[k] -= (s - middle) * (p[k] - mean[k]));
+    }
+    let direction = unit(v);
+    let square: f64 = arc.iter().map(|s| (s - middle).powi(2)).sum::<f64>().max(f64::MIN_POSITIVE);
+    let off = |(p, s): (&Point, &f64)| norm_squared([0, 1, 2].map(|k| p[k] - mean[k] + (s - middle) * v[k] / square));
+    (direction, (points.iter().zip(arc).map(off).sum::<f64>() / n).sqrt())
+}
+
+/// Slope at the beginning and half the second derivative of the parabola through points, by ridge regression.
+fn parabola(points: &[Point], arc: &[f64]) -> (Point, Point) {
+    let most = arc[arc.len() - 1].max(f64::MIN_POSITIVE);
+    let rows: Vec<[f64; 3]> = arc.iter().map(|s| [1.0, s / most, (s / most).powi(2)]).collect();
+    let mut a = [[0.0; 3]; 3];
+    let mut b = [[0.0; 3]; 3];
+    for (row, p) in rows.iter().zip(points) {
+        for i in 0..3 {
+            for j in 0..3 {
+                a[i][j] += row[i] * row[j];
+                b[i][j] += row[i] * (p[j] - points[0][j]);
+            }
+        }
+    }
+    a[2][2] += RIDGE * points.len() as f64;
+    let x = willis_core::support::normal_equations::solve(a, b, 3);
+    (x[1].map(|x| x / most), x[2].map(|x| x / (most * most)))
 }

@@ -5,18 +5,12 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::features::join_feature_names;
-use super::image::features::image_feature_names;
-use super::rivals::SECOND_FEATURES;
+use super::features::{SECOND_FEATURES, join_feature_names};
 use willis_core::error::Fault;
 use willis_core::support::boosted_trees::{Boosted, check_features};
 use willis_core::support::calibration::Calibration;
-use willis_core::support::model_provenance::ModelProvenance;
 use willis_core::support::statistics::sigmoid;
 use willis_core::support::toml_text::{finite, parse, write};
-
-/// The model that comes with the program.
-const SHIPPED: &str = include_str!("skeleton.toml");
 
 const HEADING: &str = "\
 # The model of connections on automatic skeletons, fitted by `willis train --model skeleton`; read by `willis infer --prior FILE`.
@@ -28,6 +22,19 @@ const HEADING: &str = "\
 # figures: cross-validated by subject: average precision over all right connections (mean over cases), precision and
 # recall of what is kept, calibration error, sum of P against right pairs.
 ";
+
+/// What the image stage sees, by name in one text; `score` is that of the second pass.
+const IMAGE_FEATURES: &str = "\
+    score score_margin_near score_margin_far log_gap_spacings log_gap_widths noise typical_contrast dimmer_end step_of_ends \
+    line_least line_quarter line_mean line_noise_mean line_ring_least line_ring_mean line_inside path_cost path_cost_least \
+    path_least path_quarter path_mean path_noise_least path_noise_quarter path_noise_mean path_ring_least path_ring_quarter \
+    path_ring_mean path_ring_noise path_tortuosity path_inside path_widest_dip met_rank met_cost met_margin cost_margin_near \
+    cost_margin_far contrast_margin_near contrast_margin_far";
+
+/// The names of what the image stage sees, in their order.
+pub fn image_feature_names() -> Vec<&'static str> {
+    IMAGE_FEATURES.split(' ').collect()
+}
 
 /// What tells the file of a join model from that of another one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
@@ -56,7 +63,7 @@ pub struct JoinModel {
     pub image: Option<ImagePass>,
     /// Where it comes from.
     #[serde(default)]
-    pub provenance: ModelProvenance,
+    pub provenance: willis_core::support::model_provenance::ModelProvenance,
     /// How well such models did.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub figures: Vec<JoinScores>,
@@ -117,7 +124,7 @@ impl JoinModel {
     ///
     /// None in a released program: it is tested.
     pub fn shipped() -> willis_core::error::Result<Arc<Self>> {
-        Self::read(SHIPPED).map(Arc::new).map_err(|fault| fault.in_file("skeleton.toml".as_ref()))
+        Self::read(include_str!("skeleton.toml")).map(Arc::new).map_err(|fault| fault.in_file("skeleton.toml".as_ref()))
     }
 
     /// Whether a text is a join model, as opposed to weights of a tracing.

@@ -1,14 +1,12 @@
 //! Neighbours in space, by kiddo's k-d tree, in an order that depends on nothing but distance and point number.
 
 use std::collections::HashSet;
-use std::num::NonZero;
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 
 use willis_core::network::units::as_stored;
 use willis_core::network::{Network, Origin, Vessel};
 use willis_core::support::geometry::{Point, distance, dot, norm, norm_squared, sub};
-use willis_core::support::in_order;
 
 /// The nearest points, all at one distance.
 pub struct NearestPoints {
@@ -59,16 +57,6 @@ impl PointIndex {
         self.squared(p, reach).map(|(d2, i)| (d2.sqrt(), i)).collect()
     }
 
-    /// How many points there are.
-    pub fn len(&self) -> usize {
-        self.points.len()
-    }
-
-    /// Whether there is none.
-    pub fn is_empty(&self) -> bool {
-        self.points.is_empty()
-    }
-
     /// How many points are no further than `reach` from `p`.
     pub fn count(&self, p: Point, reach: f64) -> usize {
         self.squared(p, reach).count()
@@ -79,14 +67,10 @@ impl PointIndex {
         // The tree rounds another way: ask for a little more, then measure again.
         let wide = (reach * (1.0 + 1e-9) + self.rounding + ROUNDING * norm(p)).powi(2);
         let numbers: Vec<usize> = match &self.tree {
-            Some(tree) => tree
-                .query(&turned(p))
-                .within::<SquaredEuclidean<f64>>(wide)
-                .unsorted()
-                .execute()
-                .into_iter()
-                .map(|hit| hit.item as usize)
-                .collect(),
+            Some(tree) => {
+                let hits = tree.query(&turned(p)).within::<SquaredEuclidean<f64>>(wide).unsorted().execute();
+                hits.into_iter().map(|hit| hit.item as usize).collect()
+            }
             None => (0..self.points.len()).collect(),
         };
         let measured = numbers.into_iter().map(move |i| (norm_squared(sub(self.points[i], p)), i));
@@ -95,7 +79,7 @@ impl PointIndex {
 
     /// The `count` points nearest to `p`, as (distance, number), nearest first, ties to the lower number.
     pub fn first(&self, p: Point, count: usize) -> Vec<(f64, usize)> {
-        let Some(count) = NonZero::new(count) else { return Vec::new() };
+        let Some(count) = std::num::NonZero::new(count) else { return Vec::new() };
         let numbers = self.tree.as_ref().map(|tree| tree.query(&turned(p)).nearest_n::<SquaredEuclidean<f64>>(count).execute());
         let farthest = numbers.into_iter().flatten().map(|hit| norm_squared(sub(self.points[hit.item as usize], p)));
         // As many may lie at that distance, of which the tree took any.
@@ -138,7 +122,7 @@ pub fn join_nearest(network: &mut Network, ends: &[usize], k: usize) {
     let vessels = network.vessels().map(|(ends, _)| ends).filter(|ends| ends.iter().any(|end| among.contains(end)));
     let mut joined: HashSet<[usize; 2]> = vessels.map(|[a, b]| ordered(a, b)).collect();
     let degree = network.degrees(|_| true);
-    let near: Vec<Vec<usize>> = in_order(&ends, |_, end| {
+    let near: Vec<Vec<usize>> = willis_core::support::in_order(&ends, |_, end| {
         let hits = index.first(network.node(*end).position.unwrap_or_default(), k + 1 + degree[*end]);
         let others = hits.into_iter().map(|(_, hit)| rows[hit]).filter(|row| row != end);
         others.filter(|row| !joined.contains(&ordered(*end, *row))).take(k).collect()

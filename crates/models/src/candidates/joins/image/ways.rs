@@ -1,16 +1,135 @@
-//! What the image shows ahead of each free end: the vessels met first along what looks like a vessel, wherever it leads.
+//! Ways through an image: the cheapest path between two places, and the vessels met first from each free end, wherever they lead.
 
 use std::cmp::Reverse;
 use std::collections::{BTreeSet, BinaryHeap};
 
-use super::path::price;
 use crate::candidates::features::Extraction;
-use crate::candidates::search::meeting_points::snapped;
-use crate::candidates::search::{EndCandidate, least_detour};
+use crate::candidates::search::{EndCandidate, least_detour, snapped};
 use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::{Point, distance, norm, smooth};
-use willis_core::support::in_order;
+use willis_core::support::geometry::{Point, cross, distance, lerp, norm, smooth, sub, unit};
 use willis_io::masks::Scene;
+
+/// Paths go through places on cross-sections of the line: cross-sections and places on them lie about so many spacings apart.
+const PATH_STEP: f64 = 0.7;
+/// A path stays so near to the line: a share of the gap, at least and at most so many spacings.
+const WIDTH: f64 = 0.35;
+const WIDTH_SPACINGS: [f64; 2] = [2.0, 4.0];
+/// Added to the contrast in the denominator of the cost.
+const FLOOR: f64 = 0.08;
+/// There are no more cross-sections than this.
+const MOST_SECTIONS: f64 = 400.0;
+
+/// The cheapest path between two places.
+pub struct CheapestPath {
+    /// Its points, m, from end to end.
+    pub points: Vec<Point>,
+    /// Its cost in spacings: its length where the image shows nothing, less than a hundredth of that along a vessel of full contrast.
+    pub cost: f64,
+}
+
+/// The cheapest path between two ends (m), among those that go forward along the straight line between them; `None` where the image is not known.
+/// No vessel counts as another one so near (`own`, m) to each end; `level` is the brightness of background and the contrast of a vessel to it; `h`
+/// is the distance between points of the extraction, m.
+///
+/// The cost of a step is its length times (f/(c + f))², where c is the contrast as a share of that of the vessels, from 0 to 1, and f
+/// is 0.08. Inside other vessels c is 0. From one cross-section of the line to the next a path moves by one place along each of two
+/// directions at most; among all such paths the cheapest is found, by the Viterbi algorithm.
+pub fn cheapest_path(scene: &Scene, [a, b]: [Point; 2], own: [f64; 2], level: [f64; 2], h: f64) -> Option<CheapestPath> {
+    let [background, contrast] = level;
+    let gap = distance(a, b);
+    let sections = (gap / (PATH_STEP * h)).round().clamp(2.0, MOST_SECTIONS);
+    let (ahead, step) = (gap / sections, PATH_STEP * h);
+    let sections = sections as usize;
+    let reach = ((WIDTH * gap).clamp(WIDTH_SPACINGS[0] * h, WIDTH_SPACINGS[1] * h) / step).round() as usize;
+    let side = 2 * reach + 1;
+    let [e1, e2] = across(unit(sub(b, a)));
+    let offset = |at: usize| [at % side, at / side].map(|offset| step * (offset as f64 - reach as f64));
+    let place = |section: usize, at: usize| -> Point {
+        let (along, [u, v]) = (lerp(a, b, section as f64 / sections as f64), offset(at));
+        [0, 1, 2].map(|k| along[k] + u * e1[k] + v * e2[k])
+    };
+    // The same in indices of the image, which are linear too: one step along the line and along both directions.
+    let origin = scene.index(a);
+    let to = |p: Point, by: f64| -> [f64; 3] {
+        let there = scene.index([0, 1, 2].map(|k| a[k] + by * p[k]));
+        [0, 1, 2].map(|axis| there[axis] - origin[axis])
+    };
+    let (forward, right, up) = (to(sub(b, a), 1.0 / sections as f64), to(e1, step), to(e2, step));
+    let price = |section: usize, u: usize, v: usize| -> f32 {
+        let (s, u, v) = (section as f64, u as f64 - reach as f64, v as f64 - reach as f64);
+        let index = [0, 1, 2].map(|axis| origin[axis] + s * forward[axis] + u * right[axis] + v * up[axis]);
+        let Some(x) = scene.brightness_at(index) else { return f32::INFINITY };
+        let c = ((x - background) / contrast).clamp(0.0, 1.0);
+        let squared = step * step * (u * u + v * v);
+        let away = |along: f64, own: f64| along * along + squared > own * own;
+        let is_other = || away(s * ahead, own[0]) && away(gap - s * ahead, own[1]);
+        let c = if c > 0.0 && scene.is_inside_at(index) && is_other() { 0.0 } else { c };
+        price(c)
+    };
+    // Sections have a rim of places that no path goes through.
+    let (wide, rim) = (side + 2, side + 3);
+    let row = |u: usize, v: usize| v * wide + u + rim;
+    let size = wide * wide;
+    let by = |n: isize| {
+        let (du, dv) = (n % 3 - 1, n / 3 - 1);
+        let length = ahead.hypot(step * (du as f64).hypot(dv as f64));
+        (dv * wide as isize + du, (0.5 * length / h) as f32)
+    };
+    let moves: Vec<(isize, f32)> = (0..9).map(by).collect();
+    let middle = row(reach, reach);
+    // Per place of a section the least cost so far, the price there, and by which move it was reached.
+    let mut least = vec![f32::INFINITY; size];
+    let mut here = vec![0.0_f32; size];
+    (least[middle], here[middle]) = (0.0, price(0, reach, reach));
+    let mut from = vec![u8::MAX; (sections + 1) * size];
+    let (mut next_least, mut next_here) = (vec![f32::INFINITY; size], vec![0.0_f32; size]);
+    for section in 1..=sections {
+        next_least.fill(f32::INFINITY);
+        // No further out than moves lead from the one end and to the other.
+        let reached = section.min(sections - section).min(reach);
+        for v in reach - reached..=reach + reached {
+            for u in reach - reached..=reach + reached {
+                let at = row(u, v);
+                let own_price = price(section, u, v);
+                let (mut best, mut by) = (f32::INFINITY, u8::MAX);
+                for (way, (move_by, half)) in (0_u8..).zip(&moves) {
+                    let before = (at as isize + move_by) as usize;
+                    let sum = least[before] + half * (here[before] + own_price);
+                    if sum < best {
+                        (best, by) = (sum, way);
+                    }
+                }
+                (next_least[at], next_here[at], from[section * size + at]) = (best, own_price, by);
+            }
+        }
+        std::mem::swap(&mut least, &mut next_least);
+        std::mem::swap(&mut here, &mut next_here);
+    }
+    if least[middle].is_infinite() {
+        return None;
+    }
+    let (mut points, mut at) = (vec![b], middle);
+    for section in (1..=sections).rev() {
+        at = at.checked_add_signed(moves[usize::from(from[section * size + at])].0)?;
+        let inner = at - rim;
+        points.push(place(section - 1, inner / wide * side + inner % wide));
+    }
+    points.reverse();
+    Some(CheapestPath { points: smooth(&points, 2), cost: f64::from(least[middle]) })
+}
+
+/// The cost of a step as a share of its length, by the contrast as a share of that of the vessels.
+fn price(contrast: f64) -> f32 {
+    let share = (FLOOR / (contrast + FLOOR)) as f32;
+    share * share
+}
+
+/// Two directions across a unit vector.
+pub(super) fn across(d: Point) -> [Point; 2] {
+    let other = if d[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+    let e1 = unit(cross(d, other));
+    [e1, cross(d, e1)]
+}
 
 /// Places lie on a lattice so many spacings apart, so many of them to each side of the free end.
 const STEP: f64 = 0.8;
@@ -34,7 +153,7 @@ const TOGETHER: usize = 32;
 pub struct Met {
     /// Its point that is nearest to where it was entered, or its free end near there.
     pub point: usize,
-    /// The cost of the way there, as [`super::path::CheapestPath::cost`].
+    /// The cost of the way there, as [`CheapestPath::cost`].
     pub cost: f64,
     /// The way, m, from the free end to that point.
     pub path: Vec<Point>,
@@ -53,7 +172,7 @@ impl Ahead {
     pub fn new(scene: &Scene, e: &Extraction) -> Self {
         let rows: Vec<usize> = (0..e.ends.len()).collect();
         let parts: Vec<&[usize]> = rows.chunks(TOGETHER).collect();
-        let met = in_order(&parts, |_, part| {
+        let met = willis_core::support::in_order(&parts, |_, part| {
             let mut front = Front::new(e.spacing);
             let from = |end: &usize| if e.at_border[e.ends[*end].point] { Vec::new() } else { front.met(scene, e, *end) };
             part.iter().map(from).collect::<Vec<Vec<Met>>>()
@@ -63,13 +182,12 @@ impl Ahead {
 
     /// The candidates that are not among those found before, and their ways, by free end.
     pub fn candidates(&self, e: &Extraction, found: &[EndCandidate]) -> Vec<(EndCandidate, &[Point])> {
-        let mut known: Vec<Vec<usize>> = vec![Vec::new(); e.ends.len()];
-        for c in found {
-            known[c.end].push(c.point);
-            if let Some(other) = e.end_at[c.point] {
-                known[other].push(e.ends[c.end].point);
-            }
-        }
+        // What a candidate is to its free end, and to that which it reaches.
+        let both = |end: usize, point: usize| {
+            let back = e.end_at[point].map(|other| (other, e.ends[end].point));
+            std::iter::once((end, point)).chain(back)
+        };
+        let mut known = willis_core::support::numbered::grouped(e.ends.len(), found.iter().flat_map(|c| both(c.end, c.point)));
         let mut paths = ShortestPaths::new(e.graph.nodes());
         let mut more = Vec::new();
         for (row, met) in self.met.iter().enumerate() {
@@ -80,9 +198,8 @@ impl Ahead {
                 if known[row].iter().any(near) || within && !saves(e, row, met.point, &mut paths) {
                     continue;
                 }
-                known[row].push(met.point);
-                if let Some(other) = e.end_at[met.point] {
-                    known[other].push(end.point);
+                for (end, point) in both(row, met.point) {
+                    known[end].push(point);
                 }
                 more.push((EndCandidate { end: row, point: met.point, within }, met.path.as_slice()));
             }
@@ -144,16 +261,11 @@ impl Front {
         Self { spacing, cost, price, by, touched: Vec::new(), open: BinaryHeap::new(), moves }
     }
 
-    fn clear(&mut self) {
+    fn met(&mut self, scene: &Scene, e: &Extraction, row: usize) -> Vec<Met> {
         for at in self.touched.drain(..) {
-            self.cost[at] = f32::INFINITY;
-            self.price[at] = -1.0;
+            (self.cost[at], self.price[at]) = (f32::INFINITY, -1.0);
         }
         self.open.clear();
-    }
-
-    fn met(&mut self, scene: &Scene, e: &Extraction, row: usize) -> Vec<Met> {
-        self.clear();
         let end = &e.ends[row];
         let from = e.position[end.point];
         let own = end.radius + self.spacing;
