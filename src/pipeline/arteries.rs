@@ -20,7 +20,7 @@ use willis_io::formats::{LandmarkFormat, read_landmarks};
 use willis_io::output::names::LANDMARKS;
 use willis_io::output::write_file;
 use willis_models::circle_of_willis::{
-    Circle, Collateral, Informant, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
+    Circle, Collateral, LEAST_DIAMETER, LabelScheme, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
     identify_landmarks, in_axes_of, segment_diameters,
 };
 use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
@@ -173,8 +173,7 @@ impl FoundArteries {
         let Some(named) = &self.named else { return Ok(Posterior::of(&self.circle, network, topologies)) };
         let prior = phenotypes.prior()?;
         let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
-        let informant = Informant { presence: &presence, not_seen: named.not_seen() };
-        Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
+        Ok(Posterior::informed(&self.circle, network, topologies, Some((&presence, named.not_seen()))))
     }
 
     /// The diameter of each segment of `RING` in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its

@@ -5,13 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use willis_core::error::Fault;
-use willis_core::network::units::metres;
-use willis_core::network::{Network, Origin, PathPoint};
+use willis_core::network::{Network, Origin, PathPoint, units::metres};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
-use willis_models::candidates::search::point_index::PointIndex;
 use willis_models::contacts::branches::{BranchEnd, Branches, Cluster, runs};
-use willis_models::contacts::courses::even_course;
+use willis_models::{candidates::search::point_index::PointIndex, contacts::courses::even_course};
 
 /// Neighbours on a skeleton that are further apart along the true vessels than so many radii of both and voxels are fused.
 const FUSED_RADII: f64 = 3.0;

@@ -4,27 +4,19 @@
 use ndarray::Array2;
 
 use super::boosting::boost;
-use super::cross_validation::dealt;
-use super::example::{Case, Example, Model, TreeExample, image_name, shown};
-use super::logistic::calibrate_in_order;
-use super::minimise::minimise;
-use super::scores::{binned, grouped, name_of};
+use super::example::{Case, Example, Model, TreeExample, binned, dealt, grouped, image_name, name_of, shown};
+use super::minimise::{calibrate_in_order, minimise};
 use willis_core::error::{Error, Result};
 use willis_core::network::Origin;
-use willis_core::support::boosted_trees::Boosted;
-use willis_core::support::in_order;
-use willis_core::support::model_provenance::ModelProvenance;
+use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance};
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
-use willis_models::candidates::kind::CenterlineKind;
-use willis_models::candidates::resample::Resampled;
-use willis_models::contacts::crowding::Crowding;
+use willis_models::candidates::{kind::CenterlineKind, resample::Resampled};
 use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, NOT_CALIBRATED};
 use willis_models::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
 };
-use willis_models::contacts::split::split;
-use willis_models::contacts::{Basis, ContactTable};
+use willis_models::contacts::{Basis, ContactTable, crowding::Crowding, split::split};
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;

@@ -4,15 +4,11 @@
 //! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
 //! connection through both segments that meet there.
 
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
+use petgraph::{graph::NodeIndex, visit::EdgeRef};
 
-use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED};
-use super::segments_by_labels::is_wider;
-use super::shortest_path::{Marks, marks, shortest};
-use super::variant::Variant;
-use willis_core::network::Network;
-use willis_core::network::walks::Walk;
+use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, Variant};
+use super::segments_by_labels::{Marks, is_wider, marks, shortest};
+use willis_core::network::{Network, walks::Walk};
 
 /// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;

@@ -1,4 +1,4 @@
-//! Exact probabilities of the states of all nodes together, by belief propagation on a spanning forest.
+//! Exact probabilities of the states of all nodes together, by belief propagation on a spanning forest; and what they say of candidates.
 //!
 //! Neighbours have the pair factors of the atlas. A node with three arms has one factor over the kinds of bifurcation, with its arms in
 //! any order, mixed with the pair factors. A gap of probability p has the factor p B + (1 - p): names pass it as far as it is believed.
@@ -7,9 +7,8 @@
 use std::ops::Range;
 
 use super::algebra::{TableTimes, dot, normalise};
-use super::atlas::Atlas;
+use super::atlas::{Atlas, STATES};
 use super::nodes::Nodes;
-use super::states::STATES;
 use willis_core::support::simd::InstructionSet;
 
 /// The share of the pair factors at a bifurcation, for kinds that were never seen.
@@ -26,12 +25,6 @@ enum ForestLink {
     Vessel(usize),
     /// Over a gap of about 2, 4 or 8 mm (0 to 2) with a probability; the number of the bridge.
     Gap { length: usize, probability: f64, bridge: usize },
-}
-
-impl ForestLink {
-    fn probability(self) -> f64 {
-        if let Self::Gap { probability, .. } = self { probability } else { 1.0 }
-    }
 }
 
 /// What the nodes are together.
@@ -162,10 +155,6 @@ struct MessagePass<'a> {
 }
 
 impl MessagePass<'_> {
-    fn own(&self, node: usize) -> &[f64] {
-        &self.own[node * STATES..(node + 1) * STATES]
-    }
-
     fn upward(&self) -> Upward {
         let NamingForest { order, parent, children, is_bifurcation, .. } = self.forest;
         let (mut below, mut log) = (self.own.clone(), 0.0);
@@ -217,7 +206,7 @@ impl MessagePass<'_> {
             }
             if let Some((above, link)) = parent[*node].filter(|arm| !is_bifurcation[arm.0]) {
                 let cavity = divided(row(&all, above), up[*node].as_deref());
-                let message = self.over(link, &cavity);
+                let message = self.message(link, &cavity).0;
                 if let ForestLink::Gap { bridge, length, .. } = link {
                     bridge_ratio[bridge] = Some(ratio(&self.atlas.gaps[length], row(&below, *node), &cavity));
                 }
@@ -233,11 +222,6 @@ impl MessagePass<'_> {
         let mut out = vec![0.0; table.len() / STATES];
         self.instructions.run(TableTimes { table, by, out: &mut out });
         out
-    }
-
-    /// A message over a link.
-    fn over(&self, link: ForestLink, from: &[f64]) -> Vec<f64> {
-        self.message(link, from).0
     }
 
     /// A message over a link, and the logarithm of what it was divided by.
@@ -283,7 +267,7 @@ impl MessagePass<'_> {
     /// Per kind its probability and that of the middle.
     fn middle_weights(&self, node: usize) -> Vec<f64> {
         let kinds = &self.atlas.bifurcations;
-        let own = self.own(node);
+        let own = row(&self.own, node);
         let sum: f64 = own.iter().sum();
         let middle = kinds.middle.chunks(STATES).zip(&kinds.probability);
         middle
@@ -296,7 +280,8 @@ impl MessagePass<'_> {
 
     /// How probable it is that the arms meet at all: bridges may not exist.
     fn joined(arms: &[Neighbour]) -> f64 {
-        (1.0 - UNSEEN_KIND) * arms.iter().map(|arm| arm.1.probability()).product::<f64>()
+        let probability = |arm: &Neighbour| if let ForestLink::Gap { probability, .. } = arm.1 { probability } else { 1.0 };
+        (1.0 - UNSEEN_KIND) * arms.iter().map(probability).product::<f64>()
     }
 
     /// The belief of a bifurcation.
@@ -313,11 +298,11 @@ impl MessagePass<'_> {
                 sum / 6.0 * middle
             })
             .collect();
-        let own = self.own(node);
+        let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut posterior: Vec<f64> = own.iter().map(|u| (1.0 - joined) * u / total).collect();
         for (arm, message) in arms.iter().zip(messages).filter_map(|(arm, m)| m.map(|m| (arm, m))) {
-            let over = self.over(arm.1, message);
+            let over = self.message(arm.1, message).0;
             posterior.iter_mut().zip(&over).for_each(|(p, m)| *p *= m * STATES as f64);
         }
         for (weight, states) in of_kind.iter().zip(self.atlas.bifurcations.middle.chunks(STATES)) {
@@ -352,17 +337,17 @@ impl MessagePass<'_> {
                 }
             }
         }
-        let own = self.own(node);
+        let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut here: Vec<f64> = own.iter().map(|u| u / total).collect();
         for other in others {
             if let Some(message) = messages[other] {
-                let over = self.over(arms[other].1, message);
+                let over = self.message(arms[other].1, message).0;
                 here.iter_mut().zip(&over).for_each(|(h, m)| *h *= m * STATES as f64);
             }
         }
         let sum: f64 = here.iter().sum();
-        let onward = self.over(arms[target].1, &here);
+        let onward = self.message(arms[target].1, &here).0;
         out.iter_mut().zip(&onward).for_each(|(o, m)| *o += (1.0 - joined) * m * sum * STATES as f64);
         let of_arms: f64 = messages.iter().flatten().map(|message| message.iter().sum::<f64>().ln()).sum();
         let log = total.ln() + of_arms + normalise(&mut out).ln();
@@ -403,4 +388,26 @@ fn divided(belief: &[f64], message: Option<&[f64]>) -> Vec<f64> {
     };
     normalise(&mut out);
     out
+}
+
+/// No factor is larger, nor smaller than one over it: names are only one witness.
+const MOST: f64 = 100.0;
+
+/// The factor of each bridge: the probability of the names at its ends if a vessel passes between them, over that if they have nothing to
+/// do with each other. A false piece says nothing.
+pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[f64]) -> Vec<f64> {
+    let states = |n: usize| &beliefs.states[n * STATES..(n + 1) * STATES];
+    let each = nodes.bridges.iter().zip(&beliefs.bridge_ratio).map(|(bridge, known)| {
+        let [a, b] = bridge.nodes;
+        let ratio = known.unwrap_or_else(|| ratio(&atlas.gaps[bridge.length_class()], states(a), states(b)));
+        let is_true = (1.0 - false_pieces[nodes.piece[a]]) * (1.0 - false_pieces[nodes.piece[b]]);
+        (is_true * ratio + 1.0 - is_true).clamp(1.0 / MOST, MOST)
+    });
+    each.collect()
+}
+
+/// A probability whose odds are multiplied by the factor that names give them.
+pub fn probability_with(probability: f64, factor: f64) -> f64 {
+    let odds = probability / (1.0 - probability).max(1e-12) * factor;
+    odds / (1.0 + odds)
 }

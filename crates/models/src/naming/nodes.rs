@@ -3,9 +3,8 @@
 use petgraph::unionfind::UnionFind;
 
 use super::algebra::{Symmetric, outer};
-use willis_core::network::units::millimetres;
 use willis_core::network::walks::{runs_by_node, vessels_at};
-use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint};
+use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, units::millimetres};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
 

@@ -1,10 +1,8 @@
-//! Which pieces are false: how likely a piece is no artery of the circle, from how it fits and what it looks like.
+//! Pieces of the network: which are false, by how they fit and what they look like, and that a piece of an artery is there once.
 
-use super::atlas::{Atlas, arteries};
-use super::emission::{Parts, Pose, emission};
-use super::exclusion::occupancy;
-use super::nodes::Nodes;
-use super::states::{LABELS, NOWHERE, OTHER, STATES};
+use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries};
+use super::emission::{Pose, emission};
+use super::{algebra::UNIT, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
 
 /// How many features a piece has.
@@ -45,12 +43,7 @@ pub fn piece_features(
             features[nodes.piece[n]][column] += values(n) * length[n] / total[nodes.piece[n]];
         }
     };
-    let only = [
-        Parts { position: 1.0, direction: 0.0, radius: 0.0 },
-        Parts { position: 0.0, direction: 1.0, radius: 0.0 },
-        Parts { position: 0.0, direction: 0.0, radius: 1.0 },
-    ];
-    for (k, parts) in only.into_iter().enumerate() {
+    for (k, parts) in UNIT.into_iter().enumerate() {
         let e = emission(nodes, atlas, pose, &atlas.position, parts, radius);
         let ratio = |n: usize| {
             let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
@@ -108,4 +101,36 @@ pub fn label_probabilities(states: &[f64], atlas: &Atlas) -> [f64; LABELS] {
         labels[atlas.tables.label[state]] += p;
     }
     labels
+}
+
+/// The log penalty of a state that other branches fill.
+const PENALTY: f64 = 2.0;
+
+/// The log penalties, nodes x states, given the probabilities of the states; `weight` is the share of each node's length that counts.
+pub fn exclusion(nodes: &Nodes, weight: &[f64], atlas: &Atlas, names: &[f64]) -> Vec<f64> {
+    let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
+    let mut penalty = vec![0.0; nodes.len() * STATES];
+    for (n, row) in penalty.chunks_mut(STATES).enumerate() {
+        let own = &filled[nodes.branch[n] * STATES..(nodes.branch[n] + 1) * STATES];
+        for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
+            row[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
+        }
+    }
+    penalty
+}
+
+/// How far each unit of nodes fills each state, 0 to 1: units x states; and the sum over the units.
+pub fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], names: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut filled = vec![0.0; units * STATES];
+    for (n, names) in names.chunks(STATES).enumerate() {
+        let length = nodes.weight[n] * weight[n] / BIN;
+        let row = &mut filled[unit[n] * STATES..(unit[n] + 1) * STATES];
+        row.iter_mut().zip(names).for_each(|(o, p)| *o += p * length);
+    }
+    for o in &mut filled {
+        *o = o.min(1.0);
+    }
+    let mut by_all = vec![0.0; STATES];
+    filled.chunks(STATES).for_each(|row| by_all.iter_mut().zip(row).for_each(|(sum, o)| *sum += o));
+    (filled, by_all)
 }

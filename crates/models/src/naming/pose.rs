@@ -1,18 +1,14 @@
-//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names.
+//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names. Of a whole brain
+//! first the part that may be the circle.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{Mat, Side, linalg::solvers::Solve};
 
-use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
-use super::atlas::{Atlas, all_states};
-use super::belief::NamingForest;
-use super::emission::{Parts, Pose, TEMPER, emission, radius_fit, tempered};
-use super::exclusion::exclusion;
-use super::nodes::Nodes;
-use super::single::Single;
-use super::states::{AtlasState, NOWHERE, STATES};
+use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times, transposed};
+use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
+use super::emission::{ALL_PARTS, Pose, Single, TEMPER, emission, radius_fit, tempered};
+use super::{belief::NamingForest, nodes::Nodes, pieces::exclusion};
 use willis_core::support::geometry::{Point, distance, dot, norm, sub};
-use willis_core::support::simd::InstructionSet;
+use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
 
 /// Nodes that serve the search.
 const SEARCH_NODES: usize = 110;
@@ -23,6 +19,8 @@ const SCALE: f64 = 0.06;
 const MOST_SCALE: f64 = 0.2;
 /// The share of its length that a node counts for: neighbours lie on one vessel.
 const GAIN: f64 = 0.25;
+/// How much the radius counts while a pose is searched, against 1 in its refinement.
+const SEARCH_RADIUS: f64 = 0.5;
 /// Starts that are refined, and optima that are refined by names.
 const REFINED: usize = 16;
 const NAMED: usize = 5;
@@ -99,7 +97,7 @@ impl<'a> Search<'a> {
         let nodes = 0..self.nodes.len();
         let total: f64 = nodes.clone().map(|n| self.length(n)).sum::<f64>().max(1e-9);
         let centre = [0, 1, 2].map(|k| nodes.clone().map(|n| self.nodes.at[n][k] * self.length(n)).sum::<f64>() / total);
-        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], &self.radius, Parts::SEARCH.radius);
+        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], &self.radius, SEARCH_RADIUS);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
             let precisions = self.atlas.widened(tau);
@@ -123,7 +121,7 @@ impl<'a> Search<'a> {
             }
         }
         let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
-        let single = Single::new(self.nodes, self.atlas, [&subset, &all], &self.radius, Parts::REFINE.radius);
+        let single = Single::new(self.nodes, self.atlas, [&subset, &all], &self.radius, 1.0);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
@@ -152,7 +150,7 @@ impl<'a> Search<'a> {
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
         let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
-        let single = Single::new(self.nodes, self.atlas, [&all, &states], &self.radius, Parts::REFINE.radius);
+        let single = Single::new(self.nodes, self.atlas, [&all, &states], &self.radius, 1.0);
         let at_width = |tau: f64| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
@@ -185,7 +183,7 @@ impl<'a> Search<'a> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, Parts::ALL, &self.radius);
+        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, ALL_PARTS, &self.radius);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
         let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
@@ -314,7 +312,7 @@ fn unscaled(pose: &Pose, x: Point) -> Point {
 }
 
 fn angle_between(a: &Pose, b: &Pose) -> f64 {
-    norm(rotation_vector(&product(&a.turn, &super::algebra::transposed(&b.turn))))
+    norm(rotation_vector(&product(&a.turn, &transposed(&b.turn))))
 }
 
 /// Offsets of the middle, mm: a tracing may show one side alone.
@@ -343,4 +341,98 @@ fn solve(hessian: &[[f64; 7]; 7], gradient: &[f64; 7]) -> Option<[f64; 7]> {
     let step = h.llt(Side::Lower).ok()?.solve(&g);
     let step: [f64; 7] = std::array::from_fn(|i| step[(i, 0)]);
     step.iter().all(|x| x.is_finite()).then_some(step)
+}
+
+/// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
+const WHOLE_BRAIN: f64 = 1500.0;
+/// Vessels in this share of the length are thick.
+const THICK: f64 = 0.90;
+/// The circle lies within this distance (mm) of the middle of the thick vessels.
+const REACH: f64 = 45.0;
+/// Of these, vessels above this share of the length serve the search of the pose.
+const SEARCHED: f64 = 0.55;
+/// Pieces of less length (mm) do not serve it.
+const LEAST_SEARCHED: f64 = 8.0;
+/// What lies within so many standard deviations of a state is named, in pieces of at least so much (mm).
+const ON_ATLAS: f64 = 2.5;
+const LEAST_NAMED: f64 = 6.0;
+
+/// What is to be named: its nodes, and the median log radius where it is not that of these nodes.
+pub type Core = (Nodes, Option<f64>);
+
+/// What lies on the atlas at a pose, in pieces that are long enough.
+fn on_the_atlas(nodes: &Nodes, atlas: &Atlas, pose: &Pose) -> Nodes {
+    let lies_there = |n: usize| {
+        let at = pose.apply(nodes.at[n]);
+        arteries().any(|state| {
+            let d = sub(at, atlas.data.pieces[state].mean);
+            dot(d, symmetric_times(&atlas.position[state].0, d)) < ON_ATLAS * ON_ATLAS
+        })
+    };
+    nodes.part(lies_there, LEAST_NAMED)
+}
+
+/// The core of a network whose pose is known.
+pub fn core_at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
+    if nodes.length() <= WHOLE_BRAIN {
+        return Some((nodes, None));
+    }
+    let named = on_the_atlas(&nodes, atlas, pose);
+    let median = named.median_log_radius(|_| 1.0);
+    (!named.is_empty()).then_some((named, Some(median)))
+}
+
+/// The core of a network and its poses, the best first.
+pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
+    if nodes.length() <= WHOLE_BRAIN {
+        let poses = search(&nodes, atlas);
+        return (!poses.is_empty()).then_some(((nodes, None), poses));
+    }
+    let radius = branch_radii(&nodes);
+    let length_below = |counts: &dyn Fn(usize) -> bool, share: f64| {
+        let those = (0..nodes.len()).filter(|n| counts(*n)).map(|n| (radius[n], nodes.weight[n]));
+        weighted_quantile(those, share).unwrap_or(f64::INFINITY)
+    };
+    let thick = length_below(&|_| true, THICK);
+    let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
+    let middle = [0, 1, 2].map(|k| {
+        let mut x: Vec<f64> = of_thick.iter().map(|n| nodes.at[*n][k]).collect();
+        x.sort_by(f64::total_cmp);
+        x.get(x.len() / 2).copied().unwrap_or_default()
+    });
+    let near = |n: usize| distance(nodes.at[n], middle) < REACH;
+    let least = length_below(&near, SEARCHED);
+    let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
+    if searched.is_empty() {
+        return None;
+    }
+    let median = searched.median_log_radius(|_| 1.0);
+    let mut pose = search(&searched, atlas).first()?.pose;
+    let named = on_the_atlas(&nodes, atlas, &pose);
+    if named.is_empty() {
+        return None;
+    }
+    let weight = vec![1.0; named.len()];
+    let search = Search::new(&named, atlas, &weight, &named.spanning_bridges(|_| true), median);
+    let all: Vec<usize> = (0..named.len()).collect();
+    let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
+    for _ in 0..3 {
+        pose = search.named_step(&all, &pose, &pulls, &atlas.position);
+    }
+    Some(((named, Some(median)), vec![Scored { pose, score: 0.0 }]))
+}
+
+fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
+    let (weight, median) = (vec![1.0; nodes.len()], nodes.median_log_radius(|_| 1.0));
+    Search::new(nodes, atlas, &weight, &nodes.spanning_bridges(|_| true), median).everywhere()
+}
+
+/// Per node the mean radius of its branch, mm.
+fn branch_radii(nodes: &Nodes) -> Vec<f64> {
+    let (mut sum, mut length) = (vec![0.0; nodes.branches], vec![1e-9; nodes.branches]);
+    for n in 0..nodes.len() {
+        sum[nodes.branch[n]] += nodes.log_radius[n].exp() * nodes.weight[n];
+        length[nodes.branch[n]] += nodes.weight[n];
+    }
+    nodes.branch.iter().map(|b| sum[*b] / length[*b]).collect()
 }
