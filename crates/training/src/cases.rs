@@ -57,11 +57,8 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
                 return false;
             }
             // The data set itself, or its folders down to this one.
-            let way = path
-                .strip_prefix(data_set)
-                .ok()
-                .filter(|way| *way != Path::new(""))
-                .unwrap_or(Path::new(path.file_name().unwrap_or_default()));
+            let way = path.strip_prefix(data_set).ok().filter(|way| *way != Path::new(""));
+            let way = way.unwrap_or(Path::new(path.file_name().unwrap_or_default()));
             let names: Vec<String> = way.iter().map(|name| name.to_string_lossy().into_owned()).collect();
             let case = Case {
                 data_set: name.clone(),

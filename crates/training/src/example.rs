@@ -296,20 +296,19 @@ impl<'a> Example<'a> for CandidateExample<'a> {
     fn scores(judged: &[(&Self, &CaseScores)]) -> Vec<HeldOutScores> {
         let of = grouped(judged, |e, _| [[&e.case.data_set, ""], [&e.case.data_set, &e.case.group]]);
         let folders = |data_set: &str| of.keys().filter(|[d, group]| *d == data_set && !group.is_empty()).count();
-        of.iter()
-            .filter(|([data_set, group], _)| group.is_empty() || folders(data_set) > 1)
-            .map(|(group, cases)| {
-                let scores = || cases.iter().map(|(_, scores)| scores);
-                HeldOutScores {
-                    of: name_of(*group),
-                    cases: cases.len(),
-                    subjects: cases.iter().map(|(e, _)| &e.case.subject).collect::<BTreeSet<_>>().len(),
-                    average_precision: mean(&scores().filter_map(|t| t.average_precision).collect::<Vec<f64>>()),
-                    calibration_error: calibration_error(scores().flat_map(|t| t.pairs.iter().copied())),
-                    log_likelihood: scores().map(|t| t.log_likelihood).sum::<f64>() / cases.len() as f64,
-                }
-            })
-            .collect()
+        let listed = of.iter().filter(|([data_set, group], _)| group.is_empty() || folders(data_set) > 1);
+        let figures = listed.map(|(group, cases)| {
+            let scores = || cases.iter().map(|(_, scores)| scores);
+            HeldOutScores {
+                of: name_of(*group),
+                cases: cases.len(),
+                subjects: cases.iter().map(|(e, _)| &e.case.subject).collect::<BTreeSet<_>>().len(),
+                average_precision: mean(&scores().filter_map(|t| t.average_precision).collect::<Vec<f64>>()),
+                calibration_error: calibration_error(scores().flat_map(|t| t.pairs.iter().copied())),
+                log_likelihood: scores().map(|t| t.log_likelihood).sum::<f64>() / cases.len() as f64,
+            }
+        });
+        figures.collect()
     }
 
     fn record(model: &mut Weights) -> (&mut ModelProvenance, &mut Vec<HeldOutScores>) {

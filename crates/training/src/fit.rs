@@ -148,10 +148,8 @@ fn fit_closures(examples: &[&CandidateExample], weights: &Weights, posteriors: &
         let kept = arborescence(forests, &attached, &root_scores(&e.extraction, marginals));
         let found = closures(&e.extraction, &e.table, &weights.passes[0], marginals, &kept);
         let point = |c: &Closure| e.extraction.ends[c.candidate.end].point;
-        found
-            .iter()
-            .map(|c| (c.features.to_vec(), e.case.truth.matching(point(c), c.candidate.point).is_some(), 1.0))
-            .collect::<Vec<_>>()
+        let row = |c: &Closure| (c.features.to_vec(), e.case.truth.matching(point(c), c.candidate.point).is_some(), 1.0);
+        found.iter().map(row).collect::<Vec<_>>()
     });
     let rows: Vec<_> = of_case.into_iter().flatten().collect();
     if rows.iter().any(|(_, right, _)| *right) { logistic(&rows, CLOSURE_L2) } else { Vec::new() }
@@ -159,9 +157,8 @@ fn fit_closures(examples: &[&CandidateExample], weights: &Weights, posteriors: &
 
 /// Zeros, or the weights of the pass before with zeros for what it did not know.
 fn first_guess(number: usize, before: Option<&PassWeights>) -> PassWeights {
-    let mut pass = before
-        .cloned()
-        .unwrap_or_else(|| PassWeights { candidate: Vec::new(), root: vec![0.0; PassWeights::root_features().count()] });
+    let zeros = || PassWeights { candidate: Vec::new(), root: vec![0.0; PassWeights::root_features().count()] };
+    let mut pass = before.cloned().unwrap_or_else(zeros);
     pass.candidate.resize(PassWeights::candidate_features(number).count(), 0.0);
     pass
 }

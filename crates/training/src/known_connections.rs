@@ -240,10 +240,9 @@ struct BreakPoints {
 pub fn read_truth(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
     const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
     let file: TruthFile = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
-    let reach = file.reach_mm.map_or(("voxel_mm", file.voxel_mm), |mm| ("reach_mm", Some(mm)));
-    let mut truth = match (file.links, file.breaks) {
-        (Some(links), None) => of_links(&links, &file.nodes, reach, extraction)?,
-        (None, Some(breaks)) => of_breaks(&breaks, &file.inlets, network, extraction)?,
+    let mut truth = match (&file.links, &file.breaks) {
+        (Some(links), None) => file.of_links(links, extraction)?,
+        (None, Some(breaks)) => file.of_breaks(breaks, network, extraction)?,
         (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
         (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
     };
@@ -252,91 +251,84 @@ pub fn read_truth(bytes: &[u8], network: &Network, extraction: &Extraction) -> R
     Ok((truth, file.subject))
 }
 
-/// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a candidate may attach.
-fn of_links(
-    links: &[Vec<LinkMember>],
-    nodes: &[Vec<f64>],
-    (name, reach_mm): (&str, Option<f64>),
-    extraction: &Extraction,
-) -> Result<KnownConnections, Fault> {
-    let mut points = Vec::with_capacity(nodes.len());
-    for (row, node) in nodes.iter().enumerate() {
-        match node[..] {
-            [x, y, z, ..] if [x, y, z].iter().all(|x| x.is_finite()) => points.push([x, y, z].map(metres)),
-            _ => return Err(Fault::item(format!("node {}", row + 1), format!("{node:?}"), "expected [x, y, z, r] in mm")),
-        }
-    }
-    let reach = match reach_mm {
-        Some(h) if h > 0.0 && h.is_finite() => metres(h),
-        Some(h) => return Err(Fault::item(name, h.to_string(), "expected a positive number")),
-        None => extraction.spacing,
-    };
-    // Per node the connections and pieces that name it.
-    let mut named = vec![Vec::new(); points.len()];
-    for (row, members) in links.iter().enumerate() {
-        for (piece, member) in members.iter().enumerate() {
-            for id in &member.allowed {
-                let there = id.checked_sub(1).and_then(|node| named.get_mut(usize::try_from(node).ok()?));
-                let accepted = || format!("expected nodes from 1 to {}", points.len());
-                let wrong = || Fault::item(format!("link {row}"), format!("node {id}"), accepted());
-                there.ok_or_else(wrong)?.push((row, piece));
+impl TruthFile {
+    /// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a candidate may attach.
+    fn of_links(&self, links: &[Vec<LinkMember>], extraction: &Extraction) -> Result<KnownConnections, Fault> {
+        let mut points = Vec::with_capacity(self.nodes.len());
+        for (row, node) in self.nodes.iter().enumerate() {
+            match node[..] {
+                [x, y, z, ..] if [x, y, z].iter().all(|x| x.is_finite()) => points.push([x, y, z].map(metres)),
+                _ => return Err(Fault::item(format!("node {}", row + 1), format!("{node:?}"), "expected [x, y, z, r] in mm")),
             }
         }
-    }
-    // A point of the extraction represents the nearest node within reach, and those hardly further away.
-    let index = PointIndex::new(points);
-    let sites = extraction.position.iter().map(|p| {
-        let nearest = index.nearest(*p, reach);
-        let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, nearest.distance + AS_NEAR * reach) };
-        near.into_iter().flat_map(|(_, node)| named[node].iter().copied()).collect()
-    });
-    let sites = sites.collect();
-    let sides = links.iter().map(|link| link.iter().map(|member| member.role).collect()).collect();
-    let truth = KnownConnections { sides, sites, unclear: Vec::new() };
-    match truth.unreachable() {
-        Some((link, piece)) => {
-            let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();
-            let found = format!("no point of the fragments is at its nodes {}", nodes.join(", "));
-            Err(Fault::item(format!("link {link}"), found, "expected the answer to these fragments"))
+        let (name, reach_mm) = self.reach_mm.map_or(("voxel_mm", self.voxel_mm), |mm| ("reach_mm", Some(mm)));
+        let reach = match reach_mm {
+            Some(h) if h > 0.0 && h.is_finite() => metres(h),
+            Some(h) => return Err(Fault::item(name, h.to_string(), "expected a positive number")),
+            None => extraction.spacing,
+        };
+        // Per node the connections and pieces that name it.
+        let mut named = vec![Vec::new(); points.len()];
+        for (row, members) in links.iter().enumerate() {
+            for (piece, member) in members.iter().enumerate() {
+                for id in &member.allowed {
+                    let there = id.checked_sub(1).and_then(|node| named.get_mut(usize::try_from(node).ok()?));
+                    let accepted = || format!("expected nodes from 1 to {}", points.len());
+                    let wrong = || Fault::item(format!("link {row}"), format!("node {id}"), accepted());
+                    there.ok_or_else(wrong)?.push((row, piece));
+                }
+            }
         }
-        None => Ok(truth),
+        // A point of the extraction represents the nearest node within reach, and those hardly further away.
+        let index = PointIndex::new(points);
+        let sites = extraction.position.iter().map(|p| {
+            let nearest = index.nearest(*p, reach);
+            let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, nearest.distance + AS_NEAR * reach) };
+            near.into_iter().flat_map(|(_, node)| named[node].iter().copied()).collect()
+        });
+        let sites = sites.collect();
+        let sides = links.iter().map(|link| link.iter().map(|member| member.role).collect()).collect();
+        let truth = KnownConnections { sides, sites, unclear: Vec::new() };
+        match truth.unreachable() {
+            Some((link, piece)) => {
+                let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();
+                let found = format!("no point of the fragments is at its nodes {}", nodes.join(", "));
+                Err(Fault::item(format!("link {link}"), found, "expected the answer to these fragments"))
+            }
+            None => Ok(truth),
+        }
     }
-}
 
-/// Missing stretches between two points by their ids.
-fn of_breaks(
-    gaps: &[BreakPoints],
-    inlets: &[serde_json::Value],
-    network: &Network,
-    extraction: &Extraction,
-) -> Result<KnownConnections, Fault> {
-    // Where each id is: a node, or a point of a vessel, which stands for the nearest that the model sees there.
-    let nodes_by_id = network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row)));
-    let nodes_by_id: BTreeMap<u64, usize> = nodes_by_id.collect();
-    let mut along: BTreeMap<u64, (usize, Point)> = BTreeMap::new();
-    for (row, (_, vessel)) in network.vessels().enumerate() {
-        along.extend(vessel.path.iter().filter_map(|at| Some((at.id?, (row, at.position)))));
+    /// Missing stretches between two points by their ids.
+    fn of_breaks(&self, gaps: &[BreakPoints], network: &Network, extraction: &Extraction) -> Result<KnownConnections, Fault> {
+        // Where each id is: a node, or a point of a vessel, which stands for the nearest that the model sees there.
+        let nodes_by_id = network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row)));
+        let nodes_by_id: BTreeMap<u64, usize> = nodes_by_id.collect();
+        let mut along: BTreeMap<u64, (usize, Point)> = BTreeMap::new();
+        for (row, (_, vessel)) in network.vessels().enumerate() {
+            along.extend(vessel.path.iter().filter_map(|at| Some((at.id?, (row, at.position)))));
+        }
+        let point_of = |id: u64| {
+            nodes_by_id.get(&id).copied().or_else(|| {
+                let (row, position) = along.get(&id)?;
+                let away = extraction.lines[*row].iter().map(|point| (distance(extraction.position[*point], *position), *point));
+                away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+            })
+        };
+        let find = |place: String, id: u64| {
+            let accepted = "expected the id of a point of the fragments";
+            point_of(id).ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
+        };
+        let mut pairs = Vec::new();
+        for (row, gap) in gaps.iter().enumerate() {
+            let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
+            pairs.push([a?, b?]);
+        }
+        let mut nodes = Vec::new();
+        for id in self.inlets.iter().filter_map(serde_json::Value::as_u64) {
+            let point = find("inlets".into(), id)?;
+            nodes.extend(Some(point).filter(|point| *point < network.node_count()));
+        }
+        Ok(KnownConnections::between(extraction, &pairs, &nodes))
     }
-    let point_of = |id: u64| {
-        nodes_by_id.get(&id).copied().or_else(|| {
-            let (row, position) = along.get(&id)?;
-            let away = extraction.lines[*row].iter().map(|point| (distance(extraction.position[*point], *position), *point));
-            away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
-        })
-    };
-    let find = |place: String, id: u64| {
-        let accepted = "expected the id of a point of the fragments";
-        point_of(id).ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
-    };
-    let mut pairs = Vec::new();
-    for (row, gap) in gaps.iter().enumerate() {
-        let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
-        pairs.push([a?, b?]);
-    }
-    let mut nodes = Vec::new();
-    for id in inlets.iter().filter_map(serde_json::Value::as_u64) {
-        let point = find("inlets".into(), id)?;
-        nodes.extend(Some(point).filter(|point| *point < network.node_count()));
-    }
-    Ok(KnownConnections::between(extraction, &pairs, &nodes))
 }

@@ -320,18 +320,16 @@ impl Variant {
         // The full fetal type implies that P1 is absent.
         let implied = |artery: &Artery| matches!(artery, Artery::P1(side) if self.fetal[side.index()]);
         words.extend(self.missing().into_iter().filter(|artery| !implied(artery)).map(|artery| format!("{artery} absent")));
-        words.extend(
-            BodySide::BOTH.into_iter().filter(|s| !self.ica[s.index()]).map(|side| format!("{} not seen", Artery::Ica(side))),
-        );
+        let unseen = BodySide::BOTH.into_iter().filter(|side| !self.ica[side.index()]);
+        words.extend(unseen.map(|side| format!("{} not seen", Ica(side))));
         if !self.ba {
             words.push("BA not seen".to_owned());
         }
         if self.third_a2 {
             words.push("a third A2".to_owned());
         }
-        words.extend(
-            FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is).map(|(a, _)| format!("{a} fenestrated")),
-        );
+        let fenestrated = FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is);
+        words.extend(fenestrated.map(|(artery, _)| format!("{artery} fenestrated")));
         words.join(", ")
     }
 }

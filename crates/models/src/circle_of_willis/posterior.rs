@@ -98,12 +98,9 @@ impl Posterior {
         let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best, all));
         let best = variants.first().map(|(best, _)| *best);
         // The heaviest topology that is most like the best variant.
-        let unlike = |variant: &Variant| {
-            best.map_or(0, |best| {
-                2 * (0..7).filter(|s| variant.present[*s] != best.present[*s]).count() + usize::from(*variant != best)
-            })
-        };
-        let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
+        let unlike =
+            |a: &Variant, b: &Variant| 2 * (0..7).filter(|s| a.present[*s] != b.present[*s]).count() + usize::from(a != b);
+        let heaviest = (0..each.len()).min_by_key(|row| (best.map_or(0, |best| unlike(&each[*row], &best)), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
         let impossible = [0, 1, 2, 3, 4, 5, 6].map(|s| !all_kept.present[s] && each.iter().all(|variant| !variant.present[s]));
         Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, not_seen, impossible }

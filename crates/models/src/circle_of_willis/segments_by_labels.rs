@@ -11,7 +11,7 @@ use petgraph::{graph::NodeIndex, visit::EdgeRef};
 
 use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES, Variant};
 use willis_core::network::{Network, paths::ShortestPaths, walks::Walk};
-use willis_core::support::statistics::quantile;
+use willis_core::support::{numbered::marked, statistics::quantile};
 
 /// The meaning of a vessel's label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -150,7 +150,9 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
             let (a1, p1, pcomm) = (Artery::A1(side), Artery::P1(side), Artery::PComm(side));
             let (aca, pca) = (Artery::Aca(side).bit(), Artery::Pca(side).bit());
             let beyond = Artery::A2(side).bit() | aca | Artery::AComm.bit() | Artery::ThirdA2.bit();
-            let complete = self.carotid_is_complete(side);
+            // Whether the carotid leads to the middle cerebral artery.
+            let (ica, m1) = (Artery::Ica(side).bit(), Artery::M1(side).bit() | Artery::Mca(side).bit());
+            let complete = self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some();
             let fills_from =
                 |own: Artery, on: Set| !complete && self.path(own.bit(), |t| t & own.bit() != 0, |t| t & on != 0).is_some();
             variant.set(a1, self.joins(a1, a1.bit() | aca, trunk(side), beyond, 0) || fills_from(a1, beyond));
@@ -170,21 +172,13 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
         variant
     }
 
-    /// Whether the carotid leads to the middle cerebral artery.
-    fn carotid_is_complete(&self, side: BodySide) -> bool {
-        let (ica, m1) = (Artery::Ica(side).bit(), Artery::M1(side).bit() | Artery::Mca(side).bit());
-        self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some()
-    }
-
     /// AComm is a vessel between the two sides, or pieces of it on either side of a third A2. Arteries that only touch have none.
     fn acomm(&self) -> bool {
-        let trunks = trunk(BodySide::Left) | trunk(BodySide::Right);
+        let (own, trunks) = (set([Artery::AComm, Artery::ThirdA2]), trunk(BodySide::Left) | trunk(BodySide::Right));
         let only = |own: Set, other: Set| move |t: Set| t & own != 0 && t & other == 0 && t & trunks == 0;
         let (left, right) = (anterior(BodySide::Left), anterior(BodySide::Right));
         match (self.known & left != 0, self.known & right != 0) {
-            (true, true) => {
-                self.path(Artery::AComm.bit() | Artery::ThirdA2.bit(), only(left, right), only(right, left)).is_some()
-            }
+            (true, true) => self.path(own, only(left, right), only(right, left)).is_some(),
             _ => self.has(Artery::AComm.bit()),
         }
     }
@@ -240,11 +234,7 @@ pub(crate) type Marks = Vec<bool>;
 
 /// The flags of a set of nodes.
 pub(crate) fn marks(network: &Network, nodes: impl IntoIterator<Item = usize>) -> Marks {
-    let mut marks = vec![false; network.node_count()];
-    for node in nodes {
-        marks[node] = true;
-    }
-    marks
+    marked(network.node_count(), nodes)
 }
 
 /// The shortest path by length from any node of `from` to any of `to` over the vessels that `is_open` selects, through nodes of `avoid` only

@@ -63,7 +63,39 @@ pub fn supplies(
     let destinations = TERRITORIES.into_iter().map(Destination::Territory).chain(outlets.map(Destination::Outlet));
     let destinations: Vec<Destination> = destinations.collect();
     let chosen = by_weight(topologies, most_followed(network.vessel_count()));
-    let all = in_order(&chosen, |_, (kept, _)| one(circle, network, kept, boundary, viscosity, &destinations));
+    // The blood of each destination in one topology; `None` where nothing flows at all.
+    let one = |kept: &[bool]| -> Option<Vec<Option<ArrivingBlood>>> {
+        let boundary = &boundary.held(network, |row| kept[row]);
+        let (network, arteries) = &circle.arteries_in(network, |row| kept[row]);
+        let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
+        let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
+        let mut marks = vec![None; network.vessel_count()];
+        for (feeder, vessels) in arteries.feeders.iter().enumerate() {
+            for vessel in vessels {
+                marks[*vessel] = Some(feeder);
+            }
+        }
+        let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
+        let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+        let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
+        let at_node = |node: usize| {
+            let (shares, blood) = (passed[node].as_ref()?, transport.nodes[node].as_ref()?);
+            Some(([shares[0], shares[1], shares[2]], blood.mean))
+        };
+        let blood = |destination: &Destination| match destination {
+            Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
+            // An end that was joined is none.
+            Destination::Outlet(_) => None,
+            Destination::Territory(artery) => {
+                let at = TERRITORIES.iter().position(|territory| territory == artery)?;
+                // The flow in an artery is largest where it begins, before branches leave.
+                let begins = arteries.territories[at].iter().max_by(|a, b| flow(**a).abs().total_cmp(&flow(**b).abs()))?;
+                at_node(transport.vessels[*begins]?.0)
+            }
+        };
+        Some(destinations.iter().map(blood).collect())
+    };
+    let all = in_order(&chosen, |_, (kept, _)| one(kept));
     let total: f64 = chosen.iter().map(|(_, weight)| weight).sum();
     let supply = |(at, destination): (usize, &Destination)| {
         let found = all.iter().zip(&chosen).filter_map(|(found, (_, weight))| Some((found.as_ref()?[at]?, *weight)));
@@ -105,46 +137,6 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
         }
     }
     chosen.into_iter().map(|(at, weight)| (&topologies[at].0, weight)).collect()
-}
-
-/// The blood of each destination in one topology; `None` where nothing flows at all.
-fn one(
-    circle: &Circle,
-    network: &Network,
-    kept: &[bool],
-    boundary: &Boundary,
-    viscosity: f64,
-    destinations: &[Destination],
-) -> Option<Vec<Option<ArrivingBlood>>> {
-    let boundary = &boundary.held(network, |row| kept[row]);
-    let (network, arteries) = &circle.arteries_in(network, |row| kept[row]);
-    let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
-    let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
-    let mut marks = vec![None; network.vessel_count()];
-    for (feeder, vessels) in arteries.feeders.iter().enumerate() {
-        for vessel in vessels {
-            marks[*vessel] = Some(feeder);
-        }
-    }
-    let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
-    let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-    let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
-    let at_node = |node: usize| {
-        let (shares, blood) = (passed[node].as_ref()?, transport.nodes[node].as_ref()?);
-        Some(([shares[0], shares[1], shares[2]], blood.mean))
-    };
-    let blood = |destination: &Destination| match destination {
-        Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
-        // An end that was joined is none.
-        Destination::Outlet(_) => None,
-        Destination::Territory(artery) => {
-            let at = TERRITORIES.iter().position(|territory| territory == artery)?;
-            // The flow in an artery is largest where it begins, before branches leave.
-            let begins = arteries.territories[at].iter().max_by(|a, b| flow(**a).abs().total_cmp(&flow(**b).abs()))?;
-            at_node(transport.vessels[*begins]?.0)
-        }
-    };
-    Some(destinations.iter().map(blood).collect())
 }
 
 impl Spread {

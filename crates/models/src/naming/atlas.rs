@@ -365,17 +365,15 @@ impl Default for StateTables {
     fn default() -> Self {
         let all: Vec<(ArteryLabel, usize)> =
             (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
+        let once = |(label, bin): &(ArteryLabel, usize)| match artery_of(*label) {
+            None | Some(Artery::M2(_)) => false,
+            Some(artery) => artery == Artery::AComm || bin + 1 < bins_of(*label),
+        };
         Self {
             label: all.iter().map(|(label, _)| *label).collect(),
             bin: all.iter().map(|(_, bin)| *bin).collect(),
             mirrored: all.iter().map(|(label, bin)| first_state(mirrored(*label)) + bin).collect(),
-            once: all
-                .iter()
-                .map(|(label, bin)| match artery_of(*label) {
-                    None | Some(Artery::M2(_)) => false,
-                    Some(artery) => artery == Artery::AComm || bin + 1 < bins_of(*label),
-                })
-                .collect(),
+            once: all.iter().map(once).collect(),
         }
     }
 }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use super::algebra::{TableTimes, dot, normalise};
 use super::atlas::{Atlas, STATES};
 use super::nodes::Nodes;
-use willis_core::support::simd::InstructionSet;
+use willis_core::support::{numbered::grouped, simd::InstructionSet};
 
 /// The share of the pair factors at a bifurcation, for kinds that were never seen.
 const UNSEEN_KIND: f64 = 0.02;
@@ -56,19 +56,14 @@ impl NamingForest {
     /// The spanning forest of the nodes and those of their bridges that are `used`.
     pub fn of(nodes: &Nodes, used: &[usize]) -> Self {
         let n = nodes.len();
-        let mut arms: Vec<Vec<Neighbour>> = vec![Vec::new(); n];
-        for [a, b] in &nodes.links {
-            let link = ForestLink::Vessel(usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2));
-            arms[*a].push((*b, link));
-            arms[*b].push((*a, link));
-        }
-        for bridge in used {
+        let vessel =
+            |ends: &[usize; 2]| (*ends, ForestLink::Vessel(usize::from(ends.iter().any(|node| nodes.degree(*node) > 2))));
+        let gap = |bridge: &usize| {
             let found = &nodes.bridges[*bridge];
-            let link = ForestLink::Gap { length: found.length_class(), probability: found.probability, bridge: *bridge };
-            let [a, b] = found.nodes;
-            arms[a].push((b, link));
-            arms[b].push((a, link));
-        }
+            (found.nodes, ForestLink::Gap { length: found.length_class(), probability: found.probability, bridge: *bridge })
+        };
+        let links = nodes.links.iter().map(vessel).chain(used.iter().map(gap));
+        let arms: Vec<Vec<Neighbour>> = grouped(n, links.flat_map(|([a, b], link)| [(a, (b, link)), (b, (a, link))]));
         let mut roots: Vec<usize> = (0..n).collect();
         roots.sort_by_key(|node| arms[*node].len());
         let (mut order, mut seen) = (Vec::with_capacity(n), vec![false; n]);
@@ -189,13 +184,12 @@ impl MessagePass<'_> {
                 let messages: Vec<Option<&[f64]>> =
                     children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain(cavity.as_deref().map(Some)).collect();
                 let posterior = self.at_bifurcation(*node, &messages);
-                let outward: Vec<Vec<f64>> = (0..children[*node].len())
-                    .map(|arm| {
-                        let mut others = messages.clone();
-                        others[arm] = None;
-                        self.out_of_bifurcation(*node, &others, arm).0
-                    })
-                    .collect();
+                let outward = |arm: usize| {
+                    let mut others = messages.clone();
+                    others[arm] = None;
+                    self.out_of_bifurcation(*node, &others, arm).0
+                };
+                let outward: Vec<Vec<f64>> = (0..children[*node].len()).map(outward).collect();
                 row_mut(&mut all, *node).copy_from_slice(&posterior);
                 for ((child, _), message) in children[*node].iter().zip(&outward) {
                     let beliefs: Vec<f64> = row(&below, *child).iter().zip(message).map(|(b, m)| b * m).collect();
@@ -269,13 +263,11 @@ impl MessagePass<'_> {
         let kinds = &self.atlas.bifurcations;
         let own = row(&self.own, node);
         let sum: f64 = own.iter().sum();
-        let middle = kinds.middle.chunks(STATES).zip(&kinds.probability);
-        middle
-            .map(|(states, p)| {
-                let fit: f64 = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).sum();
-                p * fit / sum
-            })
-            .collect()
+        let middle = |(states, p): (&[f64], &f64)| {
+            let fit: f64 = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).sum();
+            p * fit / sum
+        };
+        kinds.middle.chunks(STATES).zip(&kinds.probability).map(middle).collect()
     }
 
     /// How probable it is that the arms meet at all: bridges may not exist.
@@ -289,15 +281,11 @@ impl MessagePass<'_> {
         let arms = self.arms(node);
         let [a, b, c] = self.arm_weights(&arms, messages);
         let joined = Self::joined(&arms);
-        let of_kind: Vec<f64> = self
-            .middle_weights(node)
-            .iter()
-            .enumerate()
-            .map(|(k, middle)| {
-                let sum: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
-                sum / 6.0 * middle
-            })
-            .collect();
+        let of_kind = |(k, middle): (usize, &f64)| {
+            let sum: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
+            sum / 6.0 * middle
+        };
+        let of_kind: Vec<f64> = self.middle_weights(node).iter().enumerate().map(of_kind).collect();
         let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut posterior: Vec<f64> = own.iter().map(|u| (1.0 - joined) * u / total).collect();

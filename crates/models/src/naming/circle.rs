@@ -9,7 +9,7 @@ use super::atlas::{
     mirrored, most_probable, name_of, states_of,
 };
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
-use super::{Names, belief::probability_with, emission::Pose, nodes::Nodes, presence::kind_of};
+use super::{Names, belief::probability_with, nodes::Nodes, presence::kind_of};
 use crate::circle_of_willis::{
     Artery, BodySide, Circle, FEEDERS, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
 };
@@ -17,8 +17,9 @@ use willis_core::decision::{KnownEnds, Topologies};
 use willis_core::error::{Fault, Place};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Frame, Network};
+use willis_core::sampling::SamplingOptions;
 use willis_core::support::geometry::{Point, distance, dot, lerp, sub};
-use willis_core::{sampling::SamplingOptions, support::statistics::sigmoid};
+use willis_core::support::{numbered::marked, statistics::sigmoid};
 use willis_io::formats::{ListedLandmark, SURE};
 
 /// Less than this much (mm) of an artery is none of it.
@@ -95,6 +96,7 @@ impl NamedCircle {
         fn exchanged<T: Copy>(of: [T; 7]) -> [T; 7] {
             RING.map(|artery| of[RING.iter().position(|other| *other == artery.opposite()).unwrap_or_default()])
         }
+        let other = |name: String| label_named(&name).map_or(name, |label| name_of(mirrored(label)));
         Self {
             log_odds: exchanged(self.log_odds),
             topology_weight: exchanged(self.topology_weight),
@@ -103,11 +105,7 @@ impl NamedCircle {
             is_in_view: exchanged(self.is_in_view),
             diameters: exchanged(self.diameters),
             factors: self.factors,
-            names: self
-                .names
-                .into_iter()
-                .map(|(row, name)| (row, label_named(&name).map_or(name, |label| name_of(mirrored(label)))))
-                .collect(),
+            names: self.names.into_iter().map(|(row, name)| (row, other(name))).collect(),
         }
     }
 
@@ -121,10 +119,7 @@ impl NamedCircle {
 /// vessels end where arteries are known to.
 pub fn topologies_say(circle: &Circle, named: &NamedCircle, network: &Network, options: &SamplingOptions) -> [f64; 7] {
     let network = named.weighed(network);
-    let mut known = vec![false; network.node_count()];
-    for node in circle.ends(&network) {
-        known[node] = true;
-    }
+    let known = marked(network.node_count(), circle.ends(&network));
     let ends = KnownEnds { ends: &known, inlets: &circle.inlets() };
     Posterior::of(circle, &network, &Topologies::of_free_ends(&network, ends, options)).segments
 }
@@ -174,12 +169,10 @@ impl Names {
     /// Whether arteries lie on the other side than their names say, by `places` (m, in the axes of the network's file) whose side is known.
     pub fn is_mirrored(&self, places: &[(BodySide, Point)]) -> bool {
         let middle_of = |side: BodySide| {
+            let is_own = |label: &ArteryLabel| artery_of(*label).and_then(Artery::side) == Some(side);
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
-                let p: f64 = (0..LABELS)
-                    .filter(|label| artery_of(*label).and_then(Artery::side) == Some(side))
-                    .map(|label| labels[label])
-                    .sum();
+                let p: f64 = (0..LABELS).filter(is_own).map(|label| labels[label]).sum();
                 sum = [0, 1, 2].map(|k| sum[k] + p * at[k]);
                 total += p;
             }
@@ -224,12 +217,9 @@ impl Names {
     fn diameters(&self) -> [Option<f64>; 7] {
         std::array::from_fn(|segment| {
             let label = label_of(RING[segment]);
-            let (mut sum, mut total) = (0.0, 0.0);
-            for (n, p) in self.labels.iter().enumerate() {
-                let w = p[label] * self.nodes.weight[n];
-                sum += w * 2.0 * self.nodes.log_radius[n].exp();
-                total += w;
-            }
+            let weights = || self.labels.iter().zip(&self.nodes.weight).map(|(p, length)| p[label] * length);
+            let total: f64 = weights().sum();
+            let sum: f64 = weights().zip(&self.nodes.log_radius).map(|(w, log_radius)| w * 2.0 * log_radius.exp()).sum();
             (total > 0.5).then(|| metres(sum / total))
         })
     }
@@ -242,18 +232,48 @@ impl Names {
         ))
     }
 
+    /// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
+    /// meet. `best` is the label of each node.
+    fn meeting_place(&self, best: &[ArteryLabel], between: &[Vec<ArteryLabel>; 2]) -> Option<(Point, f64)> {
+        let at = &self.nodes.at;
+        let [one, other] = between.each_ref().map(|of| (0..at.len()).filter(|n| of.contains(&best[*n])).collect::<Vec<_>>());
+        let pairs = one.iter().flat_map(|a| other.iter().map(|b| (distance(at[*a], at[*b]), *a, *b)));
+        let (d, a, b) = pairs.reduce(|closest, next| if next.0 < closest.0 { next } else { closest })?;
+        let sure = |n: usize, group: &[ArteryLabel]| group.iter().map(|label| self.labels[n][*label]).sum::<f64>();
+        (d <= LIMIT).then(|| (lerp(at[a], at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
+    }
+
+    /// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
+    /// or where the posterior communicating artery that makes it is not.
+    fn expected_place(&self, best: &[ArteryLabel], atlas: &Atlas, meeting: &Meeting) -> Option<(Point, f64)> {
+        let has = |label: ArteryLabel| best.contains(&label);
+        let labels = || meeting.between.iter().flatten().copied();
+        if labels().find(|label| matches!(artery_of(*label), Some(Artery::PComm(_)))).is_some_and(|pcomm| !has(pcomm)) {
+            return None;
+        }
+        let (at, expected) = (&self.nodes.at, self.bearings.pose.undo(atlas.data.pieces[first_state(meeting.at)].mean));
+        let near = (0..at.len()).filter(|n| labels().any(|label| label == best[*n])).map(|n| (distance(at[n], expected), n));
+        let (away, n) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (away <= EXPECTED_WITHIN).then(|| (at[n], ONE_SIDED))
+    }
+
     /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.
     pub fn landmarks(&self, model: &NamingModel) -> Vec<NamedPlace> {
         let best = self.best();
-        let mut places: Vec<NamedPlace> = meetings()
-            .into_iter()
-            .filter_map(|meeting| {
-                let (at, probability) = meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
-                    .or_else(|| expected_place(&self.nodes, &best, &model.atlas, &self.bearings.pose, &meeting))?;
-                Some(NamedPlace { label: meeting.label, at, probability })
-            })
-            .collect();
-        drop_doubles(&mut places);
+        let place = |meeting: Meeting| {
+            let both_seen = self.meeting_place(&best, &meeting.between);
+            let (at, probability) = both_seen.or_else(|| self.expected_place(&best, &model.atlas, &meeting))?;
+            Some(NamedPlace { label: meeting.label, at, probability })
+        };
+        let mut places: Vec<NamedPlace> = meetings().into_iter().filter_map(place).collect();
+        // Where PComm ends at P1 and P2, that is where they meet too.
+        for side in BodySide::BOTH {
+            let short = format!("{}/{}", Artery::P1(side), Artery::P2(side));
+            let long = format!("{short}/{}", Artery::PComm(side));
+            if places.iter().any(|place| place.label == long) {
+                places.retain(|place| place.label != short);
+            }
+        }
         places.extend(ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
         places
     }
@@ -353,57 +373,10 @@ pub fn meetings() -> Vec<Meeting> {
     all
 }
 
-/// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
-/// meet. `best` is the label of each node.
-pub fn meeting_place(
-    nodes: &Nodes,
-    labels: &[[f64; LABELS]],
-    best: &[ArteryLabel],
-    between: &[Vec<ArteryLabel>; 2],
-) -> Option<(Point, f64)> {
-    let of = |group: &[ArteryLabel]| -> Vec<usize> { (0..nodes.len()).filter(|n| group.contains(&best[*n])).collect() };
-    let [one, other] = [of(&between[0]), of(&between[1])];
-    let pairs = one.iter().flat_map(|a| other.iter().map(|b| (distance(nodes.at[*a], nodes.at[*b]), *a, *b)));
-    let (d, a, b) = pairs.reduce(|closest, next| if next.0 < closest.0 { next } else { closest })?;
-    let sure = |n: usize, group: &[ArteryLabel]| group.iter().map(|label| labels[n][*label]).sum::<f64>();
-    (d <= LIMIT).then(|| (lerp(nodes.at[a], nodes.at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
-}
-
 /// How far (mm) the place that the atlas expects may be from a vessel that is there.
 const EXPECTED_WITHIN: f64 = 12.0;
 /// The probability of a place of which only one side is seen.
 const ONE_SIDED: f64 = 0.25;
-
-/// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
-/// or where the posterior communicating artery that makes it is not.
-pub fn expected_place(
-    nodes: &Nodes,
-    best: &[ArteryLabel],
-    atlas: &Atlas,
-    pose: &Pose,
-    meeting: &Meeting,
-) -> Option<(Point, f64)> {
-    let has = |label: ArteryLabel| best.contains(&label);
-    let labels = || meeting.between.iter().flatten().copied();
-    if labels().find(|label| matches!(artery_of(*label), Some(Artery::PComm(_)))).is_some_and(|pcomm| !has(pcomm)) {
-        return None;
-    }
-    let expected = pose.undo(atlas.data.pieces[first_state(meeting.at)].mean);
-    let near = (0..nodes.len()).filter(|n| labels().any(|label| label == best[*n])).map(|n| (distance(nodes.at[n], expected), n));
-    let (away, n) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    (away <= EXPECTED_WITHIN).then(|| (nodes.at[n], ONE_SIDED))
-}
-
-/// Where PComm ends at P1 and P2, that is where they meet too.
-pub fn drop_doubles(places: &mut Vec<NamedPlace>) {
-    for side in BodySide::BOTH {
-        let short = format!("{}/{}", Artery::P1(side), Artery::P2(side));
-        let long = format!("{short}/{}", Artery::PComm(side));
-        if places.iter().any(|place| place.label == long) {
-            places.retain(|place| place.label != short);
-        }
-    }
-}
 
 /// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.
 pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[ArteryLabel]) -> Vec<NamedPlace> {

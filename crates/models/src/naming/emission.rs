@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::algebra::{Matrix3, Symmetric, normalise, times, trace_of_product, transposed, turned};
 use super::atlas::{Atlas, AtlasState, NOWHERE, STATES};
-use super::nodes::Nodes;
+use super::{belief::NamingForest, nodes::Nodes};
 use willis_core::support::geometry::{Point, sub};
 use willis_core::support::simd::{InstructionSet, Kernel, Simd};
 
@@ -64,47 +64,62 @@ pub fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f
     fit
 }
 
-/// The share of [`emission`] with all parts that a node counts for: nodes x states.
-pub fn tempered(nodes: &Nodes, atlas: &Atlas, pose: &Pose, precisions: &[(Symmetric, f64)], radius: &[f64]) -> Vec<f64> {
-    emission(nodes, atlas, pose, precisions, ALL_PARTS, radius).into_iter().map(|x| TEMPER * x).collect()
+/// A case to be posed and named, with what does not depend on the pose.
+pub struct Search<'a> {
+    /// The nodes.
+    pub nodes: &'a Nodes,
+    /// The atlas.
+    pub atlas: &'a Atlas,
+    /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
+    pub weight: &'a [f64],
+    /// From [`radius_fit`].
+    pub radius: Vec<f64>,
+    /// The forest of names.
+    pub forest: NamingForest,
 }
 
-/// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas,
-/// possibly widened ([`Atlas::widened`]); position, direction and radius have weights; `radius` comes from [`radius_fit`].
-pub fn emission(
-    nodes: &Nodes,
-    atlas: &Atlas,
-    pose: &Pose,
-    precisions: &[(Symmetric, f64)],
-    [of_position, of_direction, of_radius]: [f64; 3],
-    radius: &[f64],
-) -> Vec<f64> {
-    let mut fit = vec![0.0; nodes.len() * STATES];
-    let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-    for (node, row) in fit.chunks_mut(STATES).enumerate() {
-        let at = pose.apply(nodes.at[node]);
-        let direction = turned(&pose.turn, &nodes.direction[node]);
-        let radius = &radius[node * STATES..(node + 1) * STATES];
-        for (state, to) in row.iter_mut().enumerate() {
-            if state == NOWHERE {
-                *to = of_position * atlas.log_other + of_radius * radius[NOWHERE];
-                continue;
-            }
-            let (precision, log_determinant) = &precisions[state];
-            let d = sub(at, atlas.data.pieces[state].mean);
-            let square = quadratic(precision, d).max(0.0);
-            let position =
-                -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
-            let mut sum = of_position * position + of_radius * radius[state];
-            if of_direction > 0.0 {
-                let (inverse, log_determinant) = &atlas.direction[state];
-                let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
-                sum += of_direction * along;
-            }
-            *to = sum;
-        }
+impl<'a> Search<'a> {
+    /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
+    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
+        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
     }
-    fit
+
+    /// The share of [`Search::emission`] with all parts that a node counts for: nodes x states.
+    pub fn tempered(&self, pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
+        self.emission(pose, precisions, ALL_PARTS).into_iter().map(|x| TEMPER * x).collect()
+    }
+
+    /// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas, possibly widened
+    /// ([`Atlas::widened`]); position, direction and radius have weights.
+    pub fn emission(&self, pose: &Pose, precisions: &[(Symmetric, f64)], weights: [f64; 3]) -> Vec<f64> {
+        let ([of_position, of_direction, of_radius], atlas, nodes) = (weights, self.atlas, self.nodes);
+        let mut fit = vec![0.0; nodes.len() * STATES];
+        let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
+        for (node, row) in fit.chunks_mut(STATES).enumerate() {
+            let at = pose.apply(nodes.at[node]);
+            let direction = turned(&pose.turn, &nodes.direction[node]);
+            let radius = &self.radius[node * STATES..(node + 1) * STATES];
+            for (state, to) in row.iter_mut().enumerate() {
+                if state == NOWHERE {
+                    *to = of_position * atlas.log_other + of_radius * radius[NOWHERE];
+                    continue;
+                }
+                let (precision, log_determinant) = &precisions[state];
+                let d = sub(at, atlas.data.pieces[state].mean);
+                let square = quadratic(precision, d).max(0.0);
+                let position =
+                    -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
+                let mut sum = of_position * position + of_radius * radius[state];
+                if of_direction > 0.0 {
+                    let (inverse, log_determinant) = &atlas.direction[state];
+                    let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
+                    sum += of_direction * along;
+                }
+                *to = sum;
+            }
+        }
+        fit
+    }
 }
 
 /// dᵀ S d.
@@ -137,15 +152,10 @@ pub struct StatePlaces {
 }
 
 impl<'a> Single<'a> {
-    /// For the nodes of a subset in some states; `radius` comes from [`radius_fit`] and counts with a weight.
-    pub fn new(
-        nodes: &'a Nodes,
-        atlas: &'a Atlas,
-        [subset, states]: [&'a [usize]; 2],
-        radius: &[f64],
-        radius_weight: f64,
-    ) -> Self {
-        let of = |node: &usize| &radius[node * STATES..(node + 1) * STATES];
+    /// For the nodes of a subset in some states; the radius counts with a weight.
+    pub fn new(case: &Search<'a>, [subset, states]: [&'a [usize]; 2], radius_weight: f64) -> Self {
+        let (nodes, atlas) = (case.nodes, case.atlas);
+        let of = |node: &usize| &case.radius[node * STATES..(node + 1) * STATES];
         let weight = |row: &[f64], state: AtlasState| (radius_weight * row[state]).exp() * atlas.prior[state];
         let weight =
             subset.iter().flat_map(|node| states.iter().map(move |state| (of(node), *state))).map(|(row, s)| weight(row, s));

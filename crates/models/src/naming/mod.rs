@@ -29,9 +29,9 @@ use serde::{Deserialize, Serialize};
 use crate::circle_of_willis::RING;
 use atlas::{ArteryLabel, Atlas, LABELS, OTHER, STATES, label_of, most_probable, states_of};
 use belief::{Beliefs, NamingForest};
-use emission::{Pose, radius_fit, tempered};
+use emission::{Pose, Search};
 use pieces::{PIECE_FEATURES, exclusion, label_probabilities, piece_features};
-use pose::{Core, Scored, Search, core_at, find_core};
+use pose::{Core, Scored, core_at, find_core};
 use presence::Seen;
 use willis_core::error::Result;
 use willis_core::network::{Frame, Network};
@@ -141,17 +141,16 @@ fn names_at(
     is_known: bool,
 ) -> Option<Names> {
     let atlas = &model.atlas;
-    let pose = *poses.first()?;
+    let mut pose = *poses.first()?;
     let one = vec![1.0; nodes.len()];
 
-    let median = median_of_all.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
-    let used = nodes.spanning_bridges(|_| true);
+    let mut median = median_of_all.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
+    let mut used = nodes.spanning_bridges(|_| true);
     let first = pass(&nodes, &one, &used, atlas, &pose, median);
     let doubt: Vec<f64> = first.features.iter().map(|x| model.is_false(x, None)).collect();
 
-    let weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
+    let mut weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
-    let (mut pose, mut median, mut used, mut weight) = (pose, median, used, weight);
     let mut fit = f64::NAN;
     if counted >= LEAST_TRUE {
         if median_of_all.is_none() {
@@ -204,25 +203,24 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &At
 
 /// The names at a pose, with one of every artery, and the features of the pieces.
 fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &Atlas, pose: &Pose, median: f64) -> NamingPass {
-    let radius = radius_fit(nodes, atlas, median);
-    let own = tempered(nodes, atlas, pose, &atlas.position, &radius);
-    let forest = NamingForest::of(nodes, used);
+    let case = Search::new(nodes, atlas, weight, used, median);
+    let own = case.tempered(pose, &atlas.position);
     let mut penalty: Option<Vec<f64>> = None;
     let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
         penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
     };
     for _ in 0..ROUNDS {
-        let names = forest.beliefs(atlas, &with(&penalty)).states;
-        let new = exclusion(nodes, weight, atlas, &names);
+        let names = case.forest.beliefs(atlas, &with(&penalty)).states;
+        let new = exclusion(&case, &names);
         penalty = Some(match penalty {
             None => new,
             Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
         });
     }
     let log_likelihood = with(&penalty);
-    let beliefs = forest.beliefs(atlas, &log_likelihood);
-    let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
-    NamingPass { forest, beliefs, log_likelihood, features }
+    let beliefs = case.forest.beliefs(atlas, &log_likelihood);
+    let features = piece_features(&case, used, pose, &beliefs.states, median);
+    NamingPass { forest: case.forest, beliefs, log_likelihood, features }
 }
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.

@@ -189,22 +189,10 @@ impl NamingModel {
         if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
             return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
         }
-        let data = AtlasData {
-            pieces: pieces.into_iter().flatten().collect(),
-            other_radius: file.other_radius,
-            centroid: file.centroid,
-            length,
-            neighbours,
-            bifurcations,
-        };
-        Ok(Self {
-            provenance: file.provenance,
-            figures: file.figures,
-            atlas: Atlas::new(data),
-            false_pieces: file.false_pieces,
-            presence: file.presence,
-            share: file.share,
-        })
+        let NamingFile { other_radius, centroid, false_pieces, presence, share, provenance, figures, .. } = file;
+        let pieces = pieces.into_iter().flatten().collect();
+        let atlas = Atlas::new(AtlasData { pieces, other_radius, centroid, length, neighbours, bifurcations });
+        Ok(Self { provenance, figures, atlas, false_pieces, presence, share })
     }
 
     /// Writes the model: of states that have a mirror image only the left one.
@@ -252,6 +240,7 @@ impl NamingModel {
             exact: four(of.exact),
             ..of.clone()
         });
+        let is_listed = |state: &AtlasState| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right);
         let file = NamingFile {
             format: FORMAT.to_owned(),
             other_radius: rounded(*other_radius, 6),
@@ -264,10 +253,7 @@ impl NamingModel {
             bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
             provenance: self.provenance.clone(),
             figures: figures.collect(),
-            states: (0..STATES)
-                .filter(|state| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right))
-                .map(row)
-                .collect(),
+            states: (0..STATES).filter(is_listed).map(row).collect(),
         };
         write(out, HEADING, false, &file)
     }

@@ -1,7 +1,7 @@
 //! Pieces of the network: which are false, by how they fit and what they look like, and that a piece of an artery is there once.
 
 use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries};
-use super::emission::{Pose, emission};
+use super::emission::{Pose, Search};
 use super::{algebra::UNIT, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
 
@@ -13,15 +13,8 @@ const MOST_RATIO: f64 = 8.0;
 /// The features of every piece: log length (mm); mean log ratio of position, direction and radius to no artery; mean relative log
 /// radius; share of it on states that other pieces fill; mean probability of the best label; probability of the best bridge; whether it
 /// has a junction; roughness; share of all length.
-pub fn piece_features(
-    nodes: &Nodes,
-    weight: &[f64],
-    used: &[usize],
-    atlas: &Atlas,
-    pose: &Pose,
-    [radius, names]: [&[f64]; 2],
-    median_log_radius: f64,
-) -> Vec<[f64; PIECE_FEATURES]> {
+pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64], median: f64) -> Vec<[f64; PIECE_FEATURES]> {
+    let Search { nodes, atlas, weight, .. } = case;
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
     for (piece, length) in nodes.piece.iter().zip(&length) {
@@ -44,7 +37,7 @@ pub fn piece_features(
         }
     };
     for (k, parts) in UNIT.into_iter().enumerate() {
-        let e = emission(nodes, atlas, pose, &atlas.position, parts, radius);
+        let e = case.emission(pose, &atlas.position, parts);
         let ratio = |n: usize| {
             let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
             let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
@@ -52,7 +45,7 @@ pub fn piece_features(
         };
         mean(1 + k, &ratio, &mut features);
     }
-    mean(4, &|n| nodes.log_radius[n] - median_log_radius, &mut features);
+    mean(4, &|n| nodes.log_radius[n] - median, &mut features);
     let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
     let doubled = |n: usize| {
         let own = &filled[nodes.piece[n] * STATES..(nodes.piece[n] + 1) * STATES];
@@ -106,8 +99,9 @@ pub fn label_probabilities(states: &[f64], atlas: &Atlas) -> [f64; LABELS] {
 /// The log penalty of a state that other branches fill.
 const PENALTY: f64 = 2.0;
 
-/// The log penalties, nodes x states, given the probabilities of the states; `weight` is the share of each node's length that counts.
-pub fn exclusion(nodes: &Nodes, weight: &[f64], atlas: &Atlas, names: &[f64]) -> Vec<f64> {
+/// The log penalties, nodes x states, given the probabilities of the states.
+pub fn exclusion(case: &Search, names: &[f64]) -> Vec<f64> {
+    let Search { nodes, atlas, weight, .. } = case;
     let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
     let mut penalty = vec![0.0; nodes.len() * STATES];
     for (n, row) in penalty.chunks_mut(STATES).enumerate() {

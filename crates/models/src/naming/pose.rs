@@ -5,8 +5,8 @@ use faer::{Mat, Side, linalg::solvers::Solve};
 
 use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times, transposed};
 use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
-use super::emission::{ALL_PARTS, Pose, Single, TEMPER, emission, radius_fit, tempered};
-use super::{belief::NamingForest, nodes::Nodes, pieces::exclusion};
+use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
+use super::{nodes::Nodes, pieces::exclusion};
 use willis_core::support::geometry::{Point, distance, dot, norm, sub};
 use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
 
@@ -28,20 +28,6 @@ const NAMED: usize = 5;
 const AGAIN: usize = 2;
 /// Widths (mm) at which a pose is refined by names.
 const NAMED_WIDTHS: [f64; 4] = [2.0, 1.0, 0.0, 0.0];
-
-/// A case to be posed, with what does not depend on the pose.
-pub struct Search<'a> {
-    /// The nodes.
-    pub nodes: &'a Nodes,
-    /// The atlas.
-    pub atlas: &'a Atlas,
-    /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
-    pub weight: &'a [f64],
-    /// From [`super::emission::radius_fit`].
-    pub radius: Vec<f64>,
-    /// The forest of names.
-    pub forest: NamingForest,
-}
 
 /// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
 pub struct Pulls {
@@ -82,12 +68,7 @@ pub struct Scored {
     pub score: f64,
 }
 
-impl<'a> Search<'a> {
-    /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
-    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
-        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
-    }
-
+impl Search<'_> {
     /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
     pub fn everywhere(&self) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
@@ -97,7 +78,7 @@ impl<'a> Search<'a> {
         let nodes = 0..self.nodes.len();
         let total: f64 = nodes.clone().map(|n| self.length(n)).sum::<f64>().max(1e-9);
         let centre = [0, 1, 2].map(|k| nodes.clone().map(|n| self.nodes.at[n][k] * self.length(n)).sum::<f64>() / total);
-        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], &self.radius, SEARCH_RADIUS);
+        let single = |states| Single::new(self, [&subset, states], SEARCH_RADIUS);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
             let precisions = self.atlas.widened(tau);
@@ -106,10 +87,10 @@ impl<'a> Search<'a> {
         });
         let mut starts: Vec<Scored> = Vec::new();
         for turn in start_turns() {
-            for offset in START_OFFSETS {
+            for (axis, length) in START_OFFSETS {
                 let turn = rotation(turn.map(f64::to_radians));
                 let to = times(&turn, centre);
-                let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
+                let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + along(axis, length)[k] - to[k]);
                 let mut pose = Pose { turn, shift, log_scale: 0.0 };
                 for (single, places, pulls) in &widths[..3] {
                     let (names, _) = single.probabilities(&pose, places);
@@ -121,24 +102,21 @@ impl<'a> Search<'a> {
             }
         }
         let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
-        let single = Single::new(self.nodes, self.atlas, [&subset, &all], &self.radius, 1.0);
+        let single = Single::new(self, [&subset, &all], 1.0);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
         });
-        let refined = starts
-            .into_iter()
-            .map(|start| {
-                let mut pose = start.pose;
-                for (places, pulls) in &widths[..5] {
-                    let (names, _) = single.probabilities(&pose, places);
-                    pose = self.step(&subset, &pose, pulls, &names, true);
-                }
-                let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
-                Scored { pose, score: fit + 3.0 * pose.log_scale }
-            })
-            .collect();
-        let refined = Self::distinct(refined, centre, 0.15, 4.0, NAMED);
+        let refined = |start: Scored| {
+            let mut pose = start.pose;
+            for (places, pulls) in &widths[..5] {
+                let (names, _) = single.probabilities(&pose, places);
+                pose = self.step(&subset, &pose, pulls, &names, true);
+            }
+            let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
+            Scored { pose, score: fit + 3.0 * pose.log_scale }
+        };
+        let refined = Self::distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
         self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
     }
 
@@ -150,7 +128,7 @@ impl<'a> Search<'a> {
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
         let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
-        let single = Single::new(self.nodes, self.atlas, [&all, &states], &self.radius, 1.0);
+        let single = Single::new(self, [&all, &states], 1.0);
         let at_width = |tau: f64| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
@@ -164,9 +142,8 @@ impl<'a> Search<'a> {
                 pose = self.step(&all, &pose, pulls, &names, true);
             }
             let x = self.nodes.at.first().copied().unwrap_or_default();
-            let is_known =
-                found.iter().any(|(_, q)| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5);
-            if is_known {
+            let is_near = |q: &Pose| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5;
+            if found.iter().any(|(_, q)| is_near(q)) {
                 continue;
             }
             let first = pose;
@@ -183,10 +160,10 @@ impl<'a> Search<'a> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, ALL_PARTS, &self.radius);
+        let e = self.emission(pose, &self.atlas.position, ALL_PARTS);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
-        let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
+        let penalty = exclusion(self, &names);
         let penalised: Vec<f64> = tempered.iter().zip(&penalty).map(|(e, p)| e + p).collect();
         names = self.forest.beliefs(self.atlas, &penalised).states;
         let mut score = 0.0;
@@ -204,8 +181,8 @@ impl<'a> Search<'a> {
 
     /// A step of `all` nodes by the names of all together.
     pub fn named_step(&self, all: &[usize], pose: &Pose, pulls: &Pulls, precisions: &[(Symmetric, f64)]) -> Pose {
-        let e = tempered(self.nodes, self.atlas, pose, precisions, &self.radius);
-        self.step(all, pose, pulls, &self.forest.beliefs(self.atlas, &e).states, true)
+        let names = self.forest.beliefs(self.atlas, &self.tempered(pose, precisions)).states;
+        self.step(all, pose, pulls, &names, true)
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
@@ -315,21 +292,17 @@ fn angle_between(a: &Pose, b: &Pose) -> f64 {
     norm(rotation_vector(&product(&a.turn, &transposed(&b.turn))))
 }
 
-/// Offsets of the middle, mm: a tracing may show one side alone.
-const START_OFFSETS: [Point; 7] = [
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, 14.0],
-    [0.0, 0.0, -14.0],
-    [12.0, 0.0, 0.0],
-    [-12.0, 0.0, 0.0],
-    [24.0, 0.0, 0.0],
-    [-24.0, 0.0, 0.0],
-];
+/// Offsets of the middle along an axis, mm: a tracing may show one side alone.
+const START_OFFSETS: [(usize, f64); 7] = [(0, 0.0), (2, 14.0), (2, -14.0), (0, 12.0), (0, -12.0), (0, 24.0), (0, -24.0)];
+
+/// A vector along an axis.
+fn along(axis: usize, length: f64) -> Point {
+    [0, 1, 2].map(|k| if k == axis { length } else { 0.0 })
+}
 
 /// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {
-    let about = |axis: usize, degrees: f64| [0, 1, 2].map(|k| if k == axis { degrees } else { 0.0 });
-    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| about(axis, degrees)));
+    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| along(axis, degrees)));
     let all = (0..8).map(|n| [n & 4, n & 2, n & 1].map(|bit| if bit == 0 { -18.0 } else { 18.0 }));
     std::iter::once([0.0; 3]).chain(one).chain(all).collect()
 }

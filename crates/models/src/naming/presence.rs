@@ -58,12 +58,11 @@ impl Seen {
                 best[label] = best[label].max(p[label]);
             }
         }
-        let (mut total, mut squares) = (0.0, 0.0);
-        for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
-            let p = probability_with(bridge.probability, *factor);
-            total += p;
-            squares += p * bridge.gap * bridge.gap;
-        }
+        let gaps = nodes.bridges.iter().zip(bridge_factor);
+        let gaps = gaps.map(|(bridge, factor)| (probability_with(bridge.probability, *factor), bridge.gap));
+        let gaps: Vec<(f64, f64)> = gaps.collect();
+        let total: f64 = gaps.iter().map(|(p, _)| p).sum();
+        let squares: f64 = gaps.iter().map(|(p, gap)| p * gap * gap).sum();
         let is_artery = |piece: usize| 1.0 - false_pieces[piece];
         Self {
             length,

@@ -10,8 +10,8 @@ use willis_models::naming::atlas::{
     Atlas, AtlasData, AtlasPiece, AtlasState, BA, NOWHERE, OTHER, STATES, StatePair, StateTables, StatesOfArms, all_states,
     first_state, label_of,
 };
-use willis_models::naming::pose::{Pulls, Search};
-use willis_models::naming::{belief::NamingForest, emission::Pose};
+use willis_models::naming::emission::{Pose, Search};
+use willis_models::naming::{belief::NamingForest, pose::Pulls};
 
 /// Rounds of distributions and poses.
 const ROUNDS: usize = 5;
@@ -76,8 +76,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
         let total = nodes.length();
         [0, 1, 2].map(|k| (0..nodes.len()).map(|n| one.pose.apply(nodes.at[n])[k] * nodes.weight[n]).sum::<f64>() / total)
     };
-    let n = posed.len().max(1) as f64;
-    data.centroid = [0, 1, 2].map(|k| posed.iter().map(|one| mean_of(one)[k]).sum::<f64>() / n);
+    data.centroid = centroid(posed.iter().map(mean_of));
     // Mirror images were counted too, so that the middle lies in the middle.
     data.centroid[0] = 0.0;
     Atlas::new(data)

@@ -190,10 +190,8 @@ fn true_states(nodes: &Nodes, label: &[ArteryLabel]) -> Vec<AtlasState> {
             } else {
                 // A second part of the artery, behind a gap.
                 let reached = own.iter().filter(|q| along[**q].is_finite());
-                reached
-                    .map(|q| (distance(nodes.at[*q], nodes.at[*n]), *q))
-                    .min_by(|a, b| a.0.total_cmp(&b.0))
-                    .map_or(0.0, |(d, q)| along[q] + d)
+                let away = reached.map(|q| (distance(nodes.at[*q], nodes.at[*n]), *q));
+                away.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(d, q)| along[q] + d)
             };
             state[*n] = state_at(artery, far);
         }

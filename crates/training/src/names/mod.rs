@@ -69,12 +69,8 @@ pub fn fit_names(cases: &[LabelledCase], folds: usize, progress: &mut dyn FnMut(
             let of = &models[fold_of[at]];
             name_arteries(&case.graph, of)
         });
-        named = cases
-            .iter()
-            .zip(&fold_of)
-            .zip(found)
-            .filter_map(|((case, fold), names)| Some(NamedCase { case, fold: *fold, names: names? }))
-            .collect();
+        let each = cases.iter().zip(&fold_of).zip(found);
+        named = each.filter_map(|((case, fold), names)| Some(NamedCase { case, fold: *fold, names: names? })).collect();
         progress(["first pass", "second pass"][pass]);
         for (fold, of) in models.iter_mut().enumerate() {
             of.false_pieces[pass] = fit(&piece_rows(&named, fold, pass, &of.false_pieces[0]), L2);
@@ -127,13 +123,11 @@ fn check(cases: &[LabelledCase], subjects: usize, folds: usize) -> Result<()> {
 
 /// What a model without its subject says of a case.
 fn judge<'a>(one: &NamedCase<'a>, of: &NamingModel, weights: &Weights) -> JudgedCase<'a> {
-    let pieces: Vec<f64> = one.names.piece_features[1]
-        .iter()
-        .zip(&one.names.piece_features[0])
-        .map(|(x, before)| of.is_false(x, Some((of.is_false(before, None) + 1e-3).ln())))
-        .collect();
-    let labels = labels_of(&one.names.nodes, &one.names.states, &pieces, &of.atlas);
     let names = &one.names;
+    let [first, second] = &names.piece_features;
+    let both = second.iter().zip(first);
+    let pieces = both.map(|(x, before)| of.is_false(x, Some((of.is_false(before, None) + 1e-3).ln()))).collect::<Vec<f64>>();
+    let labels = labels_of(&names.nodes, &names.states, &pieces, &of.atlas);
     let at_first = || Seen::of(&names.nodes, &labels, &pieces, &names.bridge_factor, names.seen.evidence);
     let (seen, topologies) = seen_again(names, one.case, of, weights).unwrap_or_else(|| (at_first(), [0.5; 7]));
     JudgedCase { case: one.case, fold: one.fold, right: length_right(one, &labels), topologies, seen }
