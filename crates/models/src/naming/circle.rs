@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use Artery::{A1, A2, Ica, M1, M2, P1, P2, PComm};
 use serde::{Deserialize, Serialize};
 
 use super::atlas::{
@@ -305,8 +306,7 @@ impl Names {
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {
             BodySide::BOTH.iter().all(|side| {
-                let [ica, m1, a1, a2, p1, p2] = [Artery::Ica, Artery::M1, Artery::A1, Artery::A2, Artery::P1, Artery::P2]
-                    .map(|artery| artery(*side).to_string());
+                let [ica, m1, a1, a2, p1, p2] = [Ica, M1, A1, A2, P1, P2].map(|artery| artery(*side).to_string());
                 let meets = |a: &str, b: &str| [a, b].iter().all(|name| place.label.split('/').any(|part| part == *name));
                 !(meets(&ica, &m1) && is_end(&ica) && is_end(&m1)
                     || meets(&a1, &a2) && is_end(&a2)
@@ -358,9 +358,7 @@ pub fn meetings() -> Vec<Meeting> {
             let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
             all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
         };
-        let [ica, m1, m2, a1, a2, p1, p2, pcomm] =
-            [Artery::Ica, Artery::M1, Artery::M2, Artery::A1, Artery::A2, Artery::P1, Artery::P2, Artery::PComm]
-                .map(|artery| label_of(artery(side)));
+        let [ica, m1, m2, a1, a2, p1, p2, pcomm] = [Ica, M1, M2, A1, A2, P1, P2, PComm].map(|artery| label_of(artery(side)));
         add(&[ica, m1, a1], &[ica], &[m1, a1], ica);
         add(&[a1, a2, label_of(Artery::AComm)], &[a1], &[a2], a2);
         add(&[m1, m2], &[m1], &[m2], m2);

@@ -92,17 +92,6 @@ struct StateRow {
     length: f64,
 }
 
-impl StateRow {
-    /// Whether its numbers are those of distributions.
-    fn is_distribution(&self) -> bool {
-        let mut numbers = self.mean.iter().chain(&self.covariance).chain(&self.direction).chain(&self.log_radius);
-        numbers.all(|x| x.abs() < 1e9)
-            && is_positive(&self.covariance)
-            && is_positive(&self.direction)
-            && self.log_radius[1] > 0.0
-    }
-}
-
 const HEADING: &str = "\
 # Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.
 # false_pieces: whether a piece is false: a constant and the weights of its features, for the first and the second pass.
@@ -152,17 +141,15 @@ impl NamingModel {
             if state == NOWHERE {
                 continue;
             }
-            let piece = AtlasPiece {
-                mean: row.mean,
-                covariance: row.covariance,
-                direction: row.direction,
-                log_radius: row.log_radius[0],
-                radius_spread: row.log_radius[1],
-            };
-            if !row.is_distribution() {
+            let (mean, covariance, direction, [log_radius, radius_spread]) =
+                (row.mean, row.covariance, row.direction, row.log_radius);
+            let mut numbers = mean.iter().chain(&covariance).chain(&direction).chain(&row.log_radius);
+            let are_positive = is_positive(&covariance) && is_positive(&direction) && radius_spread > 0.0;
+            if !(numbers.all(|x| x.abs() < 1e9) && are_positive) {
                 let accepted = "expected positive definite matrices and a positive spread";
                 return Err(wrong(format!("state \"{}\"", row.name), accepted));
             }
+            let piece = AtlasPiece { mean, covariance, direction, log_radius, radius_spread };
             pieces[tables.mirrored[state]] = Some(mirrored(&piece));
             pieces[state] = Some(piece);
         }
