@@ -205,12 +205,9 @@ pub(crate) fn read_network(path: &Path, loops: Option<PathBuf>) -> Result<(Netwo
 fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
     let bytes = regular_bytes_of(path)?;
     let wrong = |fault: Fault| fault.in_file(path);
-    let mut out = Vec::new();
-    for statement in read_inlets(&bytes).map_err(wrong)? {
-        let found = locate(network, &statement.spec);
-        out.push(found.map_err(|why| wrong(statement.fault(why)))?.node);
-    }
-    Ok(out)
+    let stated = read_inlets(&bytes).map_err(wrong)?.into_iter();
+    let found = stated.map(|one| locate(network, &one.spec).map(|at| at.node).map_err(|why| wrong(one.fault(why))));
+    found.collect()
 }
 
 /// The connections that a table lists.

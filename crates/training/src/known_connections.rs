@@ -1,6 +1,6 @@
 //! The known connections of a case: where fragments belong together, as files state it, and which candidates are therefore right.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
@@ -128,17 +128,12 @@ impl KnownConnections {
 
 /// Whether a fragment is attached to another, directly or through others.
 fn leads(parents_of: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bool {
-    let (mut open, mut seen) = (vec![from], vec![from]);
+    let (mut open, mut seen) = (vec![from], BTreeSet::from([from]));
     while let Some(at) = open.pop() {
         if at == to {
             return true;
         }
-        for next in parents_of.get(&at).into_iter().flatten() {
-            if !seen.contains(next) {
-                seen.push(*next);
-                open.push(*next);
-            }
-        }
+        open.extend(parents_of.get(&at).into_iter().flatten().filter(|next| seen.insert(**next)));
     }
     false
 }

@@ -330,14 +330,12 @@ fn between(a: &BranchPoint, b: &BranchPoint, share: f64) -> BranchPoint {
 
 /// The candidates and contacts between traced vessels.
 fn bridges(network: &Network, traced: &[bool], nodes: &Nodes, node_at: &[usize]) -> Vec<Bridge> {
-    let mut found = Vec::new();
-    for (row, (ends, vessel)) in network.vessels().enumerate().filter(|(row, _)| !traced[*row]) {
+    let untraced = network.vessels().enumerate().filter(|(row, _)| !traced[*row]);
+    let found = untraced.filter_map(|(row, (ends, vessel))| {
         let [a, b] = ends.map(|end| node_at[end]);
-        if a == usize::MAX || b == usize::MAX || a == b {
-            continue;
-        }
         let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability).min(MOST_PROBABLE);
-        found.push(Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row });
-    }
-    found
+        let bridge = || Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row };
+        (a != usize::MAX && b != usize::MAX && a != b).then(bridge)
+    });
+    found.collect()
 }

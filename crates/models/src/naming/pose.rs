@@ -50,13 +50,6 @@ impl Pulls {
         }
         Self { states: states.len(), table, instructions: InstructionSet::detect() }
     }
-
-    /// The pulls on a node, given the probabilities of its states.
-    fn on(&self, names: &[f64]) -> [f64; 10] {
-        let mut out = [0.0; 10];
-        self.instructions.run(TableTimes { table: &self.table, by: names, out: &mut out });
-        out
-    }
 }
 
 /// A pose and how well it fits.
@@ -196,7 +189,9 @@ impl Search<'_> {
         let mut gradient = [0.0; 7];
         let mut counted = 0.0;
         for ((names, at), w) in names.chunks(pulls.states).zip(&placed).zip(&length) {
-            let [a, b, c, d, e, f, x, y, z, arteries] = pulls.on(names).map(|pull| pull * w * GAIN);
+            let mut out = [0.0; 10];
+            pulls.instructions.run(TableTimes { table: &pulls.table, by: names, out: &mut out });
+            let [a, b, c, d, e, f, x, y, z, arteries] = out.map(|pull| pull * w * GAIN);
             let sum = [a, b, c, d, e, f];
             counted += arteries;
             let here = [at[0] + pose.shift[0], at[1] + pose.shift[1], at[2] + pose.shift[2]];
