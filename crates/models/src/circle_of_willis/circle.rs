@@ -90,10 +90,8 @@ impl Circle {
             ));
         }
         let mut notes = Vec::new();
-        let mut found = Vec::new();
-        for (row, landmark) in landmarks.iter().enumerate() {
-            found.push((row, landmark, nearest_node_of(network, landmark)?));
-        }
+        let found = landmarks.iter().enumerate().map(|(row, one)| Ok((row, one, nearest_node_of(network, one)?)));
+        let mut found = found.collect::<Result<Vec<_>, Fault>>()?;
         let (mut points, mut taken) = (Points::default(), BTreeMap::new());
         while let Some((row, landmark, nearest)) = take_nearest(&mut found) {
             let sites = landmark.sites();

@@ -222,9 +222,7 @@ fn lower_quartile(network: &Network, vessels: &[usize]) -> Option<f64> {
     let mut radii = Vec::new();
     for vessel in vessels.iter().map(|row| network.vessel(*row)) {
         radii.extend(vessel.path.iter().map(|point| point.radius));
-        if vessel.path.is_empty() {
-            radii.push(vessel.radius);
-        }
+        radii.extend(vessel.path.is_empty().then_some(vessel.radius));
     }
     quantile(&radii, 0.25)
 }
