@@ -219,13 +219,10 @@ impl NamingModel {
         };
         let logistic = |weights: &Logistic| weights.iter().map(|w| rounded([*w], 6)[0]).collect::<Logistic>();
         let [within_branches, at_junctions] = self.atlas.data.neighbours.each_ref().map(pairs);
-        let four = |share: f64| rounded([share], 4)[0];
-        let figures = self.figures.iter().map(|of| NamingScores {
-            length_right: four(of.length_right),
-            length_right_mca: four(of.length_right_mca),
-            presence_right: four(of.presence_right),
-            exact: four(of.exact),
-            ..of.clone()
+        let figures = self.figures.iter().map(|of| {
+            let shares = [of.length_right, of.length_right_mca, of.presence_right, of.exact];
+            let [length_right, length_right_mca, presence_right, exact] = rounded(shares, 4);
+            NamingScores { length_right, length_right_mca, presence_right, exact, ..of.clone() }
         });
         let is_listed = |state: &AtlasState| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right);
         let file = NamingFile {

@@ -177,7 +177,16 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
     let mut by = |edges: &[([usize; 2], f64)]| {
         let mut at = lengths_at(start + 1, edges.iter().enumerate().map(|(number, (ends, cost))| (number, *ends, *cost)));
         at[start] = from.iter().enumerate().map(|(n, p)| (usize::MAX, n, improbable(p.min(1.0), LEAST_NAME))).collect();
-        cheapest(paths, start, &at, &arrival)
+        // The least cost of a way from the start that ends at any node, with the cost of ending there; and that node.
+        let mut best = (f64::INFINITY, 0);
+        let edges = |node: usize| at[node].iter().copied();
+        paths.search(&[start], f64::INFINITY, edges, |costs, node| {
+            if node != start && costs[node] + arrival[node] < best.0 {
+                best = (costs[node] + arrival[node], node);
+            }
+            costs[node] < best.0
+        });
+        best
     };
     let (observed, _) = by(&edges[..nodes.links.len()]);
     let (cost, end) = by(&edges);
@@ -195,21 +204,4 @@ fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: 
         diameters: gap / (2.0 * middle.exp()),
         named: along.iter().map(|n| labels[*n][own] * nodes.weight[*n]).sum(),
     }
-}
-
-/// The least cost of a way from the start that ends at any node, with the cost of ending there; and that node.
-fn cheapest(paths: &mut ShortestPaths, start: usize, edges: &[Vec<(usize, usize, f64)>], arrival: &[f64]) -> (f64, usize) {
-    let mut best = (f64::INFINITY, 0);
-    paths.search(
-        &[start],
-        f64::INFINITY,
-        |node| edges[node].iter().copied(),
-        |costs, node| {
-            if node != start && costs[node] + arrival[node] < best.0 {
-                best = (costs[node] + arrival[node], node);
-            }
-            costs[node] < best.0
-        },
-    );
-    best
 }
