@@ -54,11 +54,6 @@ pub fn trace_of_product(a: &Symmetric, b: &Symmetric) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
 }
 
-/// S + d I.
-pub fn plus_diagonal(s: &Symmetric, d: f64) -> Symmetric {
-    [s[0] + d, s[1] + d, s[2] + d, s[3], s[4], s[5]]
-}
-
 /// The inverse of a positive definite matrix and the logarithm of its determinant.
 pub fn inverse(s: &Symmetric) -> (Symmetric, f64) {
     let [a, b, c, d, e, f] = *s;

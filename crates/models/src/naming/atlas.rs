@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::algebra::{self, Symmetric, inverse, plus_diagonal};
+use super::algebra::{self, Symmetric, inverse};
 use crate::circle_of_willis::{Artery, AtlasArtery, BodySide, IN_ATLAS};
 use willis_core::support::geometry::Point;
 
@@ -110,7 +110,8 @@ impl Atlas {
         if tau == 0.0 {
             return self.position.clone();
         }
-        self.data.pieces.iter().map(|piece| inverse(&plus_diagonal(&piece.covariance, tau * tau))).collect()
+        let wider = |[a, b, c, d, e, f]: Symmetric| [a + tau * tau, b + tau * tau, c + tau * tau, d, e, f];
+        self.data.pieces.iter().map(|piece| inverse(&wider(piece.covariance))).collect()
     }
 }
 

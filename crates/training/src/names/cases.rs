@@ -109,11 +109,14 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
         present[row] = Some(segment.present);
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
+    // Nodes have the labels of the points that they lie nearest to.
+    let nodes = Nodes::of(&graph);
+    let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     Ok(LabelledCase {
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,
-        truth: label_nodes(&graph, &labels),
+        truth: LabelledNodes { state: true_states(&nodes, &label), nodes, label },
         network,
         graph,
         present,
@@ -152,14 +155,6 @@ pub struct LabelledNodes {
     pub label: Vec<ArteryLabel>,
     /// The state of each.
     pub state: Vec<AtlasState>,
-}
-
-/// The nodes of a graph with the labels of the points that they lie nearest to.
-pub fn label_nodes(graph: &Network, labels: &BTreeMap<u64, ArteryLabel>) -> LabelledNodes {
-    let nodes = Nodes::of(graph);
-    let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
-    let state = true_states(&nodes, &label);
-    LabelledNodes { nodes, label, state }
 }
 
 /// The states of nodes whose labels are known.
