@@ -10,8 +10,8 @@ use willis_core::decision::{KnownEnds, Topologies, TopologySource, has_evidence}
 use willis_core::{error::Fault, flow::Boundary, flow::boundary_conditions::stated, network::Condition, network::Role};
 use willis_io::{formats::LandmarkFormat, formats::read_landmarks, output::names::LANDMARKS, output::write_file};
 use willis_models::circle_of_willis::{
-    Circle, Collateral, Informant, LEAST_DIAMETER, Posterior, Variant, artery_of_label, collaterals, hypoplastic,
-    identify_landmarks, in_axes_of, segment_diameters,
+    Circle, Collateral, LEAST_DIAMETER, Posterior, Variant, artery_of_label, collaterals, hypoplastic, identify_landmarks,
+    in_axes_of, segment_diameters,
 };
 use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
 use willis_report::CircleFigures;
@@ -137,8 +137,7 @@ impl FoundArteries {
         let Some(named) = &self.named else { return Ok(Posterior::of(&self.circle, network, topologies)) };
         let prior = known.prior()?;
         let presence = |topologies: &[f64; 7]| named.presence(topologies, &prior);
-        let informant = Informant { presence: &presence, not_seen: named.not_seen() };
-        Ok(Posterior::informed(&self.circle, network, topologies, Some(&informant)))
+        Ok(Posterior::informed(&self.circle, network, topologies, Some((&presence, named.not_seen()))))
     }
 
     /// The diameter of each segment of `RING` in the topology of the vessels `kept`, m: by its name where the arteries were named, else by its

@@ -12,8 +12,9 @@ use willis_io::formats::{
     write_graphml, write_landmarks,
 };
 use willis_io::{formats::convert::Target, output::StagedFiles, output::names::BESIDE_LABELLED};
-use willis_models::naming::{LABELS, NamedPlace, Names, labelled_network, name_of};
-use willis_models::{circle_of_willis::RING, naming::states::OTHER};
+use willis_models::circle_of_willis::RING;
+use willis_models::naming::atlas::{LABELS, OTHER, name_of};
+use willis_models::naming::{NamedPlace, Names, labelled_network};
 use willis_report::{Provenance, by_artery};
 
 /// An input whose arteries have names.

@@ -109,7 +109,7 @@ pub fn measure(name: &str, input: &Input, options: &MeasureOptions, progress: &m
     let found = arteries(input, network, &phenotypes, &mut notes);
     let mut territory = vec![None; if found.is_some() { network.vessel_count() } else { 0 }];
     if let Some(found) = &found {
-        for (at, rows) in found.circle.artery_vessels(network).territories.iter().enumerate() {
+        for (at, rows) in found.circle.arteries_in(network, |_| true).1.territories.iter().enumerate() {
             for row in rows {
                 territory[*row] = Some(at);
             }

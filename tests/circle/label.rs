@@ -8,16 +8,15 @@ use std::path::{Path, PathBuf};
 use crate::command::{folder, stderr, willis as command};
 use willis::internals::circle_of_willis::{Artery, BodySide};
 use willis::internals::naming::algebra::{UNIT, full, inverse, product, rotation, rotation_vector, times, trace_of_product};
-use willis::internals::naming::atlas::{Atlas, all_states};
-use willis::internals::naming::belief::NamingForest;
-use willis::internals::naming::emission::{Parts, Pose, emission, radius_fit};
-use willis::internals::naming::nodes::Bridge;
-use willis::internals::naming::single::Single;
-use willis::internals::naming::states::{
-    BA, NOWHERE, STATES, StateTables, first_state, label_named, label_of, mirrored, state_at,
+use willis::internals::naming::atlas::{
+    ArteryLabel, Atlas, BA, LABELS, NOWHERE, OTHER, STATES, StateTables, all_states, first_state, label_named, label_of,
+    mirrored, name_of, state_at,
 };
-use willis::internals::naming::ways::ways;
-use willis::internals::naming::{ArteryLabel, LABELS, NamingModel, NamingModels, Nodes, OTHER, name_of};
+use willis::internals::naming::belief::NamingForest;
+use willis::internals::naming::emission::{Pose, Search, Single};
+use willis::internals::naming::nodes::Bridge;
+use willis::internals::naming::presence::ways;
+use willis::internals::naming::{NamingModel, NamingModels, Nodes};
 use willis::internals::network::{Frame, Network, Origin};
 use willis::{InferOptions, Input, ReadOptions, Silent, label, read};
 
@@ -352,18 +351,19 @@ fn probabilities_are_those_of_the_log_likelihoods() {
         at: vec![[0.0; 3], [10.0, -4.0, 7.0], [-60.0, 90.0, 20.0]],
         direction: vec![[0.5, 0.3, 0.2, 0.1, 0.0, -0.1], [0.1, 0.1, 0.8, 0.05, 0.02, 0.0], [1.0, 0.0, 0.0, 0.0, 0.0, 0.0]],
         log_radius: vec![0.1, -0.4, 0.9],
+        neighbours: vec![Vec::new(); 3],
         ..Nodes::default()
     };
     let (subset, states) = ([0, 1, 2], all_states());
-    let radius = radius_fit(&nodes, &atlas, 0.0);
+    let case = Search::new(&nodes, &atlas, &[1.0; 3], &[], 0.0);
     let pose = Pose { turn: rotation([0.2, -0.1, 0.3]), shift: [3.0, -2.0, 5.0], log_scale: 0.05 };
-    for (tau, parts) in [(7.0, Parts::SEARCH), (0.0, Parts::REFINE)] {
+    for (tau, parts) in [(7.0, [1.0, 1.0, 0.5]), (0.0, [1.0; 3])] {
         let precisions = atlas.widened(tau);
-        let logs = emission(&nodes, &atlas, &pose, &precisions, parts, &radius);
+        let logs = case.emission(&pose, &precisions, parts);
         let weights: Vec<f64> = logs.iter().zip(atlas.prior.iter().cycle()).map(|(e, p)| e.exp() * p).collect();
         let sums: Vec<f64> = weights.chunks(STATES).map(|row| row.iter().sum()).collect();
         let sum: f64 = sums.iter().map(|sum| sum.ln()).sum();
-        let single = Single::new(&nodes, &atlas, [&subset, &states], &radius, parts.radius);
+        let single = Single::new(&case, [&subset, &states], parts[2]);
         let (found, log) = single.probabilities(&pose, &single.places(&precisions));
         assert!((log - sum).abs() < 1e-9, "{log} {sum}");
         assert!(found.iter().zip(&weights).enumerate().all(|(k, (a, b))| (a - b / sums[k / STATES]).abs() < 1e-12));

@@ -7,7 +7,7 @@ use std::process::Command;
 
 use crate::command::{folder, stderr, willis};
 use willis::internals::candidates::model::HeldOutScores;
-use willis::internals::training::logistic::calibrate_in_order;
+use willis::internals::training::minimise::calibrate_in_order;
 use willis::internals::training::minimise::minimise;
 use willis::internals::training::{
     CandidateExample, Case, Example as _, FittedPass, Match, Objective, TrainParams, average_precision, calibrate,

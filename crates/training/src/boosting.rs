@@ -1,7 +1,6 @@
 //! Fits boosted trees to rows of features.
 
-use forust_ml::gradientbooster::GrowPolicy;
-use forust_ml::{GradientBooster, Matrix};
+use forust_ml::{GradientBooster, Matrix, gradientbooster::GrowPolicy};
 use ndarray::Array2;
 
 use willis_core::error::{Error, Result};

@@ -1,22 +1,17 @@
 //! Reads cases from folders: the fragments of an extraction and its true connections.
 
-use std::collections::BTreeMap;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{collections::BTreeMap, fs};
 
 use super::contact_truth::ContactTruth;
 use super::example::{Case, Model};
-use super::known_connections::KnownConnections;
-use super::truth_file;
+use super::known_connections::{KnownConnections, read_truth};
 use willis_core::error::{Error, Fault, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, RadiusRule, locate};
-use willis_core::support::geometry::distance;
-use willis_core::support::in_order;
+use willis_core::network::{Network, RadiusRule, locate, units::millimetres};
+use willis_core::support::{geometry::distance, in_order};
 use willis_io::formats::tables::conditions::read_inlets;
 use willis_io::formats::{Content, ReadOptions, is_there, open_regular, read as read_file, read_links, regular_bytes_of};
-use willis_models::candidates::features::Extraction;
-use willis_models::candidates::resample::{CenterlineKind, Resampled};
+use willis_models::candidates::{features::Extraction, resample::CenterlineKind, resample::Resampled};
 
 /// Folders further down are not looked into.
 const DEEPEST: usize = 8;
@@ -62,13 +57,18 @@ pub fn read_cases(data_sets: &[PathBuf], model: Model) -> Result<Cases> {
                 return false;
             }
             // The data set itself, or its folders down to this one.
-            let way = path
-                .strip_prefix(data_set)
-                .ok()
-                .filter(|way| *way != Path::new(""))
-                .unwrap_or(Path::new(path.file_name().unwrap_or_default()));
-            let names = way.iter().map(|name| name.to_string_lossy().into_owned()).collect();
-            folders.push(CaseFolder { data_set: name.clone(), names, path: path.to_owned(), truths, entries: entries.to_vec() });
+            let way = path.strip_prefix(data_set).ok().filter(|way| *way != Path::new(""));
+            let way = way.unwrap_or(Path::new(path.file_name().unwrap_or_default()));
+            let names: Vec<String> = way.iter().map(|name| name.to_string_lossy().into_owned()).collect();
+            let case = Case {
+                data_set: name.clone(),
+                group: names[..names.len().saturating_sub(1)].join("/"),
+                subject: names.last().cloned().unwrap_or_default(),
+                name: names.join("/"),
+                images: entries.iter().filter(|path| is_image(path)).cloned().collect(),
+                ..Case::default()
+            };
+            folders.push(CaseFolder { case, path: path.to_owned(), truths, entries: entries.to_vec() });
             true
         })?;
         if folders.len() == before {
@@ -97,10 +97,8 @@ fn last_name(path: &Path) -> String {
 
 /// A folder with a case.
 struct CaseFolder {
-    /// The name of its data set.
-    data_set: String,
-    /// Names of the folders that lead to it from its data set, its own last.
-    names: Vec<String>,
+    /// What its place tells: names, and images.
+    case: Case,
     /// Where it is.
     path: PathBuf,
     /// Its truths, of which there should be one.
@@ -160,23 +158,13 @@ fn read_case(folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
     let lines = fragments(&folder.path, &folder.entries)?;
     let (mask, loops) = (MASKS.into_iter().find_map(file), LOOPS.into_iter().find_map(file));
     let given_inlets = file("inlets.csv");
-    let images: Vec<PathBuf> = folder.entries.iter().filter(|path| is_image(path)).cloned().collect();
     // Nobody named these files.
-    let files = [&lines, path].into_iter().chain(&given_inlets).chain(&loops).chain(&images).chain(&mask);
+    let files = [&lines, path].into_iter().chain(&given_inlets).chain(&loops).chain(&folder.case.images).chain(&mask);
     files.into_iter().try_for_each(|path| open_regular(path).map(drop))?;
     let (network, mut notes) = read_network(&lines, loops)?;
     let bytes = regular_bytes_of(path)?;
     let here = |fault: Fault| fault.in_file(path);
-    let (own, groups) = folder.names.split_last().map_or((String::new(), &[][..]), |(own, groups)| (own.clone(), groups));
-    let case = Case {
-        data_set: folder.data_set.clone(),
-        group: groups.join("/"),
-        subject: own,
-        name: folder.names.join("/"),
-        images,
-        mask,
-        ..Case::default()
-    };
+    let case = Case { mask, ..folder.case.clone() };
     let kind = match model {
         Model::Tracing => CenterlineKind::Tracing,
         Model::Skeleton => CenterlineKind::Skeleton,
@@ -191,7 +179,7 @@ fn read_case(folder: &CaseFolder, model: Model) -> Result<(Case, Vec<String>)> {
     let resampled = Resampled::new(&network, kind);
     let extraction = resampled.extraction(&inlets)?;
     let (truth, subject) = if path.extension().is_some_and(|ending| ending == "json") {
-        truth_file::read(&bytes, &network, &extraction).map_err(here)?
+        read_truth(&bytes, &network, &extraction).map_err(here)?
     } else {
         (listed(&bytes, &extraction, &inlets).map_err(here)?, None)
     };
@@ -217,12 +205,9 @@ pub(crate) fn read_network(path: &Path, loops: Option<PathBuf>) -> Result<(Netwo
 fn inlets(path: &Path, network: &Network) -> Result<Vec<usize>> {
     let bytes = regular_bytes_of(path)?;
     let wrong = |fault: Fault| fault.in_file(path);
-    let mut out = Vec::new();
-    for statement in read_inlets(&bytes).map_err(wrong)? {
-        let found = locate(network, &statement.spec);
-        out.push(found.map_err(|why| wrong(statement.fault(why)))?.node);
-    }
-    Ok(out)
+    let stated = read_inlets(&bytes).map_err(wrong)?.into_iter();
+    let found = stated.map(|one| locate(network, &one.spec).map(|at| at.node).map_err(|why| wrong(one.fault(why))));
+    found.collect()
 }
 
 /// The connections that a table lists.

@@ -5,10 +5,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use willis_core::error::Fault;
-use willis_core::network::units::metres;
-use willis_core::network::{Network, Origin, PathPoint};
+use willis_core::network::{Network, Origin, PathPoint, units::metres};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, sub, unit};
+use willis_core::support::numbered::{grouped, marked};
 use willis_models::candidates::search::point_index::PointIndex;
 use willis_models::contacts::branches::{BranchEnd, Branches, Cluster, even_course, runs};
 
@@ -76,12 +76,15 @@ impl TruePlace {
     }
 }
 
+/// The place that an end shows, and how far (m) beyond the cluster.
+type ShownPlace = (Option<TruePlace>, f64);
+
 /// What the truth says of a branch.
 struct Identity {
-    /// The place that either end shows, and how far (m) beyond the cluster.
-    ends: [(Option<TruePlace>, f64); 2],
+    /// What either end shows.
+    ends: [ShownPlace; 2],
     /// The same of the stretch at either end, where the branch leads from one vessel to another.
-    near: [(Option<TruePlace>, f64); 2],
+    near: [ShownPlace; 2],
     /// Whether it leads from one vessel to another, and is no longer than these are wide.
     is_short_and_mixed: bool,
 }
@@ -179,15 +182,11 @@ impl ContactTruth {
     pub fn contacts(&self, graph: &Network) -> Vec<Option<bool>> {
         let index = PointIndex::new(self.nodes.clone());
         let contacts = || graph.vessels().filter(|(_, vessel)| vessel.origin == Origin::Contact);
-        let mut has_contact = vec![false; graph.node_count()];
-        contacts().flat_map(|(ends, _)| ends).for_each(|node| has_contact[node] = true);
+        let has_contact = marked(graph.node_count(), contacts().flat_map(|(ends, _)| ends));
         let lines = runs(graph, |node| has_contact[node]);
         // Per node the lines that end there, each with whether by its last point.
-        let mut at = vec![Vec::new(); graph.node_count()];
-        for line in &lines {
-            at[line.ends[0]].push((line, false));
-            at[line.ends[1]].push((line, true));
-        }
+        let ends = lines.iter().flat_map(|line| [(line.ends[0], (line, false)), (line.ends[1], (line, true))]);
+        let at = grouped(graph.node_count(), ends);
         // Per station that the lines at a node show, how far from it (m).
         let places = |node: usize| {
             let mut seen = BTreeMap::new();
@@ -222,13 +221,7 @@ impl ContactTruth {
         contacts().map(|(ends, _)| is_one(ends)).collect()
     }
 
-    fn same(
-        &self,
-        branches: &Branches,
-        cluster: usize,
-        (p, a): (Option<TruePlace>, f64),
-        (q, b): (Option<TruePlace>, f64),
-    ) -> bool {
+    fn same(&self, branches: &Branches, cluster: usize, (p, a): ShownPlace, (q, b): ShownPlace) -> bool {
         let (Some(p), Some(q)) = (p, q) else { return false };
         let core = &branches.clusters[cluster].core;
         let size = core.iter().map(|x| distance(core[0].position, x.position)).fold(0.0, f64::max);
@@ -265,11 +258,6 @@ impl ContactTruth {
         best
     }
 
-    fn are_fused(&self, p: TruePlace, q: TruePlace) -> bool {
-        let apart = FUSED_RADII * (self.radius[p.station] + self.radius[q.station]) + FUSED_VOXELS * self.voxel;
-        !self.are_within(p, q, apart)
-    }
-
     fn identity(&self, branches: &Branches, index: &PointIndex, row: usize) -> Identity {
         let branch = &branches.branches[row];
         // Stations along the branch, every half voxel.
@@ -282,7 +270,11 @@ impl ContactTruth {
                 arc.push(at);
             }
         }
-        let cuts: Vec<usize> = (1..shown.len()).filter(|n| self.are_fused(shown[n - 1], shown[*n])).collect();
+        let are_fused = |p: TruePlace, q: TruePlace| {
+            let apart = FUSED_RADII * (self.radius[p.station] + self.radius[q.station]) + FUSED_VOXELS * self.voxel;
+            !self.are_within(p, q, apart)
+        };
+        let cuts: Vec<usize> = (1..shown.len()).filter(|n| are_fused(shown[n - 1], shown[*n])).collect();
         let bounds = [&[0][..], &cuts, &[shown.len()]].concat();
         let sections: Vec<[usize; 2]> = bounds.windows(2).map(|w| [w[0], w[1]]).collect();
         let length = |s: &[usize; 2]| if s[1] > s[0] { arc[s[1] - 1] - arc[s[0]] } else { 0.0 };

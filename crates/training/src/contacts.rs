@@ -4,16 +4,11 @@
 use ndarray::Array2;
 
 use super::boosting::boost;
-use super::cross_validation::dealt;
-use super::example::{Case, Example, Model, TreeExample, image_name, shown};
-use super::logistic::calibrate_in_order;
-use super::minimise::minimise;
-use super::scores::{binned, grouped, name_of};
+use super::example::{Case, Example, Model, TreeExample, binned, dealt, grouped, image_name, name_of, shown};
+use super::minimise::{calibrate_in_order, minimise};
 use willis_core::error::{Error, Result};
 use willis_core::network::Origin;
-use willis_core::support::boosted_trees::Boosted;
-use willis_core::support::in_order;
-use willis_core::support::model_provenance::ModelProvenance;
+use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance};
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
 use willis_models::candidates::resample::{CenterlineKind, Resampled};
@@ -21,8 +16,7 @@ use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, Con
 use willis_models::contacts::partition::{
     MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
 };
-use willis_models::contacts::split::split;
-use willis_models::contacts::{Basis, ContactTable};
+use willis_models::contacts::{Basis, ContactTable, split::split};
 
 /// Inner folds, by subject: partitions see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -108,19 +102,14 @@ impl ContactExample<'_> {
     /// Per cluster that is summed exactly and known: the features of every partition, and the true one.
     fn designs(&self, scores: &[f64]) -> Vec<Design> {
         let tables = self.table.by_cluster(scores);
-        let mut out = Vec::new();
-        for (table, classes) in tables.iter().zip(&self.classes) {
-            let Some(classes) = classes.iter().copied().collect::<Option<Vec<usize>>>() else { continue };
-            let ends = classes.len();
-            if !(2..=MOST_ENDS).contains(&ends) {
-                continue;
-            }
-            let all = partitions(ends);
-            let blocks = numbered(classes);
-            let Some(truth) = all.iter().position(|z| *z == blocks) else { continue };
-            out.push(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth });
-        }
-        out
+        let each = tables.iter().zip(&self.classes).filter_map(|(table, classes)| {
+            let classes = classes.iter().copied().collect::<Option<Vec<usize>>>()?;
+            let ends = Some(classes.len()).filter(|ends| (2..=MOST_ENDS).contains(ends))?;
+            let (all, blocks) = (partitions(ends), numbered(classes));
+            let truth = all.iter().position(|z| *z == blocks)?;
+            Some(Design { size: size_of(ends), rows: all.iter().map(|z| partition_features(z, table)).collect(), truth })
+        });
+        each.collect()
     }
 }
 
@@ -231,11 +220,7 @@ fn fit_weights(designs: &[Design]) -> PartitionWeights {
     let mut start = vec![0.0; SIZES * PARTITION_FEATURES];
     (0..SIZES).for_each(|size| start[at(size)] = 0.5);
     let found = minimise(start, ITERATIONS, &loss).point;
-    let mut weights = PartitionWeights::default();
-    for (size, own) in weights.iter_mut().enumerate() {
-        own.copy_from_slice(&found[at(size)..at(size + 1)]);
-    }
-    weights
+    std::array::from_fn(|size| std::array::from_fn(|k| found[at(size) + k]))
 }
 
 /// A pair of ends at a cluster that is summed exactly: score, probability, whether it is one vessel.

@@ -1,22 +1,24 @@
-//! A case: an extraction whose true connections are known.
+//! A case: an extraction whose true connections are known; cross-validation by subject, and how well models do on cases.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use sha2::{Digest, Sha256};
 
 use super::contact_truth::ContactTruth;
-use super::known_connections::{KnownConnections, Match, found};
-use willis_core::error::{Fault, Result};
-use willis_core::network::Network;
-use willis_core::support::in_order;
-use willis_core::support::model_provenance::ModelProvenance;
+use super::known_connections::{KnownConnections, Match, found, joiner};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::support::{in_order, model_provenance::ModelProvenance};
+use willis_core::{forest_posterior::log_likelihood, network::Network};
 use willis_io::formats::{ReadOptions, read_image};
 use willis_io::masks::{Appearance, Scene, View};
-use willis_models::candidates::features::Extraction;
-use willis_models::candidates::model::CandidateTable;
-use willis_models::candidates::resample::{CenterlineKind, Resampled};
+use willis_models::candidates::model::{CandidateTable, HeldOutScores, Weights, last_pass};
 use willis_models::candidates::search::{SearchOptions, search};
+use willis_models::candidates::{features::Extraction, resample::CenterlineKind, resample::Resampled};
+
+/// Pairs no more probable than this are left out of calibration and scores.
+pub(crate) const LEAST_LISTED: f64 = 1e-3;
 
 /// What a model is fitted to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -64,7 +66,7 @@ pub trait Example<'a>: Sized + Send + Sync {
     /// How well models did.
     type Scores: Clone + Serialize;
     /// Whether the model of a fold keeps the figures of that fold.
-    const FOLDS_KEEP_FIGURES: bool;
+    const FOLDS_KEEP_FIGURES: bool = true;
 
     /// The case.
     fn case(&self) -> &'a Case;
@@ -182,4 +184,195 @@ pub fn shown(path: &Path, extraction: &Extraction) -> Result<Scene> {
 pub fn image_name(path: &Path) -> String {
     let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     name.split(".nii").next().unwrap_or_default().to_owned()
+}
+
+/// The fold, of so many, that holds a subject out: by a hash of its name.
+pub fn fold_of(subject: &str, folds: usize) -> usize {
+    ((share_of(&["fold", subject]) * folds as f64) as usize).min(folds.saturating_sub(1))
+}
+
+/// The fold of each case, of so many, subjects dealt in the order of their names; and how many subjects there are.
+pub(crate) fn dealt<'s>(subjects: impl Iterator<Item = &'s str> + Clone, folds: usize) -> (Vec<usize>, usize) {
+    let order: BTreeSet<&str> = subjects.clone().collect();
+    (subjects.map(|subject| order.range(..subject).count() % folds).collect(), order.len())
+}
+
+/// The models of the folds, and the figures over all examples.
+type Validated<'a, E> = (Vec<<E as Example<'a>>::Model>, Vec<<E as Example<'a>>::Scores>);
+
+/// Fits models without each fold's subjects and judges them by those: `fit` gets the number of the fold, counted from 1, and which cases it
+/// holds out.
+///
+/// # Errors
+///
+/// Those of `fit`, and of [`Example::judge`].
+pub fn cross_validate<'a, E: Example<'a>>(
+    examples: &[&E],
+    folds: usize,
+    mut fit: impl FnMut(usize, &dyn Fn(&Case) -> bool) -> Result<E::Model>,
+) -> Result<Validated<'a, E>> {
+    let (mut models, mut everything) = (Vec::new(), Vec::new());
+    for fold in 0..folds {
+        let is_held_out = |case: &Case| fold_of(&case.subject, folds) == fold;
+        let mut model = fit(fold + 1, &is_held_out)?;
+        let outer: Vec<&E> = examples.iter().copied().filter(|e| is_held_out(e.case())).collect();
+        let found = in_order(&outer, |_, e| e.judge(&model)).into_iter().collect::<Result<Vec<_>>>()?;
+        let found: Vec<(&E, E::Judged)> =
+            outer.iter().zip(found).flat_map(|(e, views)| views.into_iter().map(|judged| (*e, judged))).collect();
+        let held_out: BTreeSet<&String> = outer.iter().map(|e| &e.case().subject).collect();
+        let (provenance, figures) = E::record(&mut model);
+        provenance.held_out = held_out.into_iter().cloned().collect();
+        if E::FOLDS_KEEP_FIGURES {
+            *figures = scores_of(&found);
+        }
+        models.push(model);
+        everything.extend(found);
+    }
+    Ok((models, scores_of(&everything)))
+}
+
+fn scores_of<'a, E: Example<'a>>(judged: &[(&E, E::Judged)]) -> Vec<E::Scores> {
+    E::scores(&judged.iter().map(|(e, judged)| (*e, judged)).collect::<Vec<_>>())
+}
+
+/// Whether every fold has subjects to fit to and subjects to judge by.
+///
+/// # Errors
+///
+/// It has not: says how many subjects there are.
+pub fn check_folds(cases: &[Case], folds: usize) -> Result<()> {
+    let subjects: BTreeSet<&str> = cases.iter().map(|c| c.subject.as_str()).collect();
+    let taken: BTreeSet<usize> = subjects.iter().map(|s| fold_of(s, folds)).collect();
+    if folds < 2 || taken.len() < folds {
+        let accepted = match subjects.len() {
+            n if folds >= 2 => format!("leaves a fold empty: expected fewer for {n} subjects, or 0 for none"),
+            _ => "expected 0 for no cross-validation, or 2 or more".to_owned(),
+        };
+        return Err(Error::parameter("folds", folds, accepted));
+    }
+    Ok(())
+}
+
+/// Probabilities that leave doubt.
+const DOUBT: [f64; 2] = [0.05, 0.95];
+const BINS: usize = 10;
+
+/// How well weights do on one case.
+#[derive(Debug, Clone, PartialEq)]
+pub struct CaseScores {
+    /// Average precision over all true connections; `None` without one.
+    pub average_precision: Option<f64>,
+    /// Log-likelihood of the truth.
+    pub log_likelihood: f64,
+    /// Calibrated probability of every pair of points that is listed, and whether it is right.
+    pub pairs: Vec<(f64, bool)>,
+}
+
+impl<'a> Example<'a> for CandidateExample<'a> {
+    type Model = Weights;
+    type Judged = CaseScores;
+    type Scores = HeldOutScores;
+
+    fn case(&self) -> &'a Case {
+        self.case
+    }
+
+    fn judge(&self, weights: &Weights) -> Result<Vec<CaseScores>> {
+        let (forests, marginals) = last_pass(&self.extraction, &self.table, weights)?;
+        let calibration = weights.calibration_of(&marginals);
+        let p = self.table.summed_by_pair(&marginals.edges);
+        let listed = p.iter().zip(&self.matches).filter(|(p, _)| **p > LEAST_LISTED);
+        let ranked: Vec<(f64, Option<Match>)> = listed.map(|(p, right)| (calibration.apply(*p), *right)).collect();
+        let needed = self.case.truth.needed();
+        Ok(vec![CaseScores {
+            pairs: ranked.iter().map(|(p, right)| (*p, right.is_some())).collect(),
+            average_precision: (needed > 0).then(|| average_precision(ranked, needed)),
+            log_likelihood: log_likelihood(&forests, &marginals, &self.allowed).0,
+        }])
+    }
+
+    /// Figures by data set, and by folder of those that have several.
+    fn scores(judged: &[(&Self, &CaseScores)]) -> Vec<HeldOutScores> {
+        let of = grouped(judged, |e, _| [[&e.case.data_set, ""], [&e.case.data_set, &e.case.group]]);
+        let folders = |data_set: &str| of.keys().filter(|[d, group]| *d == data_set && !group.is_empty()).count();
+        let listed = of.iter().filter(|([data_set, group], _)| group.is_empty() || folders(data_set) > 1);
+        let figures = listed.map(|(group, cases)| {
+            let scores = || cases.iter().map(|(_, scores)| scores);
+            HeldOutScores {
+                of: name_of(*group),
+                cases: cases.len(),
+                subjects: cases.iter().map(|(e, _)| &e.case.subject).collect::<BTreeSet<_>>().len(),
+                average_precision: mean(&scores().filter_map(|t| t.average_precision).collect::<Vec<f64>>()),
+                calibration_error: calibration_error(scores().flat_map(|t| t.pairs.iter().copied())),
+                log_likelihood: scores().map(|t| t.log_likelihood).sum::<f64>() / cases.len() as f64,
+            }
+        });
+        figures.collect()
+    }
+
+    fn record(model: &mut Weights) -> (&mut ModelProvenance, &mut Vec<HeldOutScores>) {
+        (&mut model.provenance, &mut model.figures)
+    }
+}
+
+/// What was judged, by the groups of each.
+pub(crate) fn grouped<'e, E, J, K: Ord>(
+    judged: &[(&'e E, &'e J)],
+    groups: impl Fn(&'e E, &'e J) -> [K; 2],
+) -> BTreeMap<K, Vec<(&'e E, &'e J)>> {
+    let mut of: BTreeMap<K, Vec<(&E, &J)>> = BTreeMap::new();
+    for (e, judged) in judged {
+        for group in BTreeSet::from(groups(e, judged)) {
+            of.entry(group).or_default().push((*e, *judged));
+        }
+    }
+    of
+}
+
+/// The name of a group of cases: data set, folder and image, where there are any.
+pub(crate) fn name_of<const N: usize>(group: [&str; N]) -> String {
+    group.into_iter().filter(|part| !part.is_empty()).collect::<Vec<&str>>().join("/")
+}
+
+/// The mean of some values; `None` of none.
+pub(crate) fn mean(values: &[f64]) -> Option<f64> {
+    (!values.is_empty()).then(|| values.iter().sum::<f64>() / values.len() as f64)
+}
+
+/// Average precision of ranked candidates over `needed` ones. Of several candidates that make one connection the first counts and the
+/// others are passed over; equal ranks share one threshold.
+pub fn average_precision(mut ranked: Vec<(f64, Option<Match>)>, needed: usize) -> f64 {
+    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut joins = joiner();
+    let (mut found, mut wrong, mut sum) = (0, 0, 0.0);
+    for tied in ranked.chunk_by(|a, b| a.0 == b.0) {
+        let before = found;
+        for (_, right) in tied {
+            match right {
+                None => wrong += 1,
+                Some(right) => found += i32::from(joins(right)),
+            }
+        }
+        if found > before {
+            sum += f64::from(found - before) * f64::from(found) / f64::from(found + wrong);
+        }
+    }
+    sum / needed.max(1) as f64
+}
+
+/// Probabilities with whether they were right, in ten bins: per bin the sums of both, and how many there are.
+pub(crate) fn binned(pairs: impl Iterator<Item = (f64, bool)>) -> [[f64; 3]; BINS] {
+    let mut bins = [[0.0; 3]; BINS];
+    for (p, right) in pairs {
+        let bin = &mut bins[((p * BINS as f64) as usize).min(BINS - 1)];
+        *bin = [bin[0] + p, bin[1] + f64::from(u8::from(right)), bin[2] + 1.0];
+    }
+    bins
+}
+
+/// Expected calibration error of the pairs that leave doubt: |mean P - share right| over ten bins, by their numbers.
+pub fn calibration_error(pairs: impl Iterator<Item = (f64, bool)>) -> Option<f64> {
+    let bins = binned(pairs.filter(|(p, _)| DOUBT[0] < *p && *p < DOUBT[1]));
+    let count: f64 = bins.iter().map(|bin| bin[2]).sum();
+    (count > 0.0).then(|| bins.iter().map(|[p, right, _]| (p - right).abs()).sum::<f64>() / count)
 }

@@ -4,24 +4,17 @@ use std::collections::BTreeSet;
 
 use ndarray::Array2;
 
-use super::boosting::boost;
-use super::cross_validation::dealt;
-use super::example::{Case, Example, Model, TreeExample, image_name, shown};
+use super::example::{
+    Case, Example, Model, TreeExample, average_precision, binned, dealt, grouped, image_name, mean, name_of, shown,
+};
 use super::known_connections::{KnownConnections, Match, found};
-use super::logistic::calibrate;
-use super::scores::{average_precision, binned, grouped, mean, name_of};
+use super::{boosting::boost, minimise::calibrate};
 use willis_core::decision::{BEST_FIRST, best_first};
 use willis_core::error::{Error, Result};
-use willis_core::support::boosted_trees::Boosted;
-use willis_core::support::in_order;
-use willis_core::support::model_provenance::ModelProvenance;
-use willis_core::support::statistics::sigmoid;
-use willis_models::candidates::features::Extraction;
-use willis_models::candidates::joins::features::join_feature_names;
-use willis_models::candidates::joins::image::InImage;
+use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance, statistics::sigmoid};
 use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores, image_feature_names};
-use willis_models::candidates::joins::{JoinTable, ShapeScores};
-use willis_models::candidates::search::{Pairs, SearchOptions};
+use willis_models::candidates::joins::{JoinTable, ShapeScores, features::join_feature_names, image::InImage};
+use willis_models::candidates::{features::Extraction, search::Pairs, search::SearchOptions};
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.
 const INNER: usize = 3;
@@ -208,7 +201,6 @@ impl<'a> Example<'a> for JoinExample<'a> {
     type Model = JoinModel;
     type Judged = JudgedPairs;
     type Scores = JoinScores;
-    const FOLDS_KEEP_FIGURES: bool = true;
 
     fn case(&self) -> &'a Case {
         self.case

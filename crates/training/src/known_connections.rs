@@ -1,13 +1,13 @@
-//! The known connections of a case: where fragments belong together, and which candidates are therefore right.
+//! The known connections of a case: where fragments belong together, as files state it, and which candidates are therefore right.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use willis_core::network::walks::edges_at;
+use willis_core::error::Fault;
+use willis_core::network::{Network, units::metres, walks::edges_at};
 use willis_core::support::geometry::{Point, distance};
-use willis_models::candidates::features::Extraction;
-use willis_models::candidates::search::point_index::PointIndex;
+use willis_models::candidates::{features::Extraction, search::point_index::PointIndex};
 
 /// Points within so many tolerances beyond the nearest are meant too.
 const AS_NEAR: f64 = 0.3;
@@ -27,9 +27,6 @@ pub enum AttachmentSide {
     /// The one that is attached to it.
     Child,
 }
-
-/// A place where pieces belong together: per piece its side and the rows of the points at which a candidate may attach.
-pub type TrueConnection = Vec<(AttachmentSide, Vec<usize>)>;
 
 /// Which connection a candidate makes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -52,31 +49,6 @@ pub struct KnownConnections {
 }
 
 impl KnownConnections {
-    /// Connections that name points of their own (m): a point of the extraction represents the nearest within `tolerance` (m), and
-    /// those hardly further away.
-    pub fn snapped(extraction: &Extraction, points: &[Point], tolerance: f64, connections: &[TrueConnection]) -> Self {
-        let mut named = vec![Vec::new(); points.len()];
-        for (connection, pieces) in connections.iter().enumerate() {
-            for (piece, (_, rows)) in pieces.iter().enumerate() {
-                for row in rows {
-                    named[*row].push((connection, piece));
-                }
-            }
-        }
-        let index = PointIndex::new(points.to_vec());
-        let sites = extraction.position.iter().map(|p| {
-            let nearest = index.nearest(*p, tolerance);
-            let reach = nearest.distance + AS_NEAR * tolerance;
-            let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, reach) };
-            near.into_iter().flat_map(|(_, row)| named[row].iter().copied()).collect()
-        });
-        Self {
-            sites: sites.collect(),
-            sides: connections.iter().map(|l| l.iter().map(|(side, _)| *side).collect()).collect(),
-            unclear: Vec::new(),
-        }
-    }
-
     /// Connections between points of the extraction. Those near to either end are right too: 2 spacings along a loose end; on a
     /// standing vessel 3 spacings, a diameter or 3/4 of the gap. What is nearer to one of the `inlets` (nodes) is the parent.
     pub fn between(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> Self {
@@ -156,17 +128,12 @@ impl KnownConnections {
 
 /// Whether a fragment is attached to another, directly or through others.
 fn leads(parents_of: &BTreeMap<usize, Vec<usize>>, from: usize, to: usize) -> bool {
-    let (mut open, mut seen) = (vec![from], vec![from]);
+    let (mut open, mut seen) = (vec![from], BTreeSet::from([from]));
     while let Some(at) = open.pop() {
         if at == to {
             return true;
         }
-        for next in parents_of.get(&at).into_iter().flatten() {
-            if !seen.contains(next) {
-                seen.push(*next);
-                open.push(*next);
-            }
-        }
+        open.extend(parents_of.get(&at).into_iter().flatten().filter(|next| seen.insert(**next)));
     }
     false
 }
@@ -206,17 +173,12 @@ fn outwards(extraction: &Extraction, pairs: &[[usize; 2]], inlets: &[usize]) -> 
     sides
 }
 
-/// The pieces of each connection that are joined already.
-#[derive(Default)]
-pub struct JoinedPieces {
-    /// Per connection the piece by which each of its pieces is known: joined pieces are known by the same.
-    known: BTreeMap<usize, BTreeMap<usize, usize>>,
-}
-
-impl JoinedPieces {
-    /// Joins two pieces; `false` when they were one already.
-    pub fn join(&mut self, right: Match) -> bool {
-        let known = self.known.entry(right.connection).or_default();
+/// Joins the pieces of connections, match by match; `false` when the two were one already.
+pub fn joiner() -> impl FnMut(&Match) -> bool {
+    // Per connection the piece by which each of its pieces is known: joined pieces are known by the same.
+    let mut all: BTreeMap<usize, BTreeMap<usize, usize>> = BTreeMap::new();
+    move |right| {
+        let known = all.entry(right.connection).or_default();
         let [a, b] = right.pieces.map(|piece| *known.entry(piece).or_insert(piece));
         known.values_mut().filter(|k| **k == a).for_each(|k| *k = b);
         a != b
@@ -225,6 +187,143 @@ impl JoinedPieces {
 
 /// How many of the candidates needed some right candidates are.
 pub fn found(right: impl IntoIterator<Item = Match>) -> usize {
-    let mut joined = JoinedPieces::default();
-    right.into_iter().filter(|right| joined.join(*right)).count()
+    right.into_iter().filter(joiner()).count()
+}
+
+#[derive(Deserialize)]
+struct TruthFile {
+    subject: Option<String>,
+    voxel_mm: Option<f64>,
+    /// How far a point may be from the node that it shows, where that is not a voxel.
+    reach_mm: Option<f64>,
+    #[serde(default)]
+    nodes: Vec<Vec<f64>>,
+    links: Option<Vec<Vec<LinkMember>>>,
+    breaks: Option<Vec<BreakPoints>>,
+    /// Places where two vessels are fused; a candidate there is neither right nor wrong.
+    #[serde(default)]
+    fusions: Vec<Fusion>,
+    #[serde(default)]
+    /// Ids from `willis phantom`; others write more than that, which is in a file of its own too.
+    inlets: Vec<serde_json::Value>,
+}
+
+#[derive(Deserialize)]
+struct LinkMember {
+    role: AttachmentSide,
+    allowed: Vec<u64>,
+}
+
+#[derive(Deserialize)]
+struct Fusion {
+    place: [f64; 3],
+    reach_mm: f64,
+    #[serde(default)]
+    judged: bool,
+}
+
+#[derive(Deserialize)]
+struct BreakPoints {
+    ids: [u64; 2],
+}
+
+/// The true connections of an extraction of a network, and the subject where it is named.
+///
+/// # Errors
+///
+/// No such JSON, a node that is not there, links that no point of the extraction reaches.
+pub fn read_truth(bytes: &[u8], network: &Network, extraction: &Extraction) -> Result<(KnownConnections, Option<String>), Fault> {
+    const ACCEPTED: &str = "expected an object with links (and nodes, voxel_mm), or with breaks";
+    let file: TruthFile = serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+    let mut truth = match (&file.links, &file.breaks) {
+        (Some(links), None) => file.of_links(links, extraction)?,
+        (None, Some(breaks)) => file.of_breaks(breaks, network, extraction)?,
+        (None, None) => return Err(Fault::file("neither links nor breaks", ACCEPTED)),
+        (Some(_), Some(_)) => return Err(Fault::file("both links and breaks", ACCEPTED)),
+    };
+    let fusions = file.fusions.iter().filter(|fusion| fusion.judged);
+    truth.unclear = fusions.map(|fusion| (fusion.place.map(metres), metres(fusion.reach_mm))).collect();
+    Ok((truth, file.subject))
+}
+
+impl TruthFile {
+    /// Groups of pieces that belong together, each with the nodes (numbered from 1) at which a candidate may attach.
+    fn of_links(&self, links: &[Vec<LinkMember>], extraction: &Extraction) -> Result<KnownConnections, Fault> {
+        let mut points = Vec::with_capacity(self.nodes.len());
+        for (row, node) in self.nodes.iter().enumerate() {
+            match node[..] {
+                [x, y, z, ..] if [x, y, z].iter().all(|x| x.is_finite()) => points.push([x, y, z].map(metres)),
+                _ => return Err(Fault::item(format!("node {}", row + 1), format!("{node:?}"), "expected [x, y, z, r] in mm")),
+            }
+        }
+        let (name, reach_mm) = self.reach_mm.map_or(("voxel_mm", self.voxel_mm), |mm| ("reach_mm", Some(mm)));
+        let reach = match reach_mm {
+            Some(h) if h > 0.0 && h.is_finite() => metres(h),
+            Some(h) => return Err(Fault::item(name, h.to_string(), "expected a positive number")),
+            None => extraction.spacing,
+        };
+        // Per node the connections and pieces that name it.
+        let mut named = vec![Vec::new(); points.len()];
+        for (row, members) in links.iter().enumerate() {
+            for (piece, member) in members.iter().enumerate() {
+                for id in &member.allowed {
+                    let there = id.checked_sub(1).and_then(|node| named.get_mut(usize::try_from(node).ok()?));
+                    let accepted = || format!("expected nodes from 1 to {}", points.len());
+                    let wrong = || Fault::item(format!("link {row}"), format!("node {id}"), accepted());
+                    there.ok_or_else(wrong)?.push((row, piece));
+                }
+            }
+        }
+        // A point of the extraction represents the nearest node within reach, and those hardly further away.
+        let index = PointIndex::new(points);
+        let sites = extraction.position.iter().map(|p| {
+            let nearest = index.nearest(*p, reach);
+            let near = if nearest.points.is_empty() { Vec::new() } else { index.within(*p, nearest.distance + AS_NEAR * reach) };
+            near.into_iter().flat_map(|(_, node)| named[node].iter().copied()).collect()
+        });
+        let sites = sites.collect();
+        let sides = links.iter().map(|link| link.iter().map(|member| member.role).collect()).collect();
+        let truth = KnownConnections { sides, sites, unclear: Vec::new() };
+        match truth.unreachable() {
+            Some((link, piece)) => {
+                let nodes: Vec<String> = links[link][piece].allowed.iter().take(3).map(u64::to_string).collect();
+                let found = format!("no point of the fragments is at its nodes {}", nodes.join(", "));
+                Err(Fault::item(format!("link {link}"), found, "expected the answer to these fragments"))
+            }
+            None => Ok(truth),
+        }
+    }
+
+    /// Missing stretches between two points by their ids.
+    fn of_breaks(&self, gaps: &[BreakPoints], network: &Network, extraction: &Extraction) -> Result<KnownConnections, Fault> {
+        // Where each id is: a node, or a point of a vessel, which stands for the nearest that the model sees there.
+        let nodes_by_id = network.nodes().enumerate().filter_map(|(row, node)| Some((node.id.parse().ok()?, row)));
+        let nodes_by_id: BTreeMap<u64, usize> = nodes_by_id.collect();
+        let mut along: BTreeMap<u64, (usize, Point)> = BTreeMap::new();
+        for (row, (_, vessel)) in network.vessels().enumerate() {
+            along.extend(vessel.path.iter().filter_map(|at| Some((at.id?, (row, at.position)))));
+        }
+        let point_of = |id: u64| {
+            nodes_by_id.get(&id).copied().or_else(|| {
+                let (row, position) = along.get(&id)?;
+                let away = extraction.lines[*row].iter().map(|point| (distance(extraction.position[*point], *position), *point));
+                away.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, point)| point)
+            })
+        };
+        let find = |place: String, id: u64| {
+            let accepted = "expected the id of a point of the fragments";
+            point_of(id).ok_or_else(|| Fault::item(place, format!("point {id}"), accepted))
+        };
+        let mut pairs = Vec::new();
+        for (row, gap) in gaps.iter().enumerate() {
+            let [a, b] = gap.ids.map(|id| find(format!("break {row}"), id));
+            pairs.push([a?, b?]);
+        }
+        let mut nodes = Vec::new();
+        for id in self.inlets.iter().filter_map(serde_json::Value::as_u64) {
+            let point = find("inlets".into(), id)?;
+            nodes.extend(Some(point).filter(|point| *point < network.node_count()));
+        }
+        Ok(KnownConnections::between(extraction, &pairs, &nodes))
+    }
 }

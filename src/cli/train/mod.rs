@@ -115,7 +115,7 @@ fn fit_labels(args: &TrainArgs, output: &Output) -> Result<()> {
     let accepted = "expected 2 or more: which pieces are false is learnt from atlases without the subject";
     require(args.folds >= 2, "folds", args.folds, accepted)?;
     let fitted = fit_names(&cases, args.folds, &mut |step| output.say_after("fitted", step))?;
-    for of in &fitted.model.figures {
+    for of in &fitted[0].figures {
         let length = format!("{:.3} of the length right, {:.3} with M1 and M2 as one", of.length_right, of.length_right_mca);
         let segments = format!("segments {:.3}, variants {:.3} ({})", of.presence_right, of.exact, plural(of.cases, "case"));
         terminal.say("held out", format!("{}: {length}; {segments}", of.of));
@@ -125,6 +125,6 @@ fn fit_labels(args: &TrainArgs, output: &Output) -> Result<()> {
         model.provenance.made_by.clone_from(&made_by);
         model.write(out)
     };
-    let figures = json!(fitted.model.figures);
-    output.save(args, [fitted.model].into_iter().chain(fitted.folds), write, cases.len(), &figures)
+    let figures = json!(fitted[0].figures);
+    output.save(args, fitted.into_iter(), write, cases.len(), &figures)
 }

@@ -1,8 +1,13 @@
-//! The arteries of the Circle of Willis, with those that feed it and those that leave it.
+//! The arteries of the Circle of Willis, with those that feed it and those that leave it, and its variant: which of its segments are there.
 
 use std::fmt;
 
+use Artery::{A1, A2, AComm, Aca, Ba, Ica, M1, M2, Mca, P1, P2, PComm, Pca, Va};
+use BodySide::{Left, Right};
 use serde::{Deserialize, Serialize};
+
+use willis_core::network::{Network, Origin};
+use willis_core::support::geometry::Point;
 
 /// A side of the patient's body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -50,37 +55,16 @@ pub enum Artery {
 }
 
 /// The seven segments that close the circle.
-pub const RING: [Artery; 7] = [
-    Artery::A1(BodySide::Left),
-    Artery::A1(BodySide::Right),
-    Artery::AComm,
-    Artery::P1(BodySide::Left),
-    Artery::P1(BodySide::Right),
-    Artery::PComm(BodySide::Left),
-    Artery::PComm(BodySide::Right),
-];
+pub const RING: [Artery; 7] = [A1(Left), A1(Right), AComm, P1(Left), P1(Right), PComm(Left), PComm(Right)];
 
-/// The segments in which a fenestration is looked for, in the order of [`super::variant::Variant::fenestration`].
-pub const FENESTRATED: [Artery; 5] = [
-    Artery::A1(BodySide::Left),
-    Artery::AComm,
-    Artery::A1(BodySide::Right),
-    Artery::P1(BodySide::Left),
-    Artery::P1(BodySide::Right),
-];
+/// The segments in which a fenestration is looked for, in the order of [`Variant::fenestration`].
+pub const FENESTRATED: [Artery; 5] = [A1(Left), AComm, A1(Right), P1(Left), P1(Right)];
 
 /// The arteries that feed a circle, which are closed one at a time.
-pub const FEEDERS: [Artery; 3] = [Artery::Ica(BodySide::Left), Artery::Ica(BodySide::Right), Artery::Ba];
+pub const FEEDERS: [Artery; 3] = [Ica(Left), Ica(Right), Ba];
 
 /// The territories of the brain, by the arteries that lead to them.
-pub const TERRITORIES: [Artery; 6] = [
-    Artery::A2(BodySide::Left),
-    Artery::A2(BodySide::Right),
-    Artery::M1(BodySide::Left),
-    Artery::M1(BodySide::Right),
-    Artery::P2(BodySide::Left),
-    Artery::P2(BodySide::Right),
-];
+pub const TERRITORIES: [Artery; 6] = [A2(Left), A2(Right), M1(Left), M1(Right), P2(Left), P2(Right)];
 
 /// How the atlas of names cuts an artery into states of 4 mm, and where its first state lies.
 #[derive(Debug)]
@@ -91,46 +75,28 @@ pub struct AtlasArtery {
     pub bins: usize,
     /// Arteries at its reference end, from which distances along it are counted.
     pub begins_at: &'static [fn(BodySide) -> Artery],
-    /// Where the reference end lies if none of them is traced: up, down, in front, towards the middle, or to the side.
-    pub begins: Direction,
+    /// The direction (RAS, of the left one) in which the reference end lies if none of them is traced.
+    pub begins: Point,
 }
 
-/// A direction in the head.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Direction {
-    /// Superior.
-    Up,
-    /// Inferior.
-    Down,
-    /// Anterior.
-    Front,
-    /// Towards the midline.
-    Medial,
-    /// Away from the midline.
-    Lateral,
-}
-
-const fn in_atlas(
-    artery: fn(BodySide) -> Artery,
-    bins: usize,
-    begins_at: &'static [fn(BodySide) -> Artery],
-    begins: Direction,
-) -> AtlasArtery {
-    AtlasArtery { artery, bins, begins_at, begins }
-}
+const UP: Point = [0.0, 0.0, 1.0];
+const DOWN: Point = [0.0, 0.0, -1.0];
+const FRONT: Point = [0.0, 1.0, 0.0];
+const MEDIAL: Point = [1.0, 0.0, 0.0];
+const LATERAL: Point = [-1.0, 0.0, 0.0];
 
 /// The arteries that the atlas holds, sided ones first, then the basilar and the anterior communicating artery.
 pub const IN_ATLAS: &[AtlasArtery] = &[
-    in_atlas(Artery::Ica, 12, &[Artery::M1, Artery::A1], Direction::Up),
-    in_atlas(Artery::M1, 6, &[Artery::Ica, Artery::A1], Direction::Medial),
-    in_atlas(Artery::M2, 8, &[Artery::M1], Direction::Medial),
-    in_atlas(Artery::A1, 5, &[Artery::Ica, Artery::M1], Direction::Lateral),
-    in_atlas(Artery::A2, 6, &[Artery::A1, |_| Artery::AComm], Direction::Down),
-    in_atlas(Artery::P1, 4, &[|_| Artery::Ba], Direction::Medial),
-    in_atlas(Artery::P2, 7, &[Artery::P1, Artery::PComm], Direction::Front),
-    in_atlas(Artery::PComm, 4, &[Artery::Ica], Direction::Front),
-    in_atlas(|_| Artery::Ba, 7, &[Artery::P1], Direction::Up),
-    in_atlas(|_| Artery::AComm, 1, &[], Direction::Up),
+    AtlasArtery { artery: Ica, bins: 12, begins_at: &[M1, A1], begins: UP },
+    AtlasArtery { artery: M1, bins: 6, begins_at: &[Ica, A1], begins: MEDIAL },
+    AtlasArtery { artery: M2, bins: 8, begins_at: &[M1], begins: MEDIAL },
+    AtlasArtery { artery: A1, bins: 5, begins_at: &[Ica, M1], begins: LATERAL },
+    AtlasArtery { artery: A2, bins: 6, begins_at: &[A1, |_| AComm], begins: DOWN },
+    AtlasArtery { artery: P1, bins: 4, begins_at: &[|_| Ba], begins: MEDIAL },
+    AtlasArtery { artery: P2, bins: 7, begins_at: &[P1, PComm], begins: FRONT },
+    AtlasArtery { artery: PComm, bins: 4, begins_at: &[Ica], begins: FRONT },
+    AtlasArtery { artery: |_| Ba, bins: 7, begins_at: &[P1], begins: UP },
+    AtlasArtery { artery: |_| AComm, bins: 1, begins_at: &[], begins: UP },
 ];
 
 /// The vessels of the arteries of a circle, as rows of its network.
@@ -167,20 +133,7 @@ impl BodySide {
 
 impl Artery {
     /// The arteries that exist on both sides, by their numbers.
-    pub(crate) const PAIRED: &[fn(BodySide) -> Self] = &[
-        Self::Ica,
-        Self::M1,
-        Self::M2,
-        Self::Mca,
-        Self::A1,
-        Self::A2,
-        Self::Aca,
-        Self::P1,
-        Self::P2,
-        Self::Pca,
-        Self::PComm,
-        Self::Va,
-    ];
+    pub(crate) const PAIRED: &[fn(BodySide) -> Self] = &[Ica, M1, M2, Mca, A1, A2, Aca, P1, P2, Pca, PComm, Va];
 
     /// Every artery.
     pub fn all() -> impl Iterator<Item = Self> {
@@ -260,4 +213,134 @@ impl fmt::Display for Artery {
         let (_, name, side) = self.parts();
         write!(f, "{}{name}", side.map_or("", |side| ["L-", "R-"][side.index()]))
     }
+}
+
+/// The anatomy of one circle. Pairs are left, right.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
+pub struct Variant {
+    /// For each segment of [`RING`] whether it is present and connects what it should.
+    pub present: [bool; 7],
+    /// Whether each internal carotid is present up to its end.
+    pub ica: [bool; 2],
+    /// Whether the basilar artery is present.
+    pub ba: bool,
+    /// Whether the posterior cerebral artery is of fetal type: the carotid feeds it more than the basilar artery.
+    pub fetal: [bool; 2],
+    /// Whether there is a third A2.
+    pub third_a2: bool,
+    /// Whether L-A1, AComm, R-A1, L-P1, R-P1 ([`FENESTRATED`]) have two channels somewhere.
+    pub fenestration: [bool; 5],
+}
+
+/// The missing segments of those of the ten variants that Padmos et al., J R Soc Interface 19:20220649 (2022), publish that lack two; each
+/// segment is missing alone in one of the others.
+const PUBLISHED: [[Artery; 2]; 3] = [[PComm(Left), PComm(Right)], [P1(Right), PComm(Left)], [P1(Left), PComm(Right)]];
+
+/// How much of the circle is complete: both parts, one of them, or neither (as in Naveen, Bhat, Karthik, Ann Indian Acad Neurol
+/// 18:391-397 (2015)). The anterior part is both A1 and AComm, the posterior part both P1 and both PComm.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Completeness {
+    /// All seven segments.
+    Complete,
+    /// Only the anterior part.
+    AnteriorComplete,
+    /// Only the posterior part.
+    PosteriorComplete,
+    /// Neither part.
+    Incomplete,
+}
+
+impl Completeness {
+    /// Its name in files.
+    pub fn name(self) -> &'static str {
+        ["complete", "anterior complete", "posterior complete", "incomplete"][self as usize]
+    }
+}
+
+impl Variant {
+    /// Whether a segment of the ring is present; false for other arteries.
+    pub fn has(&self, segment: Artery) -> bool {
+        RING.iter().position(|artery| *artery == segment).is_some_and(|row| self.present[row])
+    }
+
+    /// The segments of the ring that are absent.
+    pub fn missing(&self) -> Vec<Artery> {
+        RING.into_iter().zip(self.present).filter(|(_, present)| !present).map(|(artery, _)| artery).collect()
+    }
+
+    /// Sets whether a segment of the ring is present.
+    pub(crate) fn set(&mut self, segment: Artery, present: bool) {
+        if let Some(row) = RING.iter().position(|artery| *artery == segment) {
+            self.present[row] = present;
+        }
+    }
+
+    /// Sets whether a posterior cerebral artery is of fetal type: PComm is present, and P1 is absent or narrower. `wider` returns whether
+    /// PComm is wider by a twentieth, by the 25th percentiles of the radii along both (Musio et al. 2026).
+    pub(crate) fn set_fetal(&mut self, side: BodySide, wider: impl FnOnce() -> bool) {
+        self.fetal[side.index()] = self.has(Artery::PComm(side)) && (!self.has(Artery::P1(side)) || wider());
+    }
+
+    /// How much of the circle is complete.
+    pub fn completeness(&self) -> Completeness {
+        let all = |rows: std::ops::Range<usize>| self.present[rows].iter().all(|present| *present);
+        match (all(0..3), all(3..7)) {
+            (true, true) => Completeness::Complete,
+            (true, false) => Completeness::AnteriorComplete,
+            (false, true) => Completeness::PosteriorComplete,
+            (false, false) => Completeness::Incomplete,
+        }
+    }
+
+    /// Its name, from the missing segments: `complete`, `without L-A1`, `without L-P1, R-PComm`.
+    pub fn name(&self) -> String {
+        match self.missing()[..] {
+            [] => "complete".to_owned(),
+            ref missing => format!("without {}", missing.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
+        }
+    }
+
+    /// Whether it is the complete circle or one of the ten variants published by Padmos et al. 2022.
+    pub fn is_published(&self) -> bool {
+        let missing = self.missing();
+        missing.len() < 2 || PUBLISHED.iter().any(|pair| missing == pair)
+    }
+
+    /// Its description: `complete anterior part, left fetal-type PCA, R-PComm absent`.
+    pub fn words(&self) -> String {
+        let complete = ["circle", "anterior part", "posterior part"].get(self.completeness() as usize);
+        let mut words: Vec<String> = complete.into_iter().map(|part| format!("complete {part}")).collect();
+        for side in BodySide::BOTH {
+            match (self.fetal[side.index()], self.has(Artery::P1(side))) {
+                (true, true) => words.push(format!("{} fetal-type PCA, partial (PComm wider than P1)", side.name())),
+                (true, false) => words.push(format!("{} fetal-type PCA", side.name())),
+                _ => {}
+            }
+        }
+        // The full fetal type implies that P1 is absent.
+        let implied = |artery: &Artery| matches!(artery, Artery::P1(side) if self.fetal[side.index()]);
+        words.extend(self.missing().into_iter().filter(|artery| !implied(artery)).map(|artery| format!("{artery} absent")));
+        let unseen = BodySide::BOTH.into_iter().filter(|side| !self.ica[side.index()]);
+        words.extend(unseen.map(|side| format!("{} not seen", Ica(side))));
+        if !self.ba {
+            words.push("BA not seen".to_owned());
+        }
+        if self.third_a2 {
+            words.push("a third A2".to_owned());
+        }
+        let fenestrated = FENESTRATED.into_iter().zip(self.fenestration).filter(|(_, is)| *is);
+        words.extend(fenestrated.map(|(artery, _)| format!("{artery} fenestrated")));
+        words.join(", ")
+    }
+}
+
+/// For each vessel of a graph file whether it counts as present, and a note where some do not. All count where the file says what an
+/// earlier run kept, for those that it pruned are not read; else the observed ones, or all where it does not say what was observed.
+pub fn present_vessels(network: &Network) -> (Vec<bool>, Option<&'static str>) {
+    let states_kept = network.vessels().any(|(_, vessel)| vessel.kept.is_some());
+    let observed: Vec<bool> = network.vessels().map(|(_, vessel)| vessel.origin == Origin::Observed).collect();
+    if !states_kept && observed.contains(&true) && observed.contains(&false) {
+        return (observed, Some("candidates do not count: nothing says which were kept"));
+    }
+    (vec![true; network.vessel_count()], None)
 }

@@ -1,21 +1,17 @@
-//! Where each artery of the Circle of Willis lies in a network, by labels or by landmarks.
+//! Where each artery of the Circle of Willis lies in a network, by labels or by landmarks; on which side, and how wide.
 
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::arteries::{Artery, ArteryVessels, BodySide};
+use super::arteries::{Artery, ArteryVessels, BodySide, RING, Variant};
 use super::labels::{LabelScheme, artery_of_label, names_no_artery};
 use super::landmarks::{Landmark, Site, end_of, free_end, nearest_node_of};
 use super::segments_by_labels::{self, LabelMeaning};
 use super::segments_by_landmarks::Points;
-use super::sides::side_notes;
-use super::variant::Variant;
-use willis_core::error::Fault;
-use willis_core::network::units::millimetres;
-use willis_core::network::{NearestNode, Network, Origin};
-use willis_core::support::geometry::{Point, distance};
-use willis_core::support::in_order;
+use willis_core::network::{NearestNode, Network, Origin, units::millimetres};
+use willis_core::support::geometry::{Point, centroid, cross, distance, dot, lerp, sub, unit};
+use willis_core::{error::Fault, support::in_order};
 
 /// Where the arteries lie in a network.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
@@ -94,10 +90,8 @@ impl Circle {
             ));
         }
         let mut notes = Vec::new();
-        let mut found = Vec::new();
-        for (row, landmark) in landmarks.iter().enumerate() {
-            found.push((row, landmark, nearest_node_of(network, landmark)?));
-        }
+        let found = landmarks.iter().enumerate().map(|(row, one)| Ok((row, one, nearest_node_of(network, one)?)));
+        let mut found = found.collect::<Result<Vec<_>, Fault>>()?;
         let (mut points, mut taken) = (Points::default(), BTreeMap::new());
         while let Some((row, landmark, nearest)) = take_nearest(&mut found) {
             let sites = landmark.sites();
@@ -114,15 +108,11 @@ impl Circle {
                 taken.insert(nearest.node, &landmark.label);
             }
             if sites.iter().any(|site| site.is_end()) {
-                let (end, note) = end_of(network, landmark, &nearest);
+                let (is_last, note) = end_of(network, landmark, &nearest);
                 notes.extend(note);
-                let is_outlet = sites.iter().any(|site| site.is_outlet());
-                if end.is_last || !is_outlet {
-                    points.ends.push(nearest.node);
-                }
-                if end.is_last && end.is_free && is_outlet {
-                    points.outlets.push(nearest.node);
-                }
+                points.ends.extend(is_last.then_some(nearest.node));
+                let is_outlet = is_last && sites.iter().any(|site| site.is_outlet());
+                points.outlets.extend(is_outlet.then_some(nearest.node));
             }
             for site in sites {
                 site.put(&mut points, nearest.node);
@@ -167,22 +157,16 @@ impl Circle {
         }
     }
 
-    /// The circle in a network of the same nodes with only the vessels of `rows`.
-    #[must_use]
-    pub fn restricted_to(&self, rows: &[usize]) -> Self {
-        let location = match &self.location {
-            Location::Vessels(meanings) => Location::Vessels(rows.iter().map(|row| meanings[*row]).collect()),
-            Location::Nodes(points) => Location::Nodes(points.clone()),
+    /// The network of the vessels that `kept` selects, and the vessels of each artery in it.
+    pub fn arteries_in(&self, network: &Network, kept: impl Fn(usize) -> bool) -> (Network, ArteryVessels) {
+        let (network, rows) = network.subgraph(kept);
+        let arteries = match &self.location {
+            Location::Vessels(meanings) => {
+                segments_by_labels::artery_vessels(&rows.iter().map(|row| meanings[*row]).collect::<Vec<_>>(), &network)
+            }
+            Location::Nodes(points) => points.artery_vessels(&network),
         };
-        Self { location }
-    }
-
-    /// The vessels of each artery, when all vessels of the network are present.
-    pub fn artery_vessels(&self, network: &Network) -> ArteryVessels {
-        match &self.location {
-            Location::Vessels(meanings) => segments_by_labels::artery_vessels(meanings, network),
-            Location::Nodes(points) => points.artery_vessels(network),
-        }
+        (network, arteries)
     }
 
     /// Whether this may be the circle of a network, by the number of its vessels or nodes.
@@ -277,4 +261,113 @@ fn mean_positions(network: &Network, meanings: &[LabelMeaning]) -> BTreeMap<Arte
         }
     }
     sums.into_iter().map(|(artery, (sum, count))| (artery, sum.map(|x| x / count))).collect()
+}
+
+/// The arteries that lie aside of the midline, so that one alone shows its side.
+const ASIDE: [fn(BodySide) -> Artery; 5] = [Artery::M1, Artery::Mca, Artery::P2, Artery::Pca, Artery::PComm];
+/// The others whose left one lies to the left of the right one. Two A2 may run side by side.
+const PAIRED: [fn(BodySide) -> Artery; 2] = [Artery::A1, Artery::P1];
+/// The right one of a pair must lie so far to the left of the left one, m.
+const EXCHANGED: f64 = 0.003;
+/// One alone must lie so far beyond the midline, m.
+const BEYOND: f64 = 0.005;
+
+/// The arteries that lie on the other side than the carotids of their name, or than M1 or A1 where the carotids are not both known: both of a
+/// pair, or one whose other is not known. Empty where no such pair is known.
+///
+/// A mirrored file has none: its carotids lie on the other side too, which [`sides_look_exchanged`] looks at.
+pub(crate) fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> Vec<Artery> {
+    let pair = |artery: fn(BodySide) -> Artery| Some([*at.get(&artery(BodySide::Left))?, *at.get(&artery(BodySide::Right))?]);
+    let reference = [Artery::Ica, Artery::M1, Artery::Mca, Artery::A1].into_iter().find_map(pair);
+    let Some([left, right]) = reference else { return Vec::new() };
+    let (rightward, middle) = (unit(sub(right, left)), lerp(left, right, 0.5));
+    let mut wrong = Vec::new();
+    for (row, artery) in ASIDE.into_iter().chain(PAIRED).enumerate() {
+        match pair(artery) {
+            Some([left, right]) if dot(sub(right, left), rightward) < -EXCHANGED => wrong.extend(BodySide::BOTH.map(artery)),
+            None if row < ASIDE.len() => {
+                let is_beyond = |side: BodySide, p: &Point| {
+                    let away = dot(sub(*p, middle), rightward);
+                    if side == BodySide::Left { away > BEYOND } else { away < -BEYOND }
+                };
+                let one = BodySide::BOTH.into_iter().find_map(|side| Some((side, at.get(&artery(side))?)));
+                wrong.extend(one.filter(|(side, p)| is_beyond(*side, p)).map(|(side, _)| artery(side)));
+            }
+            _ => {}
+        }
+    }
+    wrong.sort_unstable();
+    wrong
+}
+
+const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
+
+/// What to tell of sides that look exchanged, of all arteries or of some, given the mean positions of arteries (m).
+pub(crate) fn side_notes(at: &BTreeMap<Artery, Point>) -> Vec<String> {
+    let mut notes: Vec<String> =
+        (sides_look_exchanged(at) == Some(true)).then(|| LOOKS_EXCHANGED.to_owned()).into_iter().collect();
+    let wrong: Vec<String> = on_the_wrong_side(at).iter().map(ToString::to_string).collect();
+    if !wrong.is_empty() {
+        let lies = if wrong.len() == 1 { "lies" } else { "lie" };
+        notes.push(format!(
+            "{} {lies} on the other side than the carotids: left and right look exchanged there",
+            wrong.join(", ")
+        ));
+    }
+    notes
+}
+
+/// Below this product of unit vectors the arteries are too nearly in one plane for a decision.
+const TOO_FLAT: f64 = 0.05;
+
+/// Whether left and right look exchanged in right-handed axes: rightward · (forward x upward) is negative.
+///
+/// Rightward is from the left artery of every pair to the right one, forward from P2 or the basilar artery to A2, upward from the
+/// carotid to M1 and A1. `None` where too few arteries are known.
+pub(crate) fn sides_look_exchanged(at: &BTreeMap<Artery, Point>) -> Option<bool> {
+    let mean = |arteries: &[Artery]| -> Option<Point> {
+        let points: Vec<Point> = arteries.iter().filter_map(|artery| at.get(artery).copied()).collect();
+        (!points.is_empty()).then(|| centroid(points))
+    };
+    let both = |artery: fn(BodySide) -> Artery| BodySide::BOTH.map(artery);
+    let mut rightward = [0.0; 3];
+    for artery in Artery::PAIRED {
+        if let [Some(left), Some(right)] = both(*artery).map(|artery| at.get(&artery)) {
+            let step = sub(*right, *left);
+            rightward = [rightward[0] + step[0], rightward[1] + step[1], rightward[2] + step[2]];
+        }
+    }
+    let front = [both(Artery::A2), both(Artery::Aca), both(Artery::A1)].into_iter().find_map(|pair| mean(&pair))?;
+    let back = [both(Artery::P2), both(Artery::Pca), [Artery::Ba; 2]].into_iter().find_map(|pair| mean(&pair))?;
+    let top = [both(Artery::M1), both(Artery::Mca), both(Artery::A1)].into_iter().find_map(|pair| mean(&pair))?;
+    let bottom = mean(&both(Artery::Ica))?;
+    let (ahead, up) = (unit(sub(front, back)), unit(sub(top, bottom)));
+    let product = dot(unit(rightward), cross(ahead, up));
+    (product.abs() > TOO_FLAT).then_some(product < 0.0)
+}
+
+/// The least diameter of a segment that is not hypoplastic, m, unless another is stated (Hindenes et al., PLoS ONE 15:e0241373, 2020).
+pub const LEAST_DIAMETER: f64 = 1e-3;
+/// Its least share of the diameter of its opposite.
+const LEAST_SHARE: f64 = 0.5;
+
+/// Which segments of [`RING`] are thin: below a diameter of `least`, m, or below half the diameter of their opposite. `diameters` in m; a segment
+/// without one is not.
+pub fn hypoplastic(diameters: &[Option<f64>; 7], least: f64) -> [bool; 7] {
+    let of = |artery: Artery| RING.iter().position(|other| *other == artery).and_then(|row| diameters[row]);
+    RING.map(|artery| {
+        let is_thin = |own: f64| own < least || of(artery.opposite()).is_some_and(|other| own < LEAST_SHARE * other);
+        of(artery).is_some_and(is_thin)
+    })
+}
+
+/// The mean diameter along the vessels of each segment of [`RING`] in the topology of the vessels `kept`, m; `None` where it has none of its
+/// own, as P1 under the label of the whole posterior cerebral artery.
+pub fn segment_diameters(circle: &Circle, network: &Network, kept: impl Fn(usize) -> bool) -> [Option<f64>; 7] {
+    let (network, arteries) = circle.arteries_in(network, kept);
+    arteries.segments.map(|rows| {
+        let vessels = || rows.iter().map(|row| network.vessel(*row));
+        let length: f64 = vessels().map(|vessel| vessel.length).sum();
+        (length > 0.0).then(|| 2.0 * vessels().map(|vessel| vessel.radius * vessel.length).sum::<f64>() / length)
+    })
 }

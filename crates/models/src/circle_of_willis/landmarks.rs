@@ -1,11 +1,10 @@
 //! Landmarks: points that a person set at inlets, outlets and bifurcations of arteries, and their nodes in a network.
 
 use super::arteries::{Artery, BodySide};
-use super::landmark_names::{NamedArteries, meaning_of};
+use super::labels::{MeantArteries, meaning_of};
 use super::segments_by_landmarks::Points;
 use willis_core::error::{Fault, Place};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Frame, NearestNode, Network, Origin, REACH, nearest_node};
+use willis_core::network::{Frame, NearestNode, Network, Origin, REACH, nearest_node, units::millimetres};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 use willis_core::support::suggestions::did_you_mean;
 use willis_io::formats::{LandmarkList, ListedLandmark};
@@ -70,10 +69,8 @@ const ACCEPTED: &str = "expected an inlet (L-ICA, R-ICA, L-VA, R-VA, BA), an out
 pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, Fault> {
     let mut out: Vec<Landmark> = Vec::new();
     for ListedLandmark { place, label, position } in listed {
-        let NamedArteries { arteries, meet } = match named(&label) {
-            Ok(named) => named,
-            Err(hint) => return Err(Fault::at(place, format!("label \"{label}\""), format!("{hint}{ACCEPTED}"))),
-        };
+        let wrong = |hint| Fault::at(place.clone(), format!("label \"{label}\""), format!("{hint}{ACCEPTED}"));
+        let (arteries, meet) = named(&label).map_err(wrong)?;
         let is_branch = matches!(sites(&arteries, meet)[..], [Site::M1(_)]);
         let same = |other: &Landmark| other.arteries == arteries && other.meet == meet;
         if let Some(first) = out.iter().find(|other| same(other) && (!is_branch || other.position == position)) {
@@ -87,13 +84,13 @@ pub fn identify_landmarks(listed: Vec<ListedLandmark>) -> Result<Vec<Landmark>, 
 }
 
 /// The meaning of a label. The error is a hint at the intended name.
-fn named(label: &str) -> Result<NamedArteries, String> {
-    let Some(named) = meaning_of(label) else {
+fn named(label: &str) -> Result<MeantArteries, String> {
+    let Some((arteries, meet)) = meaning_of(label) else {
         let names: Vec<String> = Artery::all().map(|artery| artery.to_string()).collect();
         let wrong = label.split('/').find(|part| meaning_of(part).is_none()).unwrap_or(label);
         return Err(did_you_mean(wrong, names.iter().map(String::as_str)));
     };
-    if sites(&named.arteries, named.meet).is_empty() { Err(String::new()) } else { Ok(named) }
+    if sites(&arteries, meet).is_empty() { Err(String::new()) } else { Ok((arteries, meet)) }
 }
 
 /// The landmarks of a file in the axes of a network, with notes on the frame.
@@ -215,29 +212,20 @@ const FAR: f64 = 0.005;
 /// A landmark lies on a vessel up to this distance from it, m.
 const ON_VESSEL: f64 = 0.002;
 
-/// What the node of a landmark of an inlet or outlet is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct LandmarkEnd {
-    /// Whether it is a free end.
-    pub is_free: bool,
-    /// Whether the artery enters or leaves there, as far as is seen; not where its vessel is seen to run on beyond the landmark.
-    pub is_last: bool,
-}
-
-/// What the node of a landmark of an inlet or outlet is, with a note where no free end is near.
-pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &NearestNode) -> (LandmarkEnd, Option<String>) {
-    let is_free = degrees_of_ends(network)[nearest.node] == 1;
+/// Whether an artery enters or leaves at the node of a landmark of an inlet or outlet, as far as is seen; not where its vessel is seen to run
+/// on beyond the landmark, nor at an outlet that is no free end. With a note where no free end is near.
+pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &NearestNode) -> (bool, Option<String>) {
     let is_outlet = landmark.sites().iter().any(|site| site.is_outlet());
     let (label, id, away) = (&landmark.label, &network.node(nearest.node).id, millimetres(nearest.distance));
     let what = if is_outlet { "outlet" } else { "inlet" };
-    if !is_free {
+    if degrees_of_ends(network)[nearest.node] != 1 {
         let taken = if is_outlet { "no outlet is stated there" } else { "blood is taken to come in there" };
         let note = format!("{label} names an {what}, but the vessel runs on at node {id}, which is no free end: {taken}");
         // A place where several feeders meet is no end, and is not meant as one.
-        return (LandmarkEnd { is_free, is_last: !is_outlet }, (!landmark.meet).then_some(note));
+        return (!is_outlet, (!landmark.meet).then_some(note));
     }
     if nearest.distance <= FAR {
-        return (LandmarkEnd { is_free, is_last: true }, None);
+        return (true, None);
     }
     let runs_on = distance_to_lines(network, landmark.position) <= ON_VESSEL;
     let far = format!("{label} names an {what}, but the nearest free end, node {id}, is {away:.1} mm away");
@@ -246,7 +234,7 @@ pub(crate) fn end_of(network: &Network, landmark: &Landmark, nearest: &NearestNo
         (true, false) => "the vessel is taken to run on to it, and blood to come in there",
         (false, _) => "it is taken for that end, and what lies between is not seen",
     };
-    (LandmarkEnd { is_free, is_last: !(runs_on && is_outlet) }, Some(format!("{far}: {taken}")))
+    (!(runs_on && is_outlet), Some(format!("{far}: {taken}")))
 }
 
 /// The degree of every node among the observed vessels, or among all where none is observed.

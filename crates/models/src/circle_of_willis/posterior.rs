@@ -1,12 +1,16 @@
-//! The probability of each variant of a circle whose topology is uncertain, from the weights of sampled topologies.
+//! The probability of each variant of a circle whose topology is uncertain, from sampled topologies, and how frequent variants are.
 
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, path::Path};
 
-use super::arteries::{Artery, BodySide};
+use serde::{Deserialize, Serialize};
+
+use super::arteries::{Artery, BodySide, RING, Variant};
 use super::circle::Circle;
-use super::variant::Variant;
+use super::labels::{LabelScheme, artery_of_label};
 use willis_core::decision::Topologies;
+use willis_core::error::{Fault, Result};
 use willis_core::network::{Network, Origin};
+use willis_io::formats::tables::reader::TableReader;
 
 /// The probabilities of a circle's variants and segments, counted over whole topologies, so that dependence between segments is kept.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,13 +34,9 @@ pub struct Posterior {
     pub impossible: [bool; 7],
 }
 
-/// What is known of the segments beside the topologies.
-pub struct Informant<'a> {
-    /// The probability of each segment, given the share of the topologies that have it.
-    pub presence: &'a dyn Fn(&[f64; 7]) -> [f64; 7],
-    /// Of which segments too little is seen to say whether they are there.
-    pub not_seen: [bool; 7],
-}
+/// What is known of the segments beside the topologies: the probability of each, given the share of the topologies that have it; and of which
+/// of them too little is seen to say whether they are there.
+pub type Informant<'a> = (&'a dyn Fn(&[f64; 7]) -> [f64; 7], [bool; 7]);
 
 /// A candidate on which the most probable variant depends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,7 +71,7 @@ impl Posterior {
 
     /// As [`Posterior::of`], where more is known of the segments: the variants then have the probabilities that are nearest to those of the
     /// topologies (mixed with independent segments, by iterative proportional fitting) and agree with what is known.
-    pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<&Informant>) -> Self {
+    pub fn informed(circle: &Circle, network: &Network, topologies: &Topologies, informant: Option<Informant>) -> Self {
         let observed = circle.variant(network, |row| network.vessel(row).origin == Origin::Observed);
         // Two landmarks may be joined by a topology and, by a shorter way, by all candidates together otherwise.
         let all_kept = circle.variant(network, |_| true);
@@ -88,10 +88,9 @@ impl Posterior {
         let all: f64 = topologies.weighted.iter().map(|(_, weight)| weight).sum();
         let mut variants: Vec<(Variant, f64)> = shares.into_iter().map(|(variant, sum)| (variant, share(sum, all))).collect();
         let (mut segments, mut fetal) = (segments.map(|sum| share(sum, all)), fetal.map(|sum| share(sum, all)));
-        let mut not_seen = [false; 7];
-        if let Some(informant) = informant {
-            segments = (informant.presence)(&segments).map(|p| p.clamp(LEAST, 1.0 - LEAST));
-            not_seen = informant.not_seen;
+        let not_seen = informant.map_or([false; 7], |(_, not_seen)| not_seen);
+        if let Some((presence, _)) = informant {
+            segments = presence(&segments).map(|p| p.clamp(LEAST, 1.0 - LEAST));
             variants = fitted(&variants, &segments);
             fetal = [0, 1].map(|side| variants.iter().filter(|(v, _)| v.fetal[side]).map(|(_, p)| p).sum::<f64>().min(1.0));
         }
@@ -99,12 +98,9 @@ impl Posterior {
         let deciding = variants.first().map_or_else(Vec::new, |(best, _)| deciding(network, topologies, &each, best, all));
         let best = variants.first().map(|(best, _)| *best);
         // The heaviest topology that is most like the best variant.
-        let unlike = |variant: &Variant| {
-            best.map_or(0, |best| {
-                2 * (0..7).filter(|s| variant.present[*s] != best.present[*s]).count() + usize::from(*variant != best)
-            })
-        };
-        let heaviest = (0..each.len()).min_by_key(|row| (unlike(&each[*row]), *row));
+        let unlike =
+            |a: &Variant, b: &Variant| 2 * (0..7).filter(|s| a.present[*s] != b.present[*s]).count() + usize::from(a != b);
+        let heaviest = (0..each.len()).min_by_key(|row| (best.map_or(0, |best| unlike(&each[*row], &best)), *row));
         let topology = heaviest.map_or_else(Vec::new, |at| topologies.weighted[at].0.clone());
         let impossible = [0, 1, 2, 3, 4, 5, 6].map(|s| !all_kept.present[s] && each.iter().all(|variant| !variant.present[s]));
         Self { variants, segments, fetal, deciding, topology, samples: topologies.samples, not_seen, impossible }
@@ -212,4 +208,131 @@ fn deciding(network: &Network, topologies: &Topologies, each: &[Variant], best: 
     let mut deciding: Vec<DecidingCandidate> = candidates.map(of).filter(|d| d.covariance() >= LEAST_COVARIANCE).collect();
     deciding.sort_by(|a, b| b.covariance().total_cmp(&a.covariance()));
     deciding
+}
+
+/// The table that ships. Its frame is that of 1,864 people of the Tromsø study (Hindenes et al., PLoS ONE 15(11):e0241373, 2020, doi
+/// 10.1371/journal.pone.0241373; 3 T time-of-flight, segments below 1 mm count as missing): the complete circle in 11.9 %, only both PComm
+/// missing in 27.8 %. The abstract gives no share for each of the other 45 variants; how the rest is dealt out here (PComm most often, then
+/// AComm, P1 with the PComm of the other side, A1) is an assumption, which a table of one's own replaces.
+const PUBLISHED: &str = include_str!("frequencies.csv");
+/// The share of all variants that a table does not name, spread over them evenly.
+const UNNAMED: f64 = 0.02;
+
+/// How frequent each variant is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct VariantFrequencies {
+    /// The share of each of the 128 variants; bit s of the index says that segment s of [`RING`] is there.
+    pub share: Vec<f64>,
+}
+
+impl VariantFrequencies {
+    /// The table that ships.
+    ///
+    /// # Errors
+    ///
+    /// None in a released version: a test reads it.
+    pub fn published() -> Result<Self> {
+        Self::read(PUBLISHED.as_bytes()).map_err(|fault| fault.in_file(Path::new("frequencies.csv")))
+    }
+
+    /// Reads a table of `missing,share`: the missing segments (`L-A1, R-PComm`, or `complete`), and how many in 1 (or per cent, or a count) have the
+    /// variant.
+    ///
+    /// # Errors
+    ///
+    /// A missing column, a segment that is none of the ring, a share that is no number from 0 on, or none above 0.
+    pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let mut rows = TableReader::ragged(bytes)?;
+        let line = rows.header_line;
+        let column = |name: &str| {
+            rows.find(&[name]).ok_or_else(|| Fault::line(line, format!("no column {name}"), "expected missing,share"))
+        };
+        let (missing, share) = (column("missing")?, column("share")?);
+        let mut table = vec![0.0; 1 << RING.len()];
+        while let Some(row) = rows.row()? {
+            let (text, value) = (row.text(missing).to_owned(), row.real(share)?);
+            if !(value >= 0.0 && value.is_finite()) {
+                return Err(Fault::line(row.line, format!("share {value}"), "expected a number from 0 on"));
+            }
+            let index =
+                index_of(&text).map_err(|part| Fault::line(row.line, format!("missing \"{part}\""), segments_accepted()))?;
+            table[index] += value;
+        }
+        let total: f64 = table.iter().sum();
+        if total <= 0.0 {
+            return Err(Fault::line(line, "no variant with a share", "expected missing,share with a share above 0"));
+        }
+        let unnamed = table.iter().filter(|share| **share == 0.0).count().max(1) as f64;
+        let spread = if table.contains(&0.0) { UNNAMED } else { 0.0 };
+        for share in &mut table {
+            *share = if *share > 0.0 { (1.0 - spread) * *share / total } else { spread / unnamed };
+        }
+        Ok(Self { share: table })
+    }
+
+    /// As [`VariantFrequencies::read`], from a file.
+    ///
+    /// # Errors
+    ///
+    /// As there, or a file that cannot be read.
+    pub fn of_file(path: &Path) -> Result<Self> {
+        let bytes = willis_io::formats::bytes_of(path)?;
+        Self::read(&bytes).map_err(|fault| fault.in_file(path))
+    }
+
+    /// The share of people who have each segment.
+    pub fn marginals(&self) -> [f64; 7] {
+        std::array::from_fn(|s| self.share.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, p)| p).sum())
+    }
+
+    /// The probability of each segment that is not `decidable`, given the probabilities of the others; these stay.
+    pub fn given(&self, presence: &[f64; 7], decidable: &[bool; 7]) -> [f64; 7] {
+        let marginals = self.marginals();
+        let weight = |variant: usize| -> f64 {
+            let fits = (0..7).filter(|s| decidable[*s]).map(|s| {
+                // What is seen, over what the table alone says of it.
+                let (p, usual) = (presence[s], marginals[s]);
+                if variant >> s & 1 == 1 { p / usual } else { (1.0 - p) / (1.0 - usual) }
+            });
+            self.share[variant] * fits.product::<f64>()
+        };
+        let weights: Vec<f64> = (0..self.share.len()).map(weight).collect();
+        let total: f64 = weights.iter().sum();
+        std::array::from_fn(|s| {
+            if decidable[s] || total <= 0.0 {
+                return if decidable[s] { presence[s] } else { marginals[s] };
+            }
+            weights.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, w)| w).sum::<f64>() / total
+        })
+    }
+}
+
+/// Which segments of [`RING`] are there where those of a text are missing (`L-A1, R-PComm`, or `complete`).
+///
+/// # Errors
+///
+/// The accepted form.
+pub fn present_segments(missing: &str) -> Result<[bool; 7], String> {
+    let index = index_of(missing).map_err(|_| segments_accepted())?;
+    Ok(std::array::from_fn(|s| index >> s & 1 == 1))
+}
+
+fn segments_accepted() -> String {
+    let ring: Vec<String> = RING.iter().map(ToString::to_string).collect();
+    format!("expected complete, or segments of {}", ring.join(", "))
+}
+
+/// The index of the variant that misses the segments of a text; the part that is no segment otherwise.
+fn index_of(text: &str) -> Result<usize, String> {
+    let all = (1 << RING.len()) - 1;
+    if text.trim() == "complete" {
+        return Ok(all);
+    }
+    let mut index = all;
+    for part in text.split([',', ';']).map(str::trim) {
+        let artery: Option<Artery> = artery_of_label(part, LabelScheme::Names);
+        let segment = RING.iter().position(|ring| Some(*ring) == artery).ok_or_else(|| part.to_owned())?;
+        index &= !(1 << segment);
+    }
+    Ok(index)
 }

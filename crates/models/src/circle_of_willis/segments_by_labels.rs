@@ -7,12 +7,11 @@
 //! Where the carotid does not lead to M1 (because it is occluded or was not traced), A1 and PComm have no origin. They are then present
 //! when the vessels of their label are connected to the arteries at their other end, from which they fill.
 
-use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES};
-use super::shortest_path::{Marks, shortest};
-use super::variant::Variant;
-use willis_core::network::Network;
-use willis_core::network::walks::Walk;
-use willis_core::support::statistics::quantile;
+use petgraph::{graph::NodeIndex, visit::EdgeRef};
+
+use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, RING, TERRITORIES, Variant};
+use willis_core::network::{Network, paths::ShortestPaths, walks::Walk};
+use willis_core::support::{numbered::marked, statistics::quantile};
 
 /// The meaning of a vessel's label.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -151,7 +150,9 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
             let (a1, p1, pcomm) = (Artery::A1(side), Artery::P1(side), Artery::PComm(side));
             let (aca, pca) = (Artery::Aca(side).bit(), Artery::Pca(side).bit());
             let beyond = Artery::A2(side).bit() | aca | Artery::AComm.bit() | Artery::ThirdA2.bit();
-            let complete = self.carotid_is_complete(side);
+            // Whether the carotid leads to the middle cerebral artery.
+            let (ica, m1) = (Artery::Ica(side).bit(), Artery::M1(side).bit() | Artery::Mca(side).bit());
+            let complete = self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some();
             let fills_from =
                 |own: Artery, on: Set| !complete && self.path(own.bit(), |t| t & own.bit() != 0, |t| t & on != 0).is_some();
             variant.set(a1, self.joins(a1, a1.bit() | aca, trunk(side), beyond, 0) || fills_from(a1, beyond));
@@ -171,21 +172,13 @@ impl<K: Fn(usize) -> bool> LabelRules<'_, K> {
         variant
     }
 
-    /// Whether the carotid leads to the middle cerebral artery.
-    fn carotid_is_complete(&self, side: BodySide) -> bool {
-        let (ica, m1) = (Artery::Ica(side).bit(), Artery::M1(side).bit() | Artery::Mca(side).bit());
-        self.path(0, |t| t & ica != 0, |t| t & m1 != 0).is_some()
-    }
-
     /// AComm is a vessel between the two sides, or pieces of it on either side of a third A2. Arteries that only touch have none.
     fn acomm(&self) -> bool {
-        let trunks = trunk(BodySide::Left) | trunk(BodySide::Right);
+        let (own, trunks) = (set([Artery::AComm, Artery::ThirdA2]), trunk(BodySide::Left) | trunk(BodySide::Right));
         let only = |own: Set, other: Set| move |t: Set| t & own != 0 && t & other == 0 && t & trunks == 0;
         let (left, right) = (anterior(BodySide::Left), anterior(BodySide::Right));
         match (self.known & left != 0, self.known & right != 0) {
-            (true, true) => {
-                self.path(Artery::AComm.bit() | Artery::ThirdA2.bit(), only(left, right), only(right, left)).is_some()
-            }
+            (true, true) => self.path(own, only(left, right), only(right, left)).is_some(),
             _ => self.has(Artery::AComm.bit()),
         }
     }
@@ -229,9 +222,38 @@ fn lower_quartile(network: &Network, vessels: &[usize]) -> Option<f64> {
     let mut radii = Vec::new();
     for vessel in vessels.iter().map(|row| network.vessel(*row)) {
         radii.extend(vessel.path.iter().map(|point| point.radius));
-        if vessel.path.is_empty() {
-            radii.push(vessel.radius);
-        }
+        radii.extend(vessel.path.is_empty().then_some(vessel.radius));
     }
     quantile(&radii, 0.25)
+}
+
+/// A set of nodes as flags by row.
+pub(crate) type Marks = Vec<bool>;
+
+/// The flags of a set of nodes.
+pub(crate) fn marks(network: &Network, nodes: impl IntoIterator<Item = usize>) -> Marks {
+    marked(network.node_count(), nodes)
+}
+
+/// The shortest path by length from any node of `from` to any of `to` over the vessels that `is_open` selects, through nodes of `avoid` only
+/// at its ends. A node of both sets is a path without vessels. Paths longer than `most` (m) do not count.
+pub(crate) fn shortest(
+    network: &Network,
+    [from, to, avoid]: [&Marks; 3],
+    is_open: impl Fn(usize) -> bool,
+    most: f64,
+) -> Option<Walk> {
+    let sources: Vec<usize> = (0..from.len()).filter(|node| from[*node]).collect();
+    let vessels = |node: usize| {
+        let passable = from[node] || !avoid[node];
+        let edges = network.graph().edges(NodeIndex::new(node)).filter(move |_| passable);
+        edges.map(|e| (e.id().index(), e.target().index(), e.weight().length.max(0.0))).filter(|(vessel, ..)| is_open(*vessel))
+    };
+    let mut paths = ShortestPaths::new(network.node_count());
+    let mut end = None;
+    paths.search(&sources, most, vessels, |_, node| {
+        end = Some(node).filter(|node| to[*node]);
+        end.is_none()
+    });
+    end.map(|end| paths.path_to(end))
 }

@@ -4,15 +4,11 @@
 //! carotid and the posterior arteries, and so on. Where an outlet lies outside the field of view, the next landmark stands for it, or the
 //! connection through both segments that meet there.
 
-use petgraph::graph::NodeIndex;
-use petgraph::visit::EdgeRef;
+use petgraph::{graph::NodeIndex, visit::EdgeRef};
 
-use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED};
-use super::segments_by_labels::is_wider;
-use super::shortest_path::{Marks, marks, shortest};
-use super::variant::Variant;
-use willis_core::network::Network;
-use willis_core::network::walks::Walk;
+use super::arteries::{Artery, ArteryVessels, BodySide, FENESTRATED, Variant};
+use super::segments_by_labels::{Marks, is_wider, marks, shortest};
+use willis_core::network::{Network, walks::Walk};
 
 /// The longest second channel of a fenestration, m. The ring and other detours are longer.
 const LONGEST_CHANNEL: f64 = 0.02;
@@ -81,8 +77,7 @@ impl Points {
     /// The vessels that may lie between landmarks: all but the trees behind a node, which no path from one landmark to another enters.
     pub fn between(&self, network: &Network) -> Vec<bool> {
         let graph = network.graph();
-        let mut stays = vec![false; network.node_count()];
-        self.nodes().for_each(|node| stays[node] = true);
+        let stays = marks(network, self.nodes());
         let mut left: Vec<usize> = graph.node_indices().map(|node| graph.edges(node).count()).collect();
         let mut between = vec![true; network.vessel_count()];
         let mut open: Vec<usize> = (0..left.len()).filter(|node| left[*node] == 1 && !stays[*node]).collect();
@@ -198,7 +193,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let [left, right] = &self.trunk;
         let a2: Vec<usize> = points.a2.into_iter().flatten().collect();
         variant.third_a2 = points.third.is_some_and(|third| self.path(&[third], &a2, &[left, right, &posterior]).is_some());
-        let p1 = self.proper_p1(p1, &pcomm);
+        let p1 = self.proper_p1(&p1, &pcomm);
         for side in BodySide::BOTH {
             let s = side.index();
             let both = || pcomm[s].as_ref().zip(p1[s].as_ref());
@@ -245,7 +240,7 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let a1 = BodySide::BOTH.map(|side| self.a1(side, &posterior));
         let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).edges).unwrap_or_default();
         let [p1, pcomm] = self.posterior_segments(&feeders);
-        let p1 = self.proper_p1(p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.edges).unwrap_or_default());
+        let p1 = self.proper_p1(&p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.edges).unwrap_or_default());
         let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
         let [[l_a2, r_a2], [l_p2, r_p2]] = [points.a2, points.p2].map(|pair| pair.map(one));
@@ -295,20 +290,17 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
     }
 
     /// For each side the path from the outlet of P2 to the basilar artery, and P1 itself: from PComm to the end of the basilar artery.
-    fn proper_p1(&self, p1: [Option<Walk>; 2], pcomm: &[Option<Walk>; 2]) -> [Option<(Walk, Walk)>; 2] {
+    fn proper_p1(&self, p1: &[Option<Walk>; 2], pcomm: &[Option<Walk>; 2]) -> [Option<(Walk, Walk)>; 2] {
         let empty = Walk::default();
         let tip = self.points.tip.map(|node| Walk { nodes: vec![node], edges: Vec::new() });
-        let proper = [0, 1].map(|s| {
+        [0, 1].map(|s| {
             let full = p1[s].as_ref()?;
             let path = beyond(full, pcomm[s].as_ref().unwrap_or(&empty), self.points.posterior[s]);
             let ends = |end: &Walk| end.nodes.iter().any(|node| path.nodes.contains(node));
-            Some(match [tip.as_ref(), p1[1 - s].as_ref()].into_iter().flatten().find(|end| ends(end)) {
-                Some(end) => path.before(end),
-                None => path.start(self.network, LENGTH_OF_P1),
-            })
-        });
-        let mut proper = proper.into_iter();
-        p1.map(|full| Some((full?, proper.next().flatten()?)))
+            let end = [tip.as_ref(), p1[1 - s].as_ref()].into_iter().flatten().find(|end| ends(end));
+            let proper = end.map_or_else(|| path.start(self.network, LENGTH_OF_P1), |end| path.before(end));
+            Some((full.clone(), proper))
+        })
     }
 
     /// Whether a second, short path leaves a segment and returns to it.

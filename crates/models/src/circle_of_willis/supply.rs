@@ -1,13 +1,11 @@
-//! Who feeds what in a circle, and how late: the share of each territory's and outlet's blood by feeder, and the time since it entered,
-//! over the topologies that are plausible.
+//! Who feeds what in a circle, and how late, over the plausible topologies; and how it compensates the loss of a feeder.
 
-use super::arteries::{Artery, FEEDERS, TERRITORIES};
+use super::arteries::{Artery, FEEDERS, RING, TERRITORIES};
 use super::circle::Circle;
-use willis_core::flow::Boundary;
+use willis_core::flow::{Boundary, state::State};
 use willis_core::network::{Network, Role};
-use willis_core::simulation::simulate;
-use willis_core::simulation::transport::Transports;
-use willis_core::support::parallel::in_order;
+use willis_core::simulation::{Change, Perturbation, rounding, simulate, transport::Transports};
+use willis_core::{error::Result, support::parallel::in_order};
 
 /// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;
@@ -65,7 +63,39 @@ pub fn supplies(
     let destinations = TERRITORIES.into_iter().map(Destination::Territory).chain(outlets.map(Destination::Outlet));
     let destinations: Vec<Destination> = destinations.collect();
     let chosen = by_weight(topologies, most_followed(network.vessel_count()));
-    let all = in_order(&chosen, |_, (kept, _)| one(circle, network, kept, boundary, viscosity, &destinations));
+    // The blood of each destination in one topology; `None` where nothing flows at all.
+    let one = |kept: &[bool]| -> Option<Vec<Option<ArrivingBlood>>> {
+        let boundary = &boundary.held(network, |row| kept[row]);
+        let (network, arteries) = &circle.arteries_in(network, |row| kept[row]);
+        let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
+        let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
+        let mut marks = vec![None; network.vessel_count()];
+        for (feeder, vessels) in arteries.feeders.iter().enumerate() {
+            for vessel in vessels {
+                marks[*vessel] = Some(feeder);
+            }
+        }
+        let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
+        let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
+        let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
+        let at_node = |node: usize| {
+            let (shares, blood) = (passed[node].as_ref()?, transport.nodes[node].as_ref()?);
+            Some(([shares[0], shares[1], shares[2]], blood.mean))
+        };
+        let blood = |destination: &Destination| match destination {
+            Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
+            // An end that was joined is none.
+            Destination::Outlet(_) => None,
+            Destination::Territory(artery) => {
+                let at = TERRITORIES.iter().position(|territory| territory == artery)?;
+                // The flow in an artery is largest where it begins, before branches leave.
+                let begins = arteries.territories[at].iter().max_by(|a, b| flow(**a).abs().total_cmp(&flow(**b).abs()))?;
+                at_node(transport.vessels[*begins]?.0)
+            }
+        };
+        Some(destinations.iter().map(blood).collect())
+    };
+    let all = in_order(&chosen, |_, (kept, _)| one(kept));
     let total: f64 = chosen.iter().map(|(_, weight)| weight).sum();
     let supply = |(at, destination): (usize, &Destination)| {
         let found = all.iter().zip(&chosen).filter_map(|(found, (_, weight))| Some((found.as_ref()?[at]?, *weight)));
@@ -109,47 +139,6 @@ pub fn by_weight(topologies: &[(Vec<bool>, f64)], most: usize) -> Vec<(&Vec<bool
     chosen.into_iter().map(|(at, weight)| (&topologies[at].0, weight)).collect()
 }
 
-/// The blood of each destination in one topology; `None` where nothing flows at all.
-fn one(
-    circle: &Circle,
-    network: &Network,
-    kept: &[bool],
-    boundary: &Boundary,
-    viscosity: f64,
-    destinations: &[Destination],
-) -> Option<Vec<Option<ArrivingBlood>>> {
-    let boundary = &boundary.held(network, |row| kept[row]);
-    let (network, rows) = &network.subgraph(|row| kept[row]);
-    let arteries = circle.restricted_to(rows).artery_vessels(network);
-    let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
-    let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
-    let mut marks = vec![None; network.vessel_count()];
-    for (feeder, vessels) in arteries.feeders.iter().enumerate() {
-        for vessel in vessels {
-            marks[*vessel] = Some(feeder);
-        }
-    }
-    let flow = |row: usize| simulation.unperturbed.vessels[row].flow;
-    let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
-    let passed = transport.passed(&ends, &(0..ends.len()).map(flow).collect::<Vec<f64>>(), &marks, FEEDERS.len());
-    let at_node = |node: usize| {
-        let (shares, blood) = (passed[node].as_ref()?, transport.nodes[node].as_ref()?);
-        Some(([shares[0], shares[1], shares[2]], blood.mean))
-    };
-    let blood = |destination: &Destination| match destination {
-        Destination::Outlet(node) if boundary.roles[*node] == Role::Outlet => at_node(*node),
-        // An end that was joined is none.
-        Destination::Outlet(_) => None,
-        Destination::Territory(artery) => {
-            let at = TERRITORIES.iter().position(|territory| territory == artery)?;
-            // The flow in an artery is largest where it begins, before branches leave.
-            let begins = arteries.territories[at].iter().max_by(|a, b| flow(**a).abs().total_cmp(&flow(**b).abs()))?;
-            at_node(transport.vessels[*begins]?.0)
-        }
-    };
-    Some(destinations.iter().map(blood).collect())
-}
-
 impl Spread {
     /// The median of values with weights, with their interval; NaN without any.
     pub fn about_median(mut values: Vec<(f64, f64)>) -> Self {
@@ -174,4 +163,62 @@ impl Spread {
         let [low, high] = Self::about_median(values).interval;
         Self { middle, interval: [low.min(middle), high.max(middle)] }
     }
+}
+
+/// The flow in a circle with all of its feeders and without one of them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Collateral {
+    /// The feeder that is closed.
+    pub occluded: Artery,
+    /// For each segment of [`RING`] |Q| before and after, m³/s; `None` where it is missing.
+    pub segments: [Option<[f64; 2]>; 7],
+    /// The same for each territory of [`TERRITORIES`](super::TERRITORIES).
+    pub territories: [Option<[f64; 2]>; 6],
+    /// The communicating artery whose flow grows most, if any grows.
+    pub takes_over: Option<Artery>,
+}
+
+impl Collateral {
+    /// For each territory the share of its flow that is left; `None` where it had no flow before, or is not seen.
+    pub fn residual(&self) -> [Option<f64>; 6] {
+        self.territories.map(|flows| flows.filter(|[before, _]| *before > 0.0).map(|[before, after]| after / before))
+    }
+}
+
+/// Closes each feeder in turn, in the topology of the vessels that `kept` selects. `viscosity` in Pa s. The circle must have been found
+/// in `network`.
+///
+/// # Errors
+///
+/// Those of [`simulate`], usually that blood cannot flow through the network.
+pub fn collaterals(
+    circle: &Circle,
+    network: &Network,
+    kept: impl Fn(usize) -> bool,
+    boundary: &Boundary,
+    viscosity: f64,
+) -> Result<Vec<Collateral>> {
+    let (network, arteries) = &circle.arteries_in(network, kept);
+    let mut found = Vec::new();
+    for (occluded, vessels) in FEEDERS.into_iter().zip(&arteries.feeders) {
+        if vessels.is_empty() {
+            continue;
+        }
+        let close = |vessel: &usize| Perturbation { vessel: *vessel, change: Change::Occlusion };
+        let simulation = simulate(network, boundary, viscosity, &vessels.iter().map(close).collect::<Vec<_>>())?;
+        let Some(after) = &simulation.perturbed else { continue };
+        let before = &simulation.unperturbed;
+        // The flow in an artery is largest where it begins, before branches leave.
+        let most = |state: &State, rows: &[usize]| rows.iter().map(|row| state.vessels[*row].flow.abs()).fold(0.0, f64::max);
+        let both = |rows: &Vec<usize>| (!rows.is_empty()).then(|| [most(before, rows), most(after, rows)]);
+        let segments = arteries.segments.each_ref().map(both);
+        let cut = rounding(before, after);
+        let gains = RING.into_iter().zip(&segments).filter_map(|(artery, flows)| {
+            let communicates = matches!(artery, Artery::AComm | Artery::PComm(_));
+            flows.filter(|_| communicates).map(|[before, after]| (artery, after - before)).filter(|(_, gain)| *gain > cut)
+        });
+        let takes_over = gains.max_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)).then(b.0.cmp(&a.0))).map(|(artery, _)| artery);
+        found.push(Collateral { occluded, segments, territories: arteries.territories.each_ref().map(both), takes_over });
+    }
+    Ok(found)
 }

@@ -18,11 +18,6 @@ pub fn times(a: &Matrix3, v: Point) -> Point {
     [0, 1, 2].map(|i| a[i][0] * v[0] + a[i][1] * v[1] + a[i][2] * v[2])
 }
 
-/// Aᵀ v.
-pub fn transposed_times(a: &Matrix3, v: Point) -> Point {
-    [0, 1, 2].map(|i| a[0][i] * v[0] + a[1][i] * v[1] + a[2][i] * v[2])
-}
-
 /// A B.
 pub fn product(a: &Matrix3, b: &Matrix3) -> Matrix3 {
     [0, 1, 2].map(|i| [0, 1, 2].map(|j| a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j]))
@@ -36,11 +31,6 @@ pub fn transposed(a: &Matrix3) -> Matrix3 {
 /// v vᵀ.
 pub fn outer(v: Point) -> Symmetric {
     [v[0] * v[0], v[1] * v[1], v[2] * v[2], v[0] * v[1], v[0] * v[2], v[1] * v[2]]
-}
-
-/// Adds w v vᵀ.
-pub fn outer_sum(sum: &mut Symmetric, v: Point, w: f64) {
-    sum.iter_mut().zip(outer(v)).for_each(|(s, x)| *s += w * x);
 }
 
 /// The full matrix of a symmetric one.
@@ -62,11 +52,6 @@ pub fn turned(r: &Matrix3, s: &Symmetric) -> Symmetric {
 /// The trace of the product of two symmetric matrices.
 pub fn trace_of_product(a: &Symmetric, b: &Symmetric) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + 2.0 * (a[3] * b[3] + a[4] * b[4] + a[5] * b[5])
-}
-
-/// S + d I.
-pub fn plus_diagonal(s: &Symmetric, d: f64) -> Symmetric {
-    [s[0] + d, s[1] + d, s[2] + d, s[3], s[4], s[5]]
 }
 
 /// The inverse of a positive definite matrix and the logarithm of its determinant.

@@ -1,7 +1,9 @@
-//! The atlas: where each piece of each artery lies, how it runs, how wide it is, and which pieces follow each other.
+//! The atlas: its labels and states (4 mm pieces along each artery, and one for what is no artery), where each lies, and which follow each other.
 
-use super::algebra::{Symmetric, inverse, plus_diagonal};
-use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables};
+use std::collections::BTreeMap;
+
+use super::algebra::{self, Symmetric, inverse};
+use crate::circle_of_willis::{Artery, AtlasArtery, BodySide, IN_ATLAS};
 use willis_core::support::geometry::Point;
 
 /// Where a state lies and how it looks, in the frame of the atlas: mm, RAS, about the middle between the carotid bifurcations.
@@ -19,16 +21,10 @@ pub struct AtlasPiece {
     pub radius_spread: f64,
 }
 
-/// How often states were seen side by side.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Counts {
-    /// Length in each state, mm.
-    pub length: Vec<f64>,
-    /// Neighbours within a branch, and neighbours of which one is a junction: `[state, state, count]`.
-    pub neighbours: [Vec<(AtlasState, AtlasState, f64)>; 2],
-    /// Bifurcations: the states of the three arms in order, the state of the middle, and how often they were seen.
-    pub bifurcations: Vec<([AtlasState; 3], AtlasState, f64)>,
-}
+/// Two states side by side.
+pub type StatePair = (AtlasState, AtlasState);
+/// The states of the three arms of a bifurcation, in order, and the state of its middle.
+pub type StatesOfArms = ([AtlasState; 3], AtlasState);
 
 /// What was fitted to labelled tracings.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -39,8 +35,12 @@ pub struct AtlasData {
     pub other_radius: [f64; 2],
     /// The mean of the middles of the tracings.
     pub centroid: Point,
-    /// Neighbours and bifurcations.
-    pub counts: Counts,
+    /// Length in each state, mm.
+    pub length: Vec<f64>,
+    /// How often states were neighbours within a branch, and of which one is a junction.
+    pub neighbours: [BTreeMap<StatePair, f64>; 2],
+    /// How often bifurcations were seen.
+    pub bifurcations: Vec<(StatesOfArms, f64)>,
 }
 
 /// The probability of a position that is no artery of the circle: uniform in 120 x 110 x 110 mm.
@@ -90,18 +90,18 @@ impl Atlas {
         let tables = StateTables::default();
         let position = data.pieces.iter().map(|piece| inverse(&piece.covariance)).collect();
         let direction = data.pieces.iter().map(|piece| inverse(&piece.direction)).collect();
-        let mut prior: Vec<f64> = (0..STATES).map(|s| data.counts.length.get(s).copied().unwrap_or(0.0) + 1.0).collect();
+        let mut prior: Vec<f64> = (0..STATES).map(|s| data.length.get(s).copied().unwrap_or(0.0) + 1.0).collect();
         normalise(&mut prior);
-        let counted = data.counts.neighbours.each_ref().map(|list| {
+        let counted = data.neighbours.each_ref().map(|counts| {
             let mut table = vec![0.0; STATES * STATES];
-            for (a, b, n) in list {
+            for ((a, b), n) in counts {
                 table[a * STATES + b] += n;
             }
             table
         });
         let pairs = [0, 1].map(|k| pair_factors(&tables, &counted, k));
         let gaps = gap_factors(&tables, &counted);
-        let bifurcations = Bifurcations::of(&tables, &data.counts, &prior);
+        let bifurcations = Bifurcations::of(&tables, &data.bifurcations, &prior);
         Self { tables, position, direction, log_other: -OTHER_VOLUME.ln(), prior, pairs, gaps, bifurcations, data }
     }
 
@@ -110,7 +110,8 @@ impl Atlas {
         if tau == 0.0 {
             return self.position.clone();
         }
-        self.data.pieces.iter().map(|piece| inverse(&plus_diagonal(&piece.covariance, tau * tau))).collect()
+        let wider = |[a, b, c, d, e, f]: Symmetric| [a + tau * tau, b + tau * tau, c + tau * tau, d, e, f];
+        self.data.pieces.iter().map(|piece| inverse(&wider(piece.covariance))).collect()
     }
 }
 
@@ -192,16 +193,16 @@ fn matrix_product(a: &[f64], b: &[f64]) -> Vec<f64> {
 }
 
 impl Bifurcations {
-    fn of(tables: &StateTables, counts: &Counts, prior: &[f64]) -> Self {
+    fn of(tables: &StateTables, seen: &[(StatesOfArms, f64)], prior: &[f64]) -> Self {
         let labels = |arms: &[AtlasState; 3]| arms.map(|state| tables.label[state]);
-        let mut kinds: Vec<[usize; 3]> = counts.bifurcations.iter().map(|(arms, ..)| labels(arms)).collect();
+        let mut kinds: Vec<[usize; 3]> = seen.iter().map(|((arms, _), _)| labels(arms)).collect();
         kinds.sort_unstable();
         kinds.dedup();
         let n = kinds.len();
         // Half a bifurcation of each kind more than was seen.
         let mut probability = vec![0.5; n];
         let (mut arm, mut middle) = (vec![0.0; n * 3 * STATES], vec![0.0; n * STATES]);
-        for (arms, at, count) in &counts.bifurcations {
+        for ((arms, at), count) in seen {
             let Ok(kind) = kinds.binary_search(&labels(arms)) else { continue };
             probability[kind] += count;
             for (number, state) in arms.iter().enumerate() {
@@ -233,12 +234,10 @@ fn spread(tables: &StateTables, state: AtlasState, shares: &[(isize, f64)], mut 
     }
 }
 
+/// Makes the sum one, but that of nothing.
 fn normalise(row: &mut [f64]) {
-    let sum: f64 = row.iter().sum();
-    if sum > 0.0 {
-        for p in row.iter_mut() {
-            *p /= sum;
-        }
+    if row.iter().any(|p| *p > 0.0) {
+        algebra::normalise(row);
     }
 }
 
@@ -250,4 +249,153 @@ pub fn arteries() -> std::ops::Range<AtlasState> {
 /// All states.
 pub fn all_states() -> Vec<AtlasState> {
     (0..STATES).collect()
+}
+
+/// An artery of the circle, or [`OTHER`]: sided arteries left then right, then the basilar and the anterior communicating artery.
+pub type ArteryLabel = usize;
+/// A piece of an artery, or [`NOWHERE`].
+pub type AtlasState = usize;
+
+/// The length of a state along its artery, mm.
+pub const BIN: f64 = 4.0;
+
+/// The sided arteries that the atlas holds.
+const SIDED: usize = IN_ATLAS.len() - 2;
+
+/// How many labels there are, [`OTHER`] included.
+pub const LABELS: usize = 2 * SIDED + 3;
+/// No artery of the circle.
+pub const OTHER: ArteryLabel = LABELS - 1;
+/// The basilar artery.
+pub const BA: ArteryLabel = 2 * SIDED;
+/// How many states there are, [`NOWHERE`] included.
+pub const STATES: usize = {
+    let (mut states, mut family) = (1, 0);
+    while family < IN_ATLAS.len() {
+        states += if family < SIDED { 2 } else { 1 } * IN_ATLAS[family].bins;
+        family += 1;
+    }
+    states
+};
+/// The state of what is no artery of the circle.
+pub const NOWHERE: AtlasState = STATES - 1;
+
+/// The label of an artery; [`OTHER`] of one that the atlas does not hold.
+pub fn label_of(artery: Artery) -> ArteryLabel {
+    (0..OTHER).find(|label| artery_of(*label) == Some(artery)).unwrap_or(OTHER)
+}
+
+/// The artery of a label; `None` of [`OTHER`].
+pub fn artery_of(label: ArteryLabel) -> Option<Artery> {
+    let side = BodySide::BOTH[if label < 2 * SIDED { label % 2 } else { 0 }];
+    (label != OTHER).then(|| (in_atlas(label).artery)(side))
+}
+
+/// The label under which M2 counts as M1.
+pub fn as_one_with_m1(of: ArteryLabel) -> ArteryLabel {
+    if let Some(Artery::M2(side)) = artery_of(of) { label_of(Artery::M1(side)) } else { of }
+}
+
+/// The label of the highest probability, the first of equals.
+pub fn most_probable(p: &[f64; LABELS]) -> ArteryLabel {
+    (0..LABELS).fold(0, |best, label| if p[label] > p[best] { label } else { best })
+}
+
+/// The artery of a label, which is not [`OTHER`], without its side.
+pub fn in_atlas(label: ArteryLabel) -> &'static AtlasArtery {
+    &IN_ATLAS[if label < 2 * SIDED { label / 2 } else { label - SIDED }]
+}
+
+/// The name that willis writes: `L-M2`, `BA`, `other`.
+pub fn name_of(label: ArteryLabel) -> String {
+    artery_of(label).map_or_else(|| "other".to_owned(), |artery| artery.to_string())
+}
+
+/// The label of a name that willis writes.
+pub fn label_named(name: &str) -> Option<ArteryLabel> {
+    (0..LABELS).find(|label| name_of(*label) == name)
+}
+
+/// The label on the other side.
+pub fn mirrored(label: ArteryLabel) -> ArteryLabel {
+    artery_of(label).map_or(label, |artery| label_of(artery.opposite()))
+}
+
+/// The first state of a label.
+pub fn first_state(label: ArteryLabel) -> AtlasState {
+    (0..label).map(bins_of).sum()
+}
+
+/// How many states a label has.
+pub fn bins_of(label: ArteryLabel) -> usize {
+    if label == OTHER { 1 } else { in_atlas(label).bins }
+}
+
+/// The states of a label.
+pub fn states_of(label: ArteryLabel) -> std::ops::Range<AtlasState> {
+    first_state(label)..first_state(label) + bins_of(label)
+}
+
+/// The state at a distance (mm) along an artery from its reference end.
+pub fn state_at(label: ArteryLabel, along: f64) -> AtlasState {
+    first_state(label) + ((along / BIN) as usize).min(bins_of(label) - 1)
+}
+
+/// Whether the reference end of the first label is where the second one begins or ends.
+pub fn begins_at(label: ArteryLabel, other: ArteryLabel) -> bool {
+    let begins = |artery: Artery| in_atlas(label).begins_at.iter().any(|at| BodySide::BOTH.map(at).contains(&artery));
+    label != OTHER && artery_of(other).is_some_and(begins)
+}
+
+/// Tables over the states.
+#[derive(Debug, Clone)]
+pub struct StateTables {
+    /// The label of each state.
+    pub label: Vec<ArteryLabel>,
+    /// The state's number within its label.
+    pub bin: Vec<usize>,
+    /// The state on the other side.
+    pub mirrored: Vec<AtlasState>,
+    /// Whether only one stretch of a patient's arteries can be in the state: not M2, of which there are several, and not a last state,
+    /// which has no end.
+    pub once: Vec<bool>,
+}
+
+impl Default for StateTables {
+    /// The tables.
+    fn default() -> Self {
+        let all: Vec<(ArteryLabel, usize)> =
+            (0..LABELS).flat_map(|label| (0..bins_of(label)).map(move |bin| (label, bin))).collect();
+        let once = |(label, bin): &(ArteryLabel, usize)| match artery_of(*label) {
+            None | Some(Artery::M2(_)) => false,
+            Some(artery) => artery == Artery::AComm || bin + 1 < bins_of(*label),
+        };
+        Self {
+            label: all.iter().map(|(label, _)| *label).collect(),
+            bin: all.iter().map(|(_, bin)| *bin).collect(),
+            mirrored: all.iter().map(|(label, bin)| first_state(mirrored(*label)) + bin).collect(),
+            once: all.iter().map(once).collect(),
+        }
+    }
+}
+
+impl StateTables {
+    /// Two neighbours in either order, and their mirror images.
+    pub fn alike(&self, a: AtlasState, b: AtlasState) -> [StatePair; 4] {
+        let (ma, mb) = (self.mirrored[a], self.mirrored[b]);
+        [(a, b), (b, a), (ma, mb), (mb, ma)]
+    }
+
+    /// The mirror image of a bifurcation, whose arms are in order.
+    pub fn mirrored_bifurcation(&self, (arms, middle): StatesOfArms) -> StatesOfArms {
+        let mut arms = arms.map(|state| self.mirrored[state]);
+        arms.sort_unstable();
+        (arms, self.mirrored[middle])
+    }
+
+    /// The state so many bins further along the same artery, or none.
+    pub fn step(&self, state: AtlasState, bins: isize) -> Option<AtlasState> {
+        let to = state.checked_add_signed(bins)?;
+        (to < STATES && self.label[to] == self.label[state]).then_some(to)
+    }
 }

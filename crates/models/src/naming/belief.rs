@@ -1,4 +1,4 @@
-//! Exact probabilities of the states of all nodes together, by belief propagation on a spanning forest.
+//! Exact probabilities of the states of all nodes together, by belief propagation on a spanning forest; and what they say of candidates.
 //!
 //! Neighbours have the pair factors of the atlas. A node with three arms has one factor over the kinds of bifurcation, with its arms in
 //! any order, mixed with the pair factors. A gap of probability p has the factor p B + (1 - p): names pass it as far as it is believed.
@@ -7,10 +7,9 @@
 use std::ops::Range;
 
 use super::algebra::{TableTimes, dot, normalise};
-use super::atlas::Atlas;
+use super::atlas::{Atlas, STATES};
 use super::nodes::Nodes;
-use super::states::STATES;
-use willis_core::support::simd::InstructionSet;
+use willis_core::support::{numbered::grouped, simd::InstructionSet};
 
 /// The share of the pair factors at a bifurcation, for kinds that were never seen.
 const UNSEEN_KIND: f64 = 0.02;
@@ -26,12 +25,6 @@ enum ForestLink {
     Vessel(usize),
     /// Over a gap of about 2, 4 or 8 mm (0 to 2) with a probability; the number of the bridge.
     Gap { length: usize, probability: f64, bridge: usize },
-}
-
-impl ForestLink {
-    fn probability(self) -> f64 {
-        if let Self::Gap { probability, .. } = self { probability } else { 1.0 }
-    }
 }
 
 /// What the nodes are together.
@@ -63,19 +56,14 @@ impl NamingForest {
     /// The spanning forest of the nodes and those of their bridges that are `used`.
     pub fn of(nodes: &Nodes, used: &[usize]) -> Self {
         let n = nodes.len();
-        let mut arms: Vec<Vec<Neighbour>> = vec![Vec::new(); n];
-        for [a, b] in &nodes.links {
-            let link = ForestLink::Vessel(usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2));
-            arms[*a].push((*b, link));
-            arms[*b].push((*a, link));
-        }
-        for bridge in used {
+        let vessel =
+            |ends: &[usize; 2]| (*ends, ForestLink::Vessel(usize::from(ends.iter().any(|node| nodes.degree(*node) > 2))));
+        let gap = |bridge: &usize| {
             let found = &nodes.bridges[*bridge];
-            let link = ForestLink::Gap { length: found.length_class(), probability: found.probability, bridge: *bridge };
-            let [a, b] = found.nodes;
-            arms[a].push((b, link));
-            arms[b].push((a, link));
-        }
+            (found.nodes, ForestLink::Gap { length: found.length_class(), probability: found.probability, bridge: *bridge })
+        };
+        let links = nodes.links.iter().map(vessel).chain(used.iter().map(gap));
+        let arms: Vec<Vec<Neighbour>> = grouped(n, links.flat_map(|([a, b], link)| [(a, (b, link)), (b, (a, link))]));
         let mut roots: Vec<usize> = (0..n).collect();
         roots.sort_by_key(|node| arms[*node].len());
         let (mut order, mut seen) = (Vec::with_capacity(n), vec![false; n]);
@@ -162,10 +150,6 @@ struct MessagePass<'a> {
 }
 
 impl MessagePass<'_> {
-    fn own(&self, node: usize) -> &[f64] {
-        &self.own[node * STATES..(node + 1) * STATES]
-    }
-
     fn upward(&self) -> Upward {
         let NamingForest { order, parent, children, is_bifurcation, .. } = self.forest;
         let (mut below, mut log) = (self.own.clone(), 0.0);
@@ -200,13 +184,12 @@ impl MessagePass<'_> {
                 let messages: Vec<Option<&[f64]>> =
                     children[*node].iter().map(|arm| Some(row(&below, arm.0))).chain(cavity.as_deref().map(Some)).collect();
                 let posterior = self.at_bifurcation(*node, &messages);
-                let outward: Vec<Vec<f64>> = (0..children[*node].len())
-                    .map(|arm| {
-                        let mut others = messages.clone();
-                        others[arm] = None;
-                        self.out_of_bifurcation(*node, &others, arm).0
-                    })
-                    .collect();
+                let outward = |arm: usize| {
+                    let mut others = messages.clone();
+                    others[arm] = None;
+                    self.out_of_bifurcation(*node, &others, arm).0
+                };
+                let outward: Vec<Vec<f64>> = (0..children[*node].len()).map(outward).collect();
                 row_mut(&mut all, *node).copy_from_slice(&posterior);
                 for ((child, _), message) in children[*node].iter().zip(&outward) {
                     let beliefs: Vec<f64> = row(&below, *child).iter().zip(message).map(|(b, m)| b * m).collect();
@@ -217,7 +200,7 @@ impl MessagePass<'_> {
             }
             if let Some((above, link)) = parent[*node].filter(|arm| !is_bifurcation[arm.0]) {
                 let cavity = divided(row(&all, above), up[*node].as_deref());
-                let message = self.over(link, &cavity);
+                let message = self.message(link, &cavity).0;
                 if let ForestLink::Gap { bridge, length, .. } = link {
                     bridge_ratio[bridge] = Some(ratio(&self.atlas.gaps[length], row(&below, *node), &cavity));
                 }
@@ -233,11 +216,6 @@ impl MessagePass<'_> {
         let mut out = vec![0.0; table.len() / STATES];
         self.instructions.run(TableTimes { table, by, out: &mut out });
         out
-    }
-
-    /// A message over a link.
-    fn over(&self, link: ForestLink, from: &[f64]) -> Vec<f64> {
-        self.message(link, from).0
     }
 
     /// A message over a link, and the logarithm of what it was divided by.
@@ -283,20 +261,19 @@ impl MessagePass<'_> {
     /// Per kind its probability and that of the middle.
     fn middle_weights(&self, node: usize) -> Vec<f64> {
         let kinds = &self.atlas.bifurcations;
-        let own = self.own(node);
+        let own = row(&self.own, node);
         let sum: f64 = own.iter().sum();
-        let middle = kinds.middle.chunks(STATES).zip(&kinds.probability);
-        middle
-            .map(|(states, p)| {
-                let fit: f64 = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).sum();
-                p * fit / sum
-            })
-            .collect()
+        let middle = |(states, p): (&[f64], &f64)| {
+            let fit: f64 = states.iter().zip(&self.atlas.prior).zip(own).map(|((m, prior), u)| m / prior * u).sum();
+            p * fit / sum
+        };
+        kinds.middle.chunks(STATES).zip(&kinds.probability).map(middle).collect()
     }
 
     /// How probable it is that the arms meet at all: bridges may not exist.
     fn joined(arms: &[Neighbour]) -> f64 {
-        (1.0 - UNSEEN_KIND) * arms.iter().map(|arm| arm.1.probability()).product::<f64>()
+        let probability = |arm: &Neighbour| if let ForestLink::Gap { probability, .. } = arm.1 { probability } else { 1.0 };
+        (1.0 - UNSEEN_KIND) * arms.iter().map(probability).product::<f64>()
     }
 
     /// The belief of a bifurcation.
@@ -304,20 +281,16 @@ impl MessagePass<'_> {
         let arms = self.arms(node);
         let [a, b, c] = self.arm_weights(&arms, messages);
         let joined = Self::joined(&arms);
-        let of_kind: Vec<f64> = self
-            .middle_weights(node)
-            .iter()
-            .enumerate()
-            .map(|(k, middle)| {
-                let sum: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
-                sum / 6.0 * middle
-            })
-            .collect();
-        let own = self.own(node);
+        let of_kind = |(k, middle): (usize, &f64)| {
+            let sum: f64 = ORDERS.iter().map(|o| a[3 * k + o[0]] * b[3 * k + o[1]] * c[3 * k + o[2]]).sum();
+            sum / 6.0 * middle
+        };
+        let of_kind: Vec<f64> = self.middle_weights(node).iter().enumerate().map(of_kind).collect();
+        let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut posterior: Vec<f64> = own.iter().map(|u| (1.0 - joined) * u / total).collect();
         for (arm, message) in arms.iter().zip(messages).filter_map(|(arm, m)| m.map(|m| (arm, m))) {
-            let over = self.over(arm.1, message);
+            let over = self.message(arm.1, message).0;
             posterior.iter_mut().zip(&over).for_each(|(p, m)| *p *= m * STATES as f64);
         }
         for (weight, states) in of_kind.iter().zip(self.atlas.bifurcations.middle.chunks(STATES)) {
@@ -352,17 +325,17 @@ impl MessagePass<'_> {
                 }
             }
         }
-        let own = self.own(node);
+        let own = row(&self.own, node);
         let total: f64 = own.iter().sum();
         let mut here: Vec<f64> = own.iter().map(|u| u / total).collect();
         for other in others {
             if let Some(message) = messages[other] {
-                let over = self.over(arms[other].1, message);
+                let over = self.message(arms[other].1, message).0;
                 here.iter_mut().zip(&over).for_each(|(h, m)| *h *= m * STATES as f64);
             }
         }
         let sum: f64 = here.iter().sum();
-        let onward = self.over(arms[target].1, &here);
+        let onward = self.message(arms[target].1, &here).0;
         out.iter_mut().zip(&onward).for_each(|(o, m)| *o += (1.0 - joined) * m * sum * STATES as f64);
         let of_arms: f64 = messages.iter().flatten().map(|message| message.iter().sum::<f64>().ln()).sum();
         let log = total.ln() + of_arms + normalise(&mut out).ln();
@@ -403,4 +376,26 @@ fn divided(belief: &[f64], message: Option<&[f64]>) -> Vec<f64> {
     };
     normalise(&mut out);
     out
+}
+
+/// No factor is larger, nor smaller than one over it: names are only one witness.
+const MOST: f64 = 100.0;
+
+/// The factor of each bridge: the probability of the names at its ends if a vessel passes between them, over that if they have nothing to
+/// do with each other. A false piece says nothing.
+pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[f64]) -> Vec<f64> {
+    let states = |n: usize| &beliefs.states[n * STATES..(n + 1) * STATES];
+    let each = nodes.bridges.iter().zip(&beliefs.bridge_ratio).map(|(bridge, known)| {
+        let [a, b] = bridge.nodes;
+        let ratio = known.unwrap_or_else(|| ratio(&atlas.gaps[bridge.length_class()], states(a), states(b)));
+        let is_true = (1.0 - false_pieces[nodes.piece[a]]) * (1.0 - false_pieces[nodes.piece[b]]);
+        (is_true * ratio + 1.0 - is_true).clamp(1.0 / MOST, MOST)
+    });
+    each.collect()
+}
+
+/// A probability whose odds are multiplied by the factor that names give them.
+pub fn probability_with(probability: f64, factor: f64) -> f64 {
+    let odds = probability / (1.0 - probability).max(1e-12) * factor;
+    odds / (1.0 + odds)
 }

@@ -1,15 +1,16 @@
-//! The circle of a network whose arteries were named: where its landmarks are, and what names and topologies together say of each segment.
+//! The circle of a network whose arteries were named: its landmarks, and what names and topologies together say of each segment.
 
 use std::collections::BTreeMap;
 
+use Artery::{A1, A2, Ica, M1, M2, P1, P2, PComm};
 use serde::{Deserialize, Serialize};
 
-use super::atlas::Atlas;
-use super::joins::probability_with;
+use super::atlas::{
+    ArteryLabel, Atlas, BA, LABELS, OTHER, STATES, artery_of, as_one_with_m1, bins_of, first_state, label_named, label_of,
+    mirrored, most_probable, name_of, states_of,
+};
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
-use super::presence::kind_of;
-use super::states::{LABELS, OTHER, artery_of, label_named, label_of, mirrored, most_probable, name_of, states_of};
-use super::{Names, landmarks::NamedPlace};
+use super::{Names, belief::probability_with, nodes::Nodes, presence::kind_of};
 use crate::circle_of_willis::{
     Artery, BodySide, Circle, FEEDERS, LabelScheme, Posterior, RING, VariantFrequencies, artery_of_label, identify_landmarks,
 };
@@ -18,8 +19,8 @@ use willis_core::error::{Fault, Place};
 use willis_core::network::units::{metres, millimetres};
 use willis_core::network::{Frame, Network};
 use willis_core::sampling::SamplingOptions;
-use willis_core::support::geometry::{Point, dot, lerp, sub};
-use willis_core::support::statistics::sigmoid;
+use willis_core::support::geometry::{Point, distance, dot, lerp, sub};
+use willis_core::support::{numbered::marked, statistics::sigmoid};
 use willis_io::formats::{ListedLandmark, SURE};
 
 /// Less than this much (mm) of an artery is none of it.
@@ -96,6 +97,7 @@ impl NamedCircle {
         fn exchanged<T: Copy>(of: [T; 7]) -> [T; 7] {
             RING.map(|artery| of[RING.iter().position(|other| *other == artery.opposite()).unwrap_or_default()])
         }
+        let other = |name: String| label_named(&name).map_or(name, |label| name_of(mirrored(label)));
         Self {
             log_odds: exchanged(self.log_odds),
             topology_weight: exchanged(self.topology_weight),
@@ -104,11 +106,7 @@ impl NamedCircle {
             is_in_view: exchanged(self.is_in_view),
             diameters: exchanged(self.diameters),
             factors: self.factors,
-            names: self
-                .names
-                .into_iter()
-                .map(|(row, name)| (row, label_named(&name).map_or(name, |label| name_of(mirrored(label)))))
-                .collect(),
+            names: self.names.into_iter().map(|(row, name)| (row, other(name))).collect(),
         }
     }
 
@@ -122,10 +120,7 @@ impl NamedCircle {
 /// vessels end where arteries are known to.
 pub fn topologies_say(circle: &Circle, named: &NamedCircle, network: &Network, options: &SamplingOptions) -> [f64; 7] {
     let network = named.weighed(network);
-    let mut known = vec![false; network.node_count()];
-    for node in circle.ends(&network) {
-        known[node] = true;
-    }
+    let known = marked(network.node_count(), circle.ends(&network));
     let ends = KnownEnds { ends: &known, inlets: &circle.inlets() };
     Posterior::of(circle, &network, &Topologies::of_free_ends(&network, ends, options)).segments
 }
@@ -175,12 +170,10 @@ impl Names {
     /// Whether arteries lie on the other side than their names say, by `places` (m, in the axes of the network's file) whose side is known.
     pub fn is_mirrored(&self, places: &[(BodySide, Point)]) -> bool {
         let middle_of = |side: BodySide| {
+            let is_own = |label: &ArteryLabel| artery_of(*label).and_then(Artery::side) == Some(side);
             let (mut sum, mut total) = ([0.0; 3], 0.0);
             for (at, labels) in self.nodes.at.iter().zip(&self.labels) {
-                let p: f64 = (0..LABELS)
-                    .filter(|label| artery_of(*label).and_then(Artery::side) == Some(side))
-                    .map(|label| labels[label])
-                    .sum();
+                let p: f64 = (0..LABELS).filter(is_own).map(|label| labels[label]).sum();
                 sum = [0, 1, 2].map(|k| sum[k] + p * at[k]);
                 total += p;
             }
@@ -225,12 +218,9 @@ impl Names {
     fn diameters(&self) -> [Option<f64>; 7] {
         std::array::from_fn(|segment| {
             let label = label_of(RING[segment]);
-            let (mut sum, mut total) = (0.0, 0.0);
-            for (n, p) in self.labels.iter().enumerate() {
-                let w = p[label] * self.nodes.weight[n];
-                sum += w * 2.0 * self.nodes.log_radius[n].exp();
-                total += w;
-            }
+            let weights = || self.labels.iter().zip(&self.nodes.weight).map(|(p, length)| p[label] * length);
+            let total: f64 = weights().sum();
+            let sum: f64 = weights().zip(&self.nodes.log_radius).map(|(w, log_radius)| w * 2.0 * log_radius.exp()).sum();
             (total > 0.5).then(|| metres(sum / total))
         })
     }
@@ -241,6 +231,52 @@ impl Names {
         Some(format!(
             "no frame is stated: front and back fit {frame}, and left and right follow from that; a mirrored file looks the same (see `frame`)"
         ))
+    }
+
+    /// The middle of the closest pair of nodes of two groups of labels, with the smaller of their probabilities; `None` where they do not
+    /// meet. `best` is the label of each node.
+    fn meeting_place(&self, best: &[ArteryLabel], between: &[Vec<ArteryLabel>; 2]) -> Option<(Point, f64)> {
+        let at = &self.nodes.at;
+        let [one, other] = between.each_ref().map(|of| (0..at.len()).filter(|n| of.contains(&best[*n])).collect::<Vec<_>>());
+        let pairs = one.iter().flat_map(|a| other.iter().map(|b| (distance(at[*a], at[*b]), *a, *b)));
+        let (d, a, b) = pairs.reduce(|closest, next| if next.0 < closest.0 { next } else { closest })?;
+        let sure = |n: usize, group: &[ArteryLabel]| group.iter().map(|label| self.labels[n][*label]).sum::<f64>();
+        (d <= LIMIT).then(|| (lerp(at[a], at[b], 0.5), sure(a, &between[0]).min(sure(b, &between[1]))))
+    }
+
+    /// Where a bifurcation lies of which only one artery is seen: on that artery, nearest to where the atlas has it. `None` where neither is seen,
+    /// or where the posterior communicating artery that makes it is not.
+    fn expected_place(&self, best: &[ArteryLabel], atlas: &Atlas, meeting: &Meeting) -> Option<(Point, f64)> {
+        let has = |label: ArteryLabel| best.contains(&label);
+        let labels = || meeting.between.iter().flatten().copied();
+        if labels().find(|label| matches!(artery_of(*label), Some(Artery::PComm(_)))).is_some_and(|pcomm| !has(pcomm)) {
+            return None;
+        }
+        let (at, expected) = (&self.nodes.at, self.bearings.pose.undo(atlas.data.pieces[first_state(meeting.at)].mean));
+        let near = (0..at.len()).filter(|n| labels().any(|label| label == best[*n])).map(|n| (distance(at[n], expected), n));
+        let (away, n) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+        (away <= EXPECTED_WITHIN).then(|| (at[n], ONE_SIDED))
+    }
+
+    /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.
+    pub fn landmarks(&self, model: &NamingModel) -> Vec<NamedPlace> {
+        let best = self.best();
+        let place = |meeting: Meeting| {
+            let both_seen = self.meeting_place(&best, &meeting.between);
+            let (at, probability) = both_seen.or_else(|| self.expected_place(&best, &model.atlas, &meeting))?;
+            Some(NamedPlace { label: meeting.label, at, probability })
+        };
+        let mut places: Vec<NamedPlace> = meetings().into_iter().filter_map(place).collect();
+        // Where PComm ends at P1 and P2, that is where they meet too.
+        for side in BodySide::BOTH {
+            let short = format!("{}/{}", Artery::P1(side), Artery::P2(side));
+            let long = format!("{short}/{}", Artery::PComm(side));
+            if places.iter().any(|place| place.label == long) {
+                places.retain(|place| place.label != short);
+            }
+        }
+        places.extend(ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
+        places
     }
 
     /// The circle with the sure landmarks, in a network of the same positions, with notes for the user.
@@ -263,15 +299,14 @@ impl Names {
             None
         } else {
             let listed = listed.iter().filter(is_inlet).max_by(|a, b| a.probability.total_cmp(&b.probability));
-            listed.cloned().or_else(|| super::landmarks::likeliest_inlet(&self.nodes, &self.labels))
+            listed.cloned().or_else(|| likeliest_inlet(&self.nodes, &self.labels))
         };
         sure.extend(&likeliest);
         // Where the ends of all arteries at a bifurcation are seen, these say more than a bifurcation that may lie in a gap.
         let is_end = |label: &str| sure.iter().any(|place| place.label == label);
         let needed = |place: &&NamedPlace| {
             BodySide::BOTH.iter().all(|side| {
-                let [ica, m1, a1, a2, p1, p2] = [Artery::Ica, Artery::M1, Artery::A1, Artery::A2, Artery::P1, Artery::P2]
-                    .map(|artery| artery(*side).to_string());
+                let [ica, m1, a1, a2, p1, p2] = [Ica, M1, A1, A2, P1, P2].map(|artery| artery(*side).to_string());
                 let meets = |a: &str, b: &str| [a, b].iter().all(|name| place.label.split('/').any(|part| part == *name));
                 !(meets(&ica, &m1) && is_end(&ica) && is_end(&m1)
                     || meets(&a1, &a2) && is_end(&a2)
@@ -289,4 +324,117 @@ impl Names {
         own.extend(notes);
         Ok((circle, own))
     }
+}
+
+/// Nodes of two arteries that meet are no further apart, mm.
+const LIMIT: f64 = 12.0;
+
+/// A place that has a name.
+#[derive(Debug, Clone, PartialEq)]
+pub struct NamedPlace {
+    /// `L-ICA/L-M1/L-A1` for a bifurcation, `L-ICA` for where an artery enters or leaves.
+    pub label: String,
+    /// Its position in mm, RAS.
+    pub at: Point,
+    /// How probable the names on which it rests are.
+    pub probability: f64,
+}
+
+/// A bifurcation: two groups of labels that meet there, and the state of the atlas that lies there.
+pub struct Meeting {
+    /// Its name.
+    pub label: String,
+    /// The labels on the one side, and those on the other.
+    pub between: [Vec<ArteryLabel>; 2],
+    /// The label at whose reference end it lies.
+    pub at: ArteryLabel,
+}
+
+/// Every bifurcation that has a name.
+pub fn meetings() -> Vec<Meeting> {
+    let mut all = Vec::new();
+    for side in BodySide::BOTH {
+        let mut add = |labels: &[ArteryLabel], one: &[ArteryLabel], other: &[ArteryLabel], at: ArteryLabel| {
+            let label = labels.iter().map(|l| name_of(*l)).collect::<Vec<_>>().join("/");
+            all.push(Meeting { label, between: [one.to_vec(), other.to_vec()], at });
+        };
+        let [ica, m1, m2, a1, a2, p1, p2, pcomm] = [Ica, M1, M2, A1, A2, P1, P2, PComm].map(|artery| label_of(artery(side)));
+        add(&[ica, m1, a1], &[ica], &[m1, a1], ica);
+        add(&[a1, a2, label_of(Artery::AComm)], &[a1], &[a2], a2);
+        add(&[m1, m2], &[m1], &[m2], m2);
+        add(&[ica, pcomm], &[ica], &[pcomm], pcomm);
+        add(&[p1, p2, pcomm], &[pcomm], &[p1, p2], p2);
+        add(&[p1, p2], &[p1], &[p2], p2);
+    }
+    let p1 = BodySide::BOTH.map(|side| label_of(Artery::P1(side)));
+    all.push(Meeting { label: format!("BA/{}/{}", name_of(p1[0]), name_of(p1[1])), between: [vec![BA], p1.to_vec()], at: BA });
+    all
+}
+
+/// How far (mm) the place that the atlas expects may be from a vessel that is there.
+const EXPECTED_WITHIN: f64 = 12.0;
+/// The probability of a place of which only one side is seen.
+const ONE_SIDED: f64 = 0.25;
+
+/// The ends of arteries that enter or leave the circle: of every label its free end that is farthest along it.
+pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[ArteryLabel]) -> Vec<NamedPlace> {
+    let mut found: BTreeMap<ArteryLabel, (f64, usize)> = BTreeMap::new();
+    for n in (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1 && best[*n] != OTHER) {
+        let of_states = &states[n * atlas.tables.label.len()..(n + 1) * atlas.tables.label.len()];
+        let label = best[n];
+        let (mut along, mut sum) = (0.0, 1e-9);
+        for (state, p) in of_states.iter().enumerate().filter(|(state, _)| atlas.tables.label[*state] == label) {
+            along += p * atlas.tables.bin[state] as f64;
+            sum += p;
+        }
+        let key = along / sum;
+        if found.get(&label).is_none_or(|(known, _)| key > *known) {
+            found.insert(label, (key, n));
+        }
+    }
+    // An artery that goes on under another name ends there.
+    let leaves = |of: ArteryLabel| match artery_of(of) {
+        Some(Artery::Ba | Artery::Ica(_) | Artery::M2(_) | Artery::A2(_) | Artery::P2(_)) => true,
+        Some(Artery::M1(side)) => !found.contains_key(&label_of(Artery::M2(side))),
+        _ => false,
+    };
+    let kept = found.iter().filter(|(label, _)| leaves(**label));
+    let mut places: Vec<NamedPlace> = kept
+        .map(|(of, (_, n))| NamedPlace { label: name_of(as_one_with_m1(*of)), at: nodes.at[*n], probability: labels[*n][*of] })
+        .collect();
+    if let Some(vertebral) = vertebral_ends(nodes, labels, states, best) {
+        places.retain(|place| place.label != name_of(BA));
+        places.extend(vertebral);
+    }
+    places
+}
+
+/// The free end that is likeliest of an artery by which blood enters; `None` without a free end.
+pub fn likeliest_inlet(nodes: &Nodes, labels: &[[f64; LABELS]]) -> Option<NamedPlace> {
+    let ends = (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1);
+    let each = ends.flat_map(|n| {
+        FEEDERS.map(|artery| NamedPlace { label: artery.to_string(), at: nodes.at[n], probability: labels[n][label_of(artery)] })
+    });
+    each.max_by(|a, b| a.probability.total_cmp(&b.probability))
+}
+
+/// Ends of the basilar artery further apart than this (mm) from left to right are those of the vertebral arteries, which the states of the
+/// basilar artery hold.
+const VERTEBRAL: f64 = 15.0;
+
+/// Where the vertebral arteries enter: of the free ends that lie as far along the basilar artery as its states go, the lowest on the left
+/// and on the right of their middle.
+fn vertebral_ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], best: &[ArteryLabel]) -> Option<[NamedPlace; 2]> {
+    let last = first_state(BA) + bins_of(BA) - 1;
+    let is_end = |n: &usize| best[*n] == BA && nodes.degree(*n) <= 1 && states[n * STATES + last] > 0.5;
+    let ends: Vec<usize> = (0..nodes.len()).filter(is_end).collect();
+    let across = |n: usize| nodes.at[n][0];
+    let (least, most) = ends.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), n| (a.min(across(*n)), b.max(across(*n))));
+    let lowest = |side: BodySide| {
+        let own = ends.iter().filter(|n| (2.0 * across(**n) < least + most) == (side == BodySide::Left));
+        own.min_by(|a, b| nodes.at[**a][2].total_cmp(&nodes.at[**b][2]))
+    };
+    let (left, right) = (lowest(BodySide::Left)?, lowest(BodySide::Right)?);
+    let place = |label: &str, n: usize| NamedPlace { label: label.to_owned(), at: nodes.at[n], probability: labels[n][BA] };
+    (most - least > VERTEBRAL).then(|| [place("L-VA", *left), place("R-VA", *right)])
 }

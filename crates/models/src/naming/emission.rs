@@ -1,12 +1,18 @@
-//! How well each node fits each state of the atlas at a pose: position, direction and radius.
+//! How well each node fits each state of the atlas at a pose: position, direction and radius; and its probability of each by itself.
+//!
+//! The search of the pose asks for that probability with the whole weight on position and direction. Student's t of 8 degrees of freedom in
+//! space is a power of 11/2, and that of directions one of 3/2: both need a square root and no logarithm. Tables lie state by state, so
+//! that vector instructions serve several at once.
+
+#![expect(clippy::inline_always, reason = "a kernel is compiled as a whole for each instruction set")]
 
 use serde::{Deserialize, Serialize};
 
-use super::algebra::{Matrix3, Symmetric, times, trace_of_product, turned};
-use super::atlas::Atlas;
-use super::nodes::Nodes;
-use super::states::{NOWHERE, STATES};
+use super::algebra::{Matrix3, Symmetric, normalise, times, trace_of_product, transposed, turned};
+use super::atlas::{Atlas, AtlasState, NOWHERE, STATES};
+use super::{belief::NamingForest, nodes::Nodes};
 use willis_core::support::geometry::{Point, sub};
+use willis_core::support::simd::{InstructionSet, Kernel, Simd};
 
 /// How a case lies in the atlas: y = e^scale R x + t, in mm.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -30,30 +36,12 @@ impl Pose {
     /// The position in the case of a position in the atlas.
     pub fn undo(&self, y: Point) -> Point {
         let scale = self.log_scale.exp();
-        super::algebra::transposed_times(&self.turn, sub(y, self.shift).map(|x| x / scale))
+        times(&transposed(&self.turn), sub(y, self.shift).map(|x| x / scale))
     }
 }
 
-/// The weights of position, direction and radius in the sum of log likelihoods.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Parts {
-    /// Of the position.
-    pub position: f64,
-    /// Of the direction.
-    pub direction: f64,
-    /// Of the radius.
-    pub radius: f64,
-}
-
-impl Parts {
-    /// All, in the proportions that name best: radii are noisy.
-    pub const ALL: Self = Self { position: 0.7, direction: 1.0, radius: 0.7 };
-    /// For the search of the pose, in which radii count less.
-    pub const SEARCH: Self = Self { position: 1.0, direction: 1.0, radius: 0.5 };
-    /// For the refinement of the pose.
-    pub const REFINE: Self = Self { position: 1.0, direction: 1.0, radius: 1.0 };
-}
-
+/// The weights of position, direction and radius in the sum of log likelihoods that name best: radii are noisy.
+pub const ALL_PARTS: [f64; 3] = [0.7, 1.0, 0.7];
 /// Nodes 1 mm apart are not independent: the share of its log likelihood that a node counts for.
 pub const TEMPER: f64 = 0.3;
 /// Degrees of freedom of Student's t for the position: outliers are no proof.
@@ -76,47 +64,62 @@ pub fn radius_fit(nodes: &Nodes, atlas: &Atlas, median_log_radius: f64) -> Vec<f
     fit
 }
 
-/// The share of [`emission`] with all parts that a node counts for: nodes x states.
-pub fn tempered(nodes: &Nodes, atlas: &Atlas, pose: &Pose, precisions: &[(Symmetric, f64)], radius: &[f64]) -> Vec<f64> {
-    emission(nodes, atlas, pose, precisions, Parts::ALL, radius).into_iter().map(|x| TEMPER * x).collect()
+/// A case to be posed and named, with what does not depend on the pose.
+pub struct Search<'a> {
+    /// The nodes.
+    pub nodes: &'a Nodes,
+    /// The atlas.
+    pub atlas: &'a Atlas,
+    /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
+    pub weight: &'a [f64],
+    /// From [`radius_fit`].
+    pub radius: Vec<f64>,
+    /// The forest of names.
+    pub forest: NamingForest,
 }
 
-/// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas,
-/// possibly widened ([`Atlas::widened`]); `radius` comes from [`radius_fit`].
-pub fn emission(
-    nodes: &Nodes,
-    atlas: &Atlas,
-    pose: &Pose,
-    precisions: &[(Symmetric, f64)],
-    parts: Parts,
-    radius: &[f64],
-) -> Vec<f64> {
-    let mut fit = vec![0.0; nodes.len() * STATES];
-    let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-    for (node, row) in fit.chunks_mut(STATES).enumerate() {
-        let at = pose.apply(nodes.at[node]);
-        let direction = turned(&pose.turn, &nodes.direction[node]);
-        let radius = &radius[node * STATES..(node + 1) * STATES];
-        for (state, to) in row.iter_mut().enumerate() {
-            if state == NOWHERE {
-                *to = parts.position * atlas.log_other + parts.radius * radius[NOWHERE];
-                continue;
-            }
-            let (precision, log_determinant) = &precisions[state];
-            let d = sub(at, atlas.data.pieces[state].mean);
-            let square = quadratic(precision, d).max(0.0);
-            let position =
-                -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
-            let mut sum = parts.position * position + parts.radius * radius[state];
-            if parts.direction > 0.0 {
-                let (inverse, log_determinant) = &atlas.direction[state];
-                let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
-                sum += parts.direction * along;
-            }
-            *to = sum;
-        }
+impl<'a> Search<'a> {
+    /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
+    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
+        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
     }
-    fit
+
+    /// The share of [`Search::emission`] with all parts that a node counts for: nodes x states.
+    pub fn tempered(&self, pose: &Pose, precisions: &[(Symmetric, f64)]) -> Vec<f64> {
+        self.emission(pose, precisions, ALL_PARTS).into_iter().map(|x| TEMPER * x).collect()
+    }
+
+    /// The log likelihood of all nodes in all states at a pose: nodes x states. `precisions` are those of the atlas, possibly widened
+    /// ([`Atlas::widened`]); position, direction and radius have weights.
+    pub fn emission(&self, pose: &Pose, precisions: &[(Symmetric, f64)], weights: [f64; 3]) -> Vec<f64> {
+        let ([of_position, of_direction, of_radius], atlas, nodes) = (weights, self.atlas, self.nodes);
+        let mut fit = vec![0.0; nodes.len() * STATES];
+        let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
+        for (node, row) in fit.chunks_mut(STATES).enumerate() {
+            let at = pose.apply(nodes.at[node]);
+            let direction = turned(&pose.turn, &nodes.direction[node]);
+            let radius = &self.radius[node * STATES..(node + 1) * STATES];
+            for (state, to) in row.iter_mut().enumerate() {
+                if state == NOWHERE {
+                    *to = of_position * atlas.log_other + of_radius * radius[NOWHERE];
+                    continue;
+                }
+                let (precision, log_determinant) = &precisions[state];
+                let d = sub(at, atlas.data.pieces[state].mean);
+                let square = quadratic(precision, d).max(0.0);
+                let position =
+                    -0.5 * log_determinant - 0.5 * (POSITION_FREEDOM + 3.0) * (square / POSITION_FREEDOM).ln_1p() + constant;
+                let mut sum = of_position * position + of_radius * radius[state];
+                if of_direction > 0.0 {
+                    let (inverse, log_determinant) = &atlas.direction[state];
+                    let along = -0.5 * log_determinant - 1.5 * trace_of_product(&direction, inverse).ln();
+                    sum += of_direction * along;
+                }
+                *to = sum;
+            }
+        }
+        fit
+    }
 }
 
 /// dᵀ S d.
@@ -125,4 +128,106 @@ fn quadratic(s: &Symmetric, d: Point) -> f64 {
         + d[1] * d[1] * s[1]
         + d[2] * d[2] * s[2]
         + 2.0 * (d[0] * d[1] * s[3] + d[0] * d[2] * s[4] + d[1] * d[2] * s[5])
+}
+
+/// What does not depend on the pose, for some nodes and some states, [`NOWHERE`] the last of them.
+pub struct Single<'a> {
+    nodes: &'a Nodes,
+    atlas: &'a Atlas,
+    subset: &'a [usize],
+    states: &'a [AtlasState],
+    /// The weight of each state of each node by its radius and its prior: nodes x states.
+    weight: Vec<f64>,
+    /// The direction matrices, each entry over the states.
+    along: [Vec<f64>; 6],
+    instructions: InstructionSet,
+}
+
+/// The positions of states, widened.
+pub struct StatePlaces {
+    mean: [Vec<f64>; 3],
+    precision: [Vec<f64>; 6],
+    /// What the determinants say.
+    scale: Vec<f64>,
+}
+
+impl<'a> Single<'a> {
+    /// For the nodes of a subset in some states; the radius counts with a weight.
+    pub fn new(case: &Search<'a>, [subset, states]: [&'a [usize]; 2], radius_weight: f64) -> Self {
+        let (nodes, atlas) = (case.nodes, case.atlas);
+        let of = |node: &usize| &case.radius[node * STATES..(node + 1) * STATES];
+        let weight = |row: &[f64], state: AtlasState| (radius_weight * row[state]).exp() * atlas.prior[state];
+        let weight =
+            subset.iter().flat_map(|node| states.iter().map(move |state| (of(node), *state))).map(|(row, s)| weight(row, s));
+        let weight = weight.collect();
+        let along = std::array::from_fn(|k| arteries(states).map(|state| atlas.direction[state].0[k]).collect());
+        Self { nodes, atlas, subset, states, weight, along, instructions: InstructionSet::detect() }
+    }
+
+    /// The positions of the states at some precisions of the atlas.
+    pub fn places(&self, precisions: &[(Symmetric, f64)]) -> StatePlaces {
+        let states = || arteries(self.states);
+        let normal = (2.0 * std::f64::consts::PI).powf(-1.5);
+        StatePlaces {
+            mean: std::array::from_fn(|k| states().map(|state| self.atlas.data.pieces[state].mean[k]).collect()),
+            precision: std::array::from_fn(|k| states().map(|state| precisions[state].0[k]).collect()),
+            scale: states().map(|s| normal * (-0.5 * (precisions[s].1 + self.atlas.direction[s].1)).exp()).collect(),
+        }
+    }
+
+    /// The probabilities of the states (nodes x states) at a pose, and the sum over the nodes of the logarithms of what they were divided by.
+    pub fn probabilities(&self, pose: &Pose, places: &StatePlaces) -> (Vec<f64>, f64) {
+        let other = self.atlas.log_other.exp();
+        let mut log = 0.0;
+        let mut all = vec![0.0; self.weight.len()];
+        let rows = all.chunks_mut(self.states.len()).zip(self.weight.chunks(self.states.len()));
+        for (node, (row, weight)) in self.subset.iter().zip(rows) {
+            let direction = turned(&pose.turn, &self.nodes.direction[*node]);
+            let last = row.len() - 1;
+            let (arteries, nowhere) = row.split_at_mut(last);
+            let at = pose.apply(self.nodes.at[*node]);
+            self.instructions.run(Fit { at, direction, weight: &weight[..last], places, along: &self.along, out: arteries });
+            nowhere[0] = weight[last] * other;
+            log += normalise(row).ln();
+        }
+        (all, log)
+    }
+}
+
+fn arteries(states: &[AtlasState]) -> impl Iterator<Item = AtlasState> + '_ {
+    states.iter().copied().filter(|state| *state != NOWHERE)
+}
+
+/// The weights of the states of one node.
+struct Fit<'a> {
+    at: Point,
+    direction: Symmetric,
+    weight: &'a [f64],
+    places: &'a StatePlaces,
+    along: &'a [Vec<f64>; 6],
+    out: &'a mut [f64],
+}
+
+impl Kernel for Fit<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let n = self.out.len();
+        let StatePlaces { mean, precision, scale } = self.places;
+        let [x, y, z] = [0, 1, 2].map(|k| &mean[k][..n]);
+        let [a, b, c, d, e, f] = [0, 1, 2, 3, 4, 5].map(|k| &precision[k][..n]);
+        let [t, u, v, p, q, r] = [0, 1, 2, 3, 4, 5].map(|k| &self.along[k][..n]);
+        let (weight, scale, at, s) = (&self.weight[..n], &scale[..n], self.at, self.direction);
+        for i in 0..n {
+            let [dx, dy, dz] = [at[0] - x[i], at[1] - y[i], at[2] - z[i]];
+            let cross = dx * dy * d[i] + dx * dz * e[i] + dy * dz * f[i];
+            let square = dx * dx * a[i] + dy * dy * b[i] + dz * dz * c[i] + 2.0 * cross;
+            let place = 1.0 + square.max(0.0) / POSITION_FREEDOM;
+            let diagonal = s[0] * t[i] + s[1] * u[i] + s[2] * v[i];
+            let trace = diagonal + 2.0 * (s[3] * p[i] + s[4] * q[i] + s[5] * r[i]);
+            let squared = place * place;
+            self.out[i] = weight[i] * scale[i] / (squared * squared * place * trace * (place * trace).sqrt());
+        }
+    }
 }

@@ -1,14 +1,12 @@
 //! The vessels of a network with their names, divided where the name changes along them.
 
-use std::collections::BTreeMap;
+use std::collections::BTreeSet;
 
 use super::Names;
-use super::states::{ArteryLabel, OTHER, most_probable, name_of};
-use willis_core::network::units::metres;
+use super::atlas::{ArteryLabel, OTHER, most_probable, name_of};
 use willis_core::network::walks::{edges_at, other};
-use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel};
-use willis_core::support::arc_lengths::in_direction;
-use willis_core::support::geometry::distance;
+use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, units::metres};
+use willis_core::support::{arc_lengths::in_direction, geometry::distance, numbered::grouped};
 
 /// A contact from this probability on is a connection.
 const CONNECTED: f64 = 0.5;
@@ -27,10 +25,8 @@ struct NameRun {
 /// none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
 /// vessel.
 pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Network, Vec<Option<f64>>) {
-    let mut by_vessel: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for n in 0..names.nodes.len() {
-        by_vessel.entry(names.nodes.place[n].vessel).or_default().push(n);
-    }
+    let places = names.nodes.place.iter().enumerate();
+    let by_vessel = grouped(graph.vessel_count(), places.map(|(n, place)| (place.vessel, n)));
     let mut nodes: Vec<Node> = own.iter().chain(graph.nodes().skip(own.len())).cloned().collect();
     let mut pieces: Vec<Option<NamedPiece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
@@ -42,7 +38,7 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Networ
             }
             _ => continue,
         }
-        let runs = by_vessel.get(&row).map(|own| runs_of(own, names)).unwrap_or_default();
+        let runs = runs_of(&by_vessel[row], names);
         let path = graph.path_of(row);
         let mut rest = &path[..];
         let (mut from, mut begun) = (ends[0], Vec::new());
@@ -77,7 +73,7 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Networ
     out.frame = graph.frame;
     let mut row = vec![usize::MAX; nodes.len()];
     let mut probability = Vec::new();
-    let used: std::collections::BTreeSet<usize> = pieces.iter().flatten().flat_map(|(ends, ..)| *ends).collect();
+    let used: BTreeSet<usize> = pieces.iter().flatten().flat_map(|(ends, ..)| *ends).collect();
     for (n, node) in nodes.into_iter().enumerate().filter(|(n, _)| *n < own.len() || used.contains(n)) {
         row[n] = out.add_node(node);
     }
@@ -90,28 +86,18 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Networ
 
 /// The runs of names along a vessel, from the nodes that lie on it.
 fn runs_of(own: &[usize], names: &Names) -> Vec<NameRun> {
+    let along = |n: usize| names.nodes.place[n].along;
+    let label = |n: usize| most_probable(&names.labels[n]);
     let mut order: Vec<usize> = own.to_vec();
-    order.sort_by(|a, b| names.nodes.place[*a].along.total_cmp(&names.nodes.place[*b].along));
-    let mut runs: Vec<(NameRun, f64)> = Vec::new();
-    let mut before = 0.0;
-    for n in order {
-        let (label, along) = (most_probable(&names.labels[n]), metres(names.nodes.place[n].along));
-        let p = names.labels[n][label];
-        match runs.last_mut() {
-            Some((run, count)) if run.label == label => {
-                run.probability += p;
-                *count += 1.0;
-            }
-            last => {
-                if let Some((run, _)) = last {
-                    run.until = 0.5 * (before + along);
-                }
-                runs.push((NameRun { until: f64::INFINITY, label, probability: p }, 1.0));
-            }
-        }
-        before = along;
-    }
-    runs.into_iter().map(|(run, count)| NameRun { probability: run.probability / count, ..run }).collect()
+    order.sort_by(|a, b| along(*a).total_cmp(&along(*b)));
+    let runs: Vec<&[usize]> = order.chunk_by(|a, b| label(*a) == label(*b)).collect();
+    let run = |(at, run): (usize, &&[usize])| {
+        let (label, last) = (label(run[0]), metres(along(run[run.len() - 1])));
+        let sum: f64 = run.iter().map(|n| names.labels[*n][label]).sum();
+        let until = runs.get(at + 1).map_or(f64::INFINITY, |next| 0.5 * (last + metres(along(next[0]))));
+        NameRun { until, label, probability: sum / run.len() as f64 }
+    };
+    runs.iter().enumerate().map(run).collect()
 }
 
 fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &NameRun) -> NamedPiece {

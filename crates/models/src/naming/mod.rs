@@ -8,41 +8,32 @@ pub mod algebra;
 pub mod atlas;
 pub mod belief;
 mod circle;
-mod core;
 pub mod emission;
-mod exclusion;
-mod joins;
 mod labelled;
-pub(crate) mod landmarks;
 pub mod model;
-mod models;
 pub mod nodes;
 pub mod pieces;
 pub mod pose;
 pub mod presence;
-pub mod single;
-pub mod states;
-pub mod ways;
 
-pub use algebra::{outer_sum, rotation, symmetric_times, turned};
-pub use circle::{CirclePrior, NamedCircle, log_odds, topologies_say};
+pub use circle::{CirclePrior, NamedCircle, NamedPlace, log_odds, topologies_say};
 pub use labelled::labelled_network;
-pub use landmarks::NamedPlace;
 pub use model::{NamingModel, NamingScores};
-pub use models::NamingModels;
 pub use nodes::Nodes;
-pub use states::{ArteryLabel, LABELS, OTHER, name_of};
+
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
 use crate::circle_of_willis::RING;
+use atlas::{ArteryLabel, Atlas, LABELS, OTHER, STATES, label_of, most_probable, states_of};
 use belief::{Beliefs, NamingForest};
-use emission::{Pose, radius_fit, tempered};
-use exclusion::exclusion;
-use pieces::{label_probabilities, piece_features};
-use pose::{Scored, Search};
+use emission::{Pose, Search};
+use pieces::{PIECE_FEATURES, exclusion, label_probabilities, piece_features};
+use pose::{Core, Scored, core_at, find_core};
 use presence::Seen;
-use states::{STATES, label_of, most_probable, states_of};
+use willis_core::error::Result;
 use willis_core::network::{Frame, Network};
 
 /// Rounds in which pieces of arteries that are taken twice settle.
@@ -78,7 +69,7 @@ pub struct Names {
     /// Per bridge of the nodes, by how much the names multiply its odds.
     pub bridge_factor: Vec<f64>,
     /// The features of the pieces in the first and in the second pass.
-    pub piece_features: [Vec<[f64; pieces::PIECE_FEATURES]>; 2],
+    pub piece_features: [Vec<[f64; PIECE_FEATURES]>; 2],
 }
 
 /// How a case was found to lie, and by which model.
@@ -98,22 +89,12 @@ struct NamingPass {
     beliefs: Beliefs,
     /// The log likelihoods that they are of: nodes x states.
     log_likelihood: Vec<f64>,
-    features: Vec<[f64; pieces::PIECE_FEATURES]>,
+    features: Vec<[f64; PIECE_FEATURES]>,
 }
 
 /// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
 /// network without a vessel or without positions.
 pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
-    name_with(network, model, |features, pass| model.is_false(features, pass))
-}
-
-/// As [`name_arteries`], with a rule for false pieces: from the features of a piece, and in the second pass the logarithm of what the first
-/// pass said.
-pub fn name_with(
-    network: &Network,
-    model: &NamingModel,
-    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
-) -> Option<Names> {
     if !network.has_positions() {
         return None;
     }
@@ -123,19 +104,19 @@ pub fn name_with(
     }
     let atlas = &model.atlas;
     let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
-    let mut found: Vec<(Frame, core::Core, Vec<Scored>)> = Vec::new();
+    let mut found: Vec<(Frame, Core, Vec<Scored>)> = Vec::new();
     for frame in frames {
         let seen = if network.frame.is_known() || *frame == Frame::Ras { all.clone() } else { all.turned_about_vertical() };
-        found.extend(core::find(seen, atlas).map(|(core, poses)| (*frame, core, poses)));
+        found.extend(find_core(seen, atlas).map(|(core, poses)| (*frame, core, poses)));
     }
     // Pieces that are false may outweigh the others while the pose is searched: where the frames are that near to each other, the one counts
     // that fits better without such pieces.
-    let score = |(_, _, poses): &(Frame, core::Core, Vec<Scored>)| poses.first().map_or(f64::NEG_INFINITY, |pose| pose.score);
+    let score = |(_, _, poses): &(Frame, Core, Vec<Scored>)| poses.first().map_or(f64::NEG_INFINITY, |pose| pose.score);
     let best = found.iter().map(score).fold(f64::NEG_INFINITY, f64::max);
-    found.retain(|one| score(one) >= best - NEAR * one.1.nodes.len() as f64);
+    found.retain(|one| score(one) >= best - NEAR * one.1.0.len() as f64);
     let named = found.into_iter().filter_map(|(frame, core, poses)| {
         let poses: Vec<Pose> = poses.iter().map(|scored| scored.pose).collect();
-        names_at(network, model, frame, core, &poses, false, &is_false)
+        names_at(network, model, frame, core, &poses, false)
     });
     let fit = |names: &Names| if names.fit.is_nan() { f64::NEG_INFINITY } else { names.fit };
     named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
@@ -145,8 +126,8 @@ pub fn name_with(
 pub fn name_again(network: &Network, model: &NamingModel, like: &Bearings) -> Option<Names> {
     let all = Nodes::of(network);
     let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
-    let core = core::at(all, &model.atlas, &like.pose)?;
-    names_at(network, model, like.frame, core, &[like.pose], true, |features, pass| model.is_false(features, pass))
+    let core = core_at(all, &model.atlas, &like.pose)?;
+    names_at(network, model, like.frame, core, &[like.pose], true)
 }
 
 /// The names at the best of some poses: the best first, found without knowing which pieces are false, or the one where the same vessels are
@@ -155,27 +136,24 @@ fn names_at(
     network: &Network,
     model: &NamingModel,
     frame: Frame,
-    core: core::Core,
+    (nodes, median_of_all): Core,
     poses: &[Pose],
     is_known: bool,
-    is_false: impl Fn(&[f64; pieces::PIECE_FEATURES], Option<f64>) -> f64,
 ) -> Option<Names> {
     let atlas = &model.atlas;
-    let nodes = core.nodes;
-    let pose = *poses.first()?;
+    let mut pose = *poses.first()?;
     let one = vec![1.0; nodes.len()];
 
-    let median = core.median_log_radius.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
-    let used = nodes.spanning_bridges(|_| true);
+    let mut median = median_of_all.unwrap_or_else(|| nodes.median_log_radius(|_| 1.0));
+    let mut used = nodes.spanning_bridges(|_| true);
     let first = pass(&nodes, &one, &used, atlas, &pose, median);
-    let doubt: Vec<f64> = first.features.iter().map(|x| is_false(x, None)).collect();
+    let doubt: Vec<f64> = first.features.iter().map(|x| model.is_false(x, None)).collect();
 
-    let weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
+    let mut weight: Vec<f64> = nodes.piece.iter().map(|piece| 1.0 - doubt[*piece]).collect();
     let counted: f64 = weight.iter().zip(&nodes.weight).map(|(share, length)| share * length).sum();
-    let (mut pose, mut median, mut used, mut weight) = (pose, median, used, weight);
     let mut fit = f64::NAN;
     if counted >= LEAST_TRUE {
-        if core.median_log_radius.is_none() {
+        if median_of_all.is_none() {
             median = nodes.median_log_radius(|n| weight[n]);
         }
         used = nodes.spanning_bridges(|piece| doubt[piece] < 0.5);
@@ -188,14 +166,14 @@ fn names_at(
     }
     let second = pass(&nodes, &weight, &used, atlas, &pose, median);
     let false_pieces: Vec<f64> =
-        second.features.iter().zip(&doubt).map(|(x, before)| is_false(x, Some((before + 1e-3).ln()))).collect();
+        second.features.iter().zip(&doubt).map(|(x, before)| model.is_false(x, Some((before + 1e-3).ln()))).collect();
 
     let labels = labels_of(&nodes, &second.beliefs.states, &false_pieces, atlas);
-    let bridge_factor = joins::factors(&nodes, atlas, &second.beliefs, &false_pieces);
+    let bridge_factor = belief::factors(&nodes, atlas, &second.beliefs, &false_pieces);
     let evidence = evidence(&second, atlas);
     let seen = Seen::of(&nodes, &labels, &false_pieces, &bridge_factor, evidence);
     Some(Names {
-        is_part: core.median_log_radius.is_some(),
+        is_part: median_of_all.is_some(),
         states: second.beliefs.states,
         frame_was_found: !network.frame.is_known(),
         piece_features: [first.features, second.features],
@@ -210,7 +188,7 @@ fn names_at(
 }
 
 /// Per node the probabilities of the labels, from those of the states and of its piece being false.
-pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &atlas::Atlas) -> Vec<[f64; LABELS]> {
+pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &Atlas) -> Vec<[f64; LABELS]> {
     let each = states.chunks(STATES).zip(&nodes.piece).map(|(states, piece)| {
         let mut labels = label_probabilities(states, atlas);
         let (doubt, artery) = (false_pieces[*piece], 1.0 - labels[OTHER] + 1e-12);
@@ -224,30 +202,29 @@ pub fn labels_of(nodes: &Nodes, states: &[f64], false_pieces: &[f64], atlas: &at
 }
 
 /// The names at a pose, with one of every artery, and the features of the pieces.
-fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &atlas::Atlas, pose: &Pose, median: f64) -> NamingPass {
-    let radius = radius_fit(nodes, atlas, median);
-    let own = tempered(nodes, atlas, pose, &atlas.position, &radius);
-    let forest = NamingForest::of(nodes, used);
+fn pass(nodes: &Nodes, weight: &[f64], used: &[usize], atlas: &Atlas, pose: &Pose, median: f64) -> NamingPass {
+    let case = Search::new(nodes, atlas, weight, used, median);
+    let own = case.tempered(pose, &atlas.position);
     let mut penalty: Option<Vec<f64>> = None;
     let with = |penalty: &Option<Vec<f64>>| -> Vec<f64> {
         penalty.as_ref().map_or_else(|| own.clone(), |penalty| own.iter().zip(penalty).map(|(e, p)| e + p).collect())
     };
     for _ in 0..ROUNDS {
-        let names = forest.beliefs(atlas, &with(&penalty)).states;
-        let new = exclusion(nodes, weight, atlas, &names);
+        let names = case.forest.beliefs(atlas, &with(&penalty)).states;
+        let new = exclusion(&case, &names);
         penalty = Some(match penalty {
             None => new,
             Some(old) => old.iter().zip(&new).map(|(a, b)| 0.5 * (a + b)).collect(),
         });
     }
     let log_likelihood = with(&penalty);
-    let beliefs = forest.beliefs(atlas, &log_likelihood);
-    let features = piece_features(nodes, weight, used, atlas, pose, [&radius, &beliefs.states], median);
-    NamingPass { forest, beliefs, log_likelihood, features }
+    let beliefs = case.forest.beliefs(atlas, &log_likelihood);
+    let features = piece_features(&case, used, pose, &beliefs.states, median);
+    NamingPass { forest: case.forest, beliefs, log_likelihood, features }
 }
 
 /// For each segment of the ring minus the logarithm of the probability that no node has its name.
-fn evidence(pass: &NamingPass, atlas: &atlas::Atlas) -> [f64; 7] {
+fn evidence(pass: &NamingPass, atlas: &Atlas) -> [f64; 7] {
     let states = RING.map(|segment| states_of(label_of(segment)));
     // What hardly any node may be says nothing: the sum of the probabilities is more than that of any.
     let is_asked = states.each_ref().map(|own| {
@@ -275,20 +252,68 @@ impl Names {
     pub fn best(&self) -> Vec<ArteryLabel> {
         self.labels.iter().map(most_probable).collect()
     }
+}
 
-    /// The landmarks: bifurcations where two named arteries meet, and where arteries enter or leave.
-    pub fn landmarks(&self, model: &NamingModel) -> Vec<NamedPlace> {
-        let best = self.best();
-        let mut places: Vec<NamedPlace> = landmarks::meetings()
-            .into_iter()
-            .filter_map(|meeting| {
-                let (at, probability) = landmarks::meeting_place(&self.nodes, &self.labels, &best, &meeting.between)
-                    .or_else(|| landmarks::expected_place(&self.nodes, &best, &model.atlas, &self.bearings.pose, &meeting))?;
-                Some(NamedPlace { label: meeting.label, at, probability })
-            })
-            .collect();
-        landmarks::drop_doubles(&mut places);
-        places.extend(landmarks::ends(&self.nodes, &self.labels, &self.states, &model.atlas, &best));
-        places
+/// The models that ship: of patients, and of the drawn circle of `willis phantom`.
+const SHIPPED: [(&str, &str); 2] = [("arteries.toml", include_str!("arteries.toml")), ("drawn.toml", include_str!("drawn.toml"))];
+/// Where the first model names this share of the length, no other one is asked; nor of a whole brain.
+const ENOUGH: f64 = 0.8;
+
+/// Models that name arteries, the one that is asked first before the others.
+#[derive(Debug, Clone)]
+pub struct NamingModels(Vec<Arc<NamingModel>>);
+
+impl NamingModels {
+    /// The models that ship with willis.
+    ///
+    /// # Errors
+    ///
+    /// None in a released version: a test reads them.
+    pub fn shipped() -> Result<Self> {
+        // A cohort asks for every subject.
+        static MODELS: OnceLock<NamingModels> = OnceLock::new();
+        if let Some(models) = MODELS.get() {
+            return Ok(models.clone());
+        }
+        let read =
+            |(path, text): &(&str, &str)| NamingModel::read(text).map(Arc::new).map_err(|fault| fault.in_file(Path::new(path)));
+        let models = Self(SHIPPED.iter().map(read).collect::<Result<_>>()?);
+        Ok(MODELS.get_or_init(|| models).clone())
+    }
+
+    /// One model alone.
+    pub fn one(model: NamingModel) -> Self {
+        Self(vec![Arc::new(model)])
+    }
+
+    /// The names of a network by the model that it fits best: see [`name_arteries`].
+    pub fn name(&self, network: &Network) -> Option<Names> {
+        let mut best: Option<Names> = None;
+        for (by, model) in self.0.iter().enumerate() {
+            let Some(mut names) = name_arteries(network, model) else { continue };
+            // Of a whole brain each atlas names another part, so that their fits do not compare; and drawn circles are no brains.
+            if by == 0 && (names.share_named() >= ENOUGH || names.is_part) {
+                return Some(names);
+            }
+            // A case of which a model knows next to nothing has no fit.
+            let fit = |names: &Names| names.fit.max(f64::MIN);
+            if best.as_ref().is_none_or(|known| fit(&names) > fit(known)) {
+                names.bearings.by = by;
+                best = Some(names);
+            }
+        }
+        best
+    }
+
+    /// The names by the same model of a network that lies where `like` was found to lie: see [`name_again`].
+    pub fn name_again(&self, network: &Network, like: &Bearings) -> Option<Names> {
+        let mut names = name_again(network, self.0.get(like.by)?, like)?;
+        names.bearings.by = like.by;
+        Some(names)
+    }
+
+    /// The model that gave some names.
+    pub fn of(&self, names: &Names) -> &NamingModel {
+        &self.0[names.bearings.by]
     }
 }

@@ -5,15 +5,16 @@ use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
 
-use super::atlas::{Atlas, AtlasData, AtlasPiece, Counts};
+use super::atlas::{
+    Atlas, AtlasData, AtlasPiece, AtlasState, LABELS, NOWHERE, STATES, StatePair, StateTables, StatesOfArms, artery_of, bins_of,
+    first_state, label_named, name_of,
+};
 use super::pieces::PIECE_FEATURES;
 use super::presence::{KINDS, PRESENCE_FEATURES};
-use super::states::{AtlasState, LABELS, NOWHERE, STATES, StateTables, artery_of, bins_of, first_state, label_named, name_of};
 use crate::circle_of_willis::{Artery, BodySide};
 use willis_core::error::{Fault, Result};
-use willis_core::support::model_provenance::ModelProvenance;
-use willis_core::support::statistics::sigmoid;
 use willis_core::support::toml_text::{parse, write};
+use willis_core::support::{model_provenance::ModelProvenance, statistics::sigmoid};
 
 /// How well names were found for subjects that were held out.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -91,17 +92,6 @@ struct StateRow {
     length: f64,
 }
 
-impl StateRow {
-    /// Whether its numbers are those of distributions.
-    fn is_distribution(&self) -> bool {
-        let mut numbers = self.mean.iter().chain(&self.covariance).chain(&self.direction).chain(&self.log_radius);
-        numbers.all(|x| x.abs() < 1e9)
-            && is_positive(&self.covariance)
-            && is_positive(&self.direction)
-            && self.log_radius[1] > 0.0
-    }
-}
-
 const HEADING: &str = "\
 # Names of the arteries of the Circle of Willis: lengths in mm, positions in RAS about the middle of the carotid bifurcations.
 # false_pieces: whether a piece is false: a constant and the weights of its features, for the first and the second pass.
@@ -151,17 +141,15 @@ impl NamingModel {
             if state == NOWHERE {
                 continue;
             }
-            let piece = AtlasPiece {
-                mean: row.mean,
-                covariance: row.covariance,
-                direction: row.direction,
-                log_radius: row.log_radius[0],
-                radius_spread: row.log_radius[1],
-            };
-            if !row.is_distribution() {
+            let (mean, covariance, direction, [log_radius, radius_spread]) =
+                (row.mean, row.covariance, row.direction, row.log_radius);
+            let mut numbers = mean.iter().chain(&covariance).chain(&direction).chain(&row.log_radius);
+            let are_positive = is_positive(&covariance) && is_positive(&direction) && radius_spread > 0.0;
+            if !(numbers.all(|x| x.abs() < 1e9) && are_positive) {
                 let accepted = "expected positive definite matrices and a positive spread";
                 return Err(wrong(format!("state \"{}\"", row.name), accepted));
             }
+            let piece = AtlasPiece { mean, covariance, direction, log_radius, radius_spread };
             pieces[tables.mirrored[state]] = Some(mirrored(&piece));
             pieces[state] = Some(piece);
         }
@@ -169,13 +157,13 @@ impl NamingModel {
             let accepted = "expected one row for every state of the left side and the middle";
             return Err(wrong(format!("state \"{}\"", state_name(state, &tables)), accepted));
         }
-        let pairs = |rows: &[(String, String, f64)]| -> Result<Vec<(AtlasState, AtlasState, f64)>, Fault> {
+        let pairs = |rows: &[(String, String, f64)]| -> Result<BTreeMap<StatePair, f64>, Fault> {
             let mut all = BTreeMap::new();
             for (a, b, n) in rows {
                 let n = counted(*n, format!("\"{a}\" and \"{b}\""))?;
                 all.extend(tables.alike(of(a)?, of(b)?).map(|pair| (pair, n)));
             }
-            Ok(all.into_iter().map(|((a, b), n)| (a, b, n)).collect())
+            Ok(all)
         };
         let neighbours = [pairs(&file.within_branches)?, pairs(&file.at_junctions)?];
         let mut bifurcations = Vec::new();
@@ -183,26 +171,15 @@ impl NamingModel {
             let n = counted(*n, format!("a bifurcation at \"{middle}\""))?;
             let (mut arms, middle) = ([of(a)?, of(b)?, of(c)?], of(middle)?);
             arms.sort_unstable();
-            let (other_arms, other_middle) = tables.mirrored_bifurcation(arms, middle);
-            bifurcations.extend([(arms, middle, n), (other_arms, other_middle, n)]);
+            bifurcations.extend([((arms, middle), n), (tables.mirrored_bifurcation((arms, middle)), n)]);
         }
         if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
             return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
         }
-        let data = AtlasData {
-            pieces: pieces.into_iter().flatten().collect(),
-            other_radius: file.other_radius,
-            centroid: file.centroid,
-            counts: Counts { length, neighbours, bifurcations },
-        };
-        Ok(Self {
-            provenance: file.provenance,
-            figures: file.figures,
-            atlas: Atlas::new(data),
-            false_pieces: file.false_pieces,
-            presence: file.presence,
-            share: file.share,
-        })
+        let NamingFile { other_radius, centroid, false_pieces, presence, share, provenance, figures, .. } = file;
+        let pieces = pieces.into_iter().flatten().collect();
+        let atlas = Atlas::new(AtlasData { pieces, other_radius, centroid, length, neighbours, bifurcations });
+        Ok(Self { provenance, figures, atlas, false_pieces, presence, share })
     }
 
     /// Writes the model: of states that have a mirror image only the left one.
@@ -211,22 +188,21 @@ impl NamingModel {
     ///
     /// Those of `out`.
     pub fn write(&self, out: impl Write) -> io::Result<()> {
-        let (AtlasData { pieces, other_radius, centroid, counts }, tables) = (&self.atlas.data, &self.atlas.tables);
+        let (AtlasData { pieces, other_radius, centroid, length, .. }, tables) = (&self.atlas.data, &self.atlas.tables);
         let name = |state: AtlasState| state_name(state, tables);
-        let pairs = |list: &[(AtlasState, AtlasState, f64)]| {
-            let is_first =
-                |(a, b, _): &&(AtlasState, AtlasState, f64)| tables.alike(*a, *b).iter().all(|other| (*a, *b) <= *other);
-            list.iter().filter(is_first).map(|(a, b, n)| (name(*a), name(*b), *n)).collect()
+        let pairs = |counts: &BTreeMap<StatePair, f64>| {
+            let is_first = |pair: &StatePair| tables.alike(pair.0, pair.1).iter().all(|other| pair <= other);
+            counts.iter().filter(|(pair, _)| is_first(pair)).map(|((a, b), n)| (name(*a), name(*b), *n)).collect()
         };
         let mut bifurcations = BTreeMap::new();
-        for (arms, middle, n) in &counts.bifurcations {
-            let (own, other) = ((*arms, *middle), tables.mirrored_bifurcation(*arms, *middle));
-            if own <= other {
+        for (own, n) in &self.atlas.data.bifurcations {
+            let other = tables.mirrored_bifurcation(*own);
+            if *own <= other {
                 // A bifurcation that is its own mirror image stands for both.
-                *bifurcations.entry(own).or_insert(0.0) += if own == other { 0.5 * n } else { *n };
+                *bifurcations.entry(*own).or_insert(0.0) += if *own == other { 0.5 * n } else { *n };
             }
         }
-        let bifurcation = |((arms, middle), n): (([AtlasState; 3], AtlasState), f64)| {
+        let bifurcation = |((arms, middle), n): (StatesOfArms, f64)| {
             let [a, b, c] = arms.map(name);
             (a, b, c, name(middle), n)
         };
@@ -238,19 +214,17 @@ impl NamingModel {
                 covariance: rounded(piece.covariance, 5),
                 direction: rounded(piece.direction, 6),
                 log_radius: rounded([piece.log_radius, piece.radius_spread], 5),
-                length: rounded([counts.length.get(state).copied().unwrap_or(0.0)], 2)[0],
+                length: rounded([length.get(state).copied().unwrap_or(0.0)], 2)[0],
             }
         };
         let logistic = |weights: &Logistic| weights.iter().map(|w| rounded([*w], 6)[0]).collect::<Logistic>();
-        let [within_branches, at_junctions] = counts.neighbours.each_ref().map(|list| pairs(list));
-        let four = |share: f64| rounded([share], 4)[0];
-        let figures = self.figures.iter().map(|of| NamingScores {
-            length_right: four(of.length_right),
-            length_right_mca: four(of.length_right_mca),
-            presence_right: four(of.presence_right),
-            exact: four(of.exact),
-            ..of.clone()
+        let [within_branches, at_junctions] = self.atlas.data.neighbours.each_ref().map(pairs);
+        let figures = self.figures.iter().map(|of| {
+            let shares = [of.length_right, of.length_right_mca, of.presence_right, of.exact];
+            let [length_right, length_right_mca, presence_right, exact] = rounded(shares, 4);
+            NamingScores { length_right, length_right_mca, presence_right, exact, ..of.clone() }
         });
+        let is_listed = |state: &AtlasState| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right);
         let file = NamingFile {
             format: FORMAT.to_owned(),
             other_radius: rounded(*other_radius, 6),
@@ -263,10 +237,7 @@ impl NamingModel {
             bifurcations: bifurcations.into_iter().map(bifurcation).collect(),
             provenance: self.provenance.clone(),
             figures: figures.collect(),
-            states: (0..STATES)
-                .filter(|state| artery_of(tables.label[*state]).and_then(Artery::side) != Some(BodySide::Right))
-                .map(row)
-                .collect(),
+            states: (0..STATES).filter(is_listed).map(row).collect(),
         };
         write(out, HEADING, false, &file)
     }

@@ -3,11 +3,11 @@
 use petgraph::unionfind::UnionFind;
 
 use super::algebra::{Symmetric, outer};
-use willis_core::network::units::millimetres;
 use willis_core::network::walks::{runs_by_node, vessels_at};
-use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint};
+use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, units::millimetres};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
+use willis_core::support::numbered::placed;
 
 /// The distance of nodes, mm.
 const STEP: f64 = 1.0;
@@ -15,6 +15,10 @@ const STEP: f64 = 1.0;
 const DIRECTION_NODES: usize = 3;
 /// The smallest radius that counts, mm.
 const LEAST_RADIUS: f64 = 0.1;
+/// A bridge is believed no more than this.
+const MOST_PROBABLE: f64 = 0.95;
+/// One below this is not worth a factor.
+const LEAST_PROBABLE: f64 = 0.02;
 
 /// Where a node lies in the network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -246,6 +250,53 @@ impl Nodes {
         let parts = Fragments::over(self.len(), self.links.iter().copied());
         (self.piece, self.pieces) = (parts.of_node, parts.count);
     }
+
+    /// The bridges that join the pieces that `counts` admits to a forest, the most probable first; none onto a junction, which would get a
+    /// fourth arm.
+    pub fn spanning_bridges(&self, counts: impl Fn(usize) -> bool) -> Vec<usize> {
+        let may_join = |n: &usize| self.degree(*n) <= 2 && counts(self.piece[*n]);
+        let may_be = |bridge: &Bridge| bridge.probability >= LEAST_PROBABLE && bridge.nodes.iter().all(may_join);
+        let mut order: Vec<usize> = (0..self.bridges.len()).filter(|b| may_be(&self.bridges[*b])).collect();
+        order.sort_by(|a, b| self.bridges[*b].probability.total_cmp(&self.bridges[*a].probability).then(a.cmp(b)));
+        let mut parts = UnionFind::<usize>::new(self.pieces);
+        order.retain(|b| {
+            let [x, y] = self.bridges[*b].nodes.map(|n| self.piece[n]);
+            parts.union(x, y)
+        });
+        order
+    }
+
+    /// The nodes that `keeps` admits, without pieces of less than `least` mm, with the links and bridges between them.
+    #[must_use]
+    pub fn part(&self, keeps: impl Fn(usize) -> bool, least: f64) -> Self {
+        let kept: Vec<bool> = (0..self.len()).map(keeps).collect();
+        let part = self.selected(&kept);
+        let mut length = vec![0.0; part.pieces];
+        part.piece.iter().zip(&part.weight).for_each(|(piece, w)| length[*piece] += w);
+        let long: Vec<bool> = part.piece.iter().map(|piece| length[*piece] >= least).collect();
+        if long.contains(&false) { part.selected(&long) } else { part }
+    }
+
+    fn selected(&self, kept: &[bool]) -> Self {
+        let rows: Vec<usize> = (0..self.len()).filter(|n| kept[*n]).collect();
+        let new = placed(self.len(), rows.iter().copied());
+        let both = |[a, b]: [usize; 2]| (kept[a] && kept[b]).then(|| [new[a], new[b]]);
+        let mut part = Self {
+            at: rows.iter().map(|n| self.at[*n]).collect(),
+            log_radius: rows.iter().map(|n| self.log_radius[*n]).collect(),
+            direction: rows.iter().map(|n| self.direction[*n]).collect(),
+            neighbours: vec![Vec::new(); rows.len()],
+            branch: rows.iter().map(|n| self.branch[*n]).collect(),
+            branches: self.branches,
+            place: rows.iter().map(|n| self.place[*n]).collect(),
+            id: rows.iter().map(|n| self.id[*n]).collect(),
+            links: self.links.iter().filter_map(|link| both(*link)).collect(),
+            ..Self::default()
+        };
+        part.finish();
+        part.bridges = self.bridges.iter().filter_map(|b| both(b.nodes).map(|nodes| Bridge { nodes, ..*b })).collect();
+        part
+    }
 }
 
 /// The points of a vessel from one of its nodes on, with their distance (mm) from its first.
@@ -279,73 +330,12 @@ fn between(a: &BranchPoint, b: &BranchPoint, share: f64) -> BranchPoint {
 
 /// The candidates and contacts between traced vessels.
 fn bridges(network: &Network, traced: &[bool], nodes: &Nodes, node_at: &[usize]) -> Vec<Bridge> {
-    let mut found = Vec::new();
-    for (row, (ends, vessel)) in network.vessels().enumerate().filter(|(row, _)| !traced[*row]) {
+    let untraced = network.vessels().enumerate().filter(|(row, _)| !traced[*row]);
+    let found = untraced.filter_map(|(row, (ends, vessel))| {
         let [a, b] = ends.map(|end| node_at[end]);
-        if a == usize::MAX || b == usize::MAX || a == b {
-            continue;
-        }
         let probability = vessel.evidence().map_or(vessel.prior, |evidence| evidence.probability).min(MOST_PROBABLE);
-        found.push(Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row });
-    }
-    found
-}
-
-/// A bridge is believed no more than this.
-const MOST_PROBABLE: f64 = 0.95;
-/// One below this is not worth a factor.
-const LEAST_PROBABLE: f64 = 0.02;
-
-impl Nodes {
-    /// The bridges that join the pieces that `counts` admits to a forest, the most probable first; none onto a junction, which would get a
-    /// fourth arm.
-    pub fn spanning_bridges(&self, counts: impl Fn(usize) -> bool) -> Vec<usize> {
-        let mut order: Vec<usize> = (0..self.bridges.len())
-            .filter(|b| {
-                let bridge = &self.bridges[*b];
-                bridge.probability >= LEAST_PROBABLE
-                    && bridge.nodes.iter().all(|n| self.degree(*n) <= 2 && counts(self.piece[*n]))
-            })
-            .collect();
-        order.sort_by(|a, b| self.bridges[*b].probability.total_cmp(&self.bridges[*a].probability).then(a.cmp(b)));
-        let mut parts = UnionFind::<usize>::new(self.pieces);
-        order.retain(|b| {
-            let [x, y] = self.bridges[*b].nodes.map(|n| self.piece[n]);
-            parts.union(x, y)
-        });
-        order
-    }
-
-    /// The nodes that `keeps` admits, without pieces of less than `least` mm, with the links and bridges between them.
-    #[must_use]
-    pub fn part(&self, keeps: impl Fn(usize) -> bool, least: f64) -> Self {
-        let kept: Vec<bool> = (0..self.len()).map(keeps).collect();
-        let part = self.selected(&kept);
-        let mut length = vec![0.0; part.pieces];
-        part.piece.iter().zip(&part.weight).for_each(|(piece, w)| length[*piece] += w);
-        let long: Vec<bool> = part.piece.iter().map(|piece| length[*piece] >= least).collect();
-        if long.contains(&false) { part.selected(&long) } else { part }
-    }
-
-    fn selected(&self, kept: &[bool]) -> Self {
-        let mut new = vec![usize::MAX; self.len()];
-        let rows: Vec<usize> = (0..self.len()).filter(|n| kept[*n]).collect();
-        rows.iter().enumerate().for_each(|(to, from)| new[*from] = to);
-        let both = |[a, b]: [usize; 2]| (kept[a] && kept[b]).then(|| [new[a], new[b]]);
-        let mut part = Self {
-            at: rows.iter().map(|n| self.at[*n]).collect(),
-            log_radius: rows.iter().map(|n| self.log_radius[*n]).collect(),
-            direction: rows.iter().map(|n| self.direction[*n]).collect(),
-            neighbours: vec![Vec::new(); rows.len()],
-            branch: rows.iter().map(|n| self.branch[*n]).collect(),
-            branches: self.branches,
-            place: rows.iter().map(|n| self.place[*n]).collect(),
-            id: rows.iter().map(|n| self.id[*n]).collect(),
-            links: self.links.iter().filter_map(|link| both(*link)).collect(),
-            ..Self::default()
-        };
-        part.finish();
-        part.bridges = self.bridges.iter().filter_map(|b| both(b.nodes).map(|nodes| Bridge { nodes, ..*b })).collect();
-        part
-    }
+        let bridge = || Bridge { nodes: [a, b], gap: distance(nodes.at[a], nodes.at[b]), probability, vessel: row };
+        (a != usize::MAX && b != usize::MAX && a != b).then(bridge)
+    });
+    found.collect()
 }

@@ -1,10 +1,8 @@
-//! Which pieces are false: how likely a piece is no artery of the circle, from how it fits and what it looks like.
+//! Pieces of the network: which are false, by how they fit and what they look like, and that a piece of an artery is there once.
 
-use super::atlas::{Atlas, arteries};
-use super::emission::{Parts, Pose, emission};
-use super::exclusion::occupancy;
-use super::nodes::Nodes;
-use super::states::{LABELS, NOWHERE, OTHER, STATES};
+use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries};
+use super::emission::{Pose, Search};
+use super::{algebra::UNIT, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
 
 /// How many features a piece has.
@@ -15,15 +13,8 @@ const MOST_RATIO: f64 = 8.0;
 /// The features of every piece: log length (mm); mean log ratio of position, direction and radius to no artery; mean relative log
 /// radius; share of it on states that other pieces fill; mean probability of the best label; probability of the best bridge; whether it
 /// has a junction; roughness; share of all length.
-pub fn piece_features(
-    nodes: &Nodes,
-    weight: &[f64],
-    used: &[usize],
-    atlas: &Atlas,
-    pose: &Pose,
-    [radius, names]: [&[f64]; 2],
-    median_log_radius: f64,
-) -> Vec<[f64; PIECE_FEATURES]> {
+pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64], median: f64) -> Vec<[f64; PIECE_FEATURES]> {
+    let Search { nodes, atlas, weight, .. } = case;
     let length: Vec<f64> = (0..nodes.len()).map(|n| (nodes.weight[n] * weight[n]).max(1e-6)).collect();
     let mut total = vec![1e-9; nodes.pieces];
     for (piece, length) in nodes.piece.iter().zip(&length) {
@@ -45,13 +36,8 @@ pub fn piece_features(
             features[nodes.piece[n]][column] += values(n) * length[n] / total[nodes.piece[n]];
         }
     };
-    let only = [
-        Parts { position: 1.0, direction: 0.0, radius: 0.0 },
-        Parts { position: 0.0, direction: 1.0, radius: 0.0 },
-        Parts { position: 0.0, direction: 0.0, radius: 1.0 },
-    ];
-    for (k, parts) in only.into_iter().enumerate() {
-        let e = emission(nodes, atlas, pose, &atlas.position, parts, radius);
+    for (k, parts) in UNIT.into_iter().enumerate() {
+        let e = case.emission(pose, &atlas.position, parts);
         let ratio = |n: usize| {
             let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
             let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
@@ -59,7 +45,7 @@ pub fn piece_features(
         };
         mean(1 + k, &ratio, &mut features);
     }
-    mean(4, &|n| nodes.log_radius[n] - median_log_radius, &mut features);
+    mean(4, &|n| nodes.log_radius[n] - median, &mut features);
     let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
     let doubled = |n: usize| {
         let own = &filled[nodes.piece[n] * STATES..(nodes.piece[n] + 1) * STATES];
@@ -108,4 +94,37 @@ pub fn label_probabilities(states: &[f64], atlas: &Atlas) -> [f64; LABELS] {
         labels[atlas.tables.label[state]] += p;
     }
     labels
+}
+
+/// The log penalty of a state that other branches fill.
+const PENALTY: f64 = 2.0;
+
+/// The log penalties, nodes x states, given the probabilities of the states.
+pub fn exclusion(case: &Search, names: &[f64]) -> Vec<f64> {
+    let Search { nodes, atlas, weight, .. } = case;
+    let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
+    let mut penalty = vec![0.0; nodes.len() * STATES];
+    for (n, row) in penalty.chunks_mut(STATES).enumerate() {
+        let own = &filled[nodes.branch[n] * STATES..(nodes.branch[n] + 1) * STATES];
+        for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
+            row[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
+        }
+    }
+    penalty
+}
+
+/// How far each unit of nodes fills each state, 0 to 1: units x states; and the sum over the units.
+pub fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], names: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut filled = vec![0.0; units * STATES];
+    for (n, names) in names.chunks(STATES).enumerate() {
+        let length = nodes.weight[n] * weight[n] / BIN;
+        let row = &mut filled[unit[n] * STATES..(unit[n] + 1) * STATES];
+        row.iter_mut().zip(names).for_each(|(o, p)| *o += p * length);
+    }
+    for o in &mut filled {
+        *o = o.min(1.0);
+    }
+    let mut by_all = vec![0.0; STATES];
+    filled.chunks(STATES).for_each(|row| by_all.iter_mut().zip(row).for_each(|(sum, o)| *sum += o));
+    (filled, by_all)
 }

@@ -1,18 +1,14 @@
-//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names.
+//! Finds how a case lies in the atlas: many starts with wide Gaussians, then expectation-maximisation with the exact names. Of a whole brain
+//! first the part that may be the circle.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::{Mat, Side, linalg::solvers::Solve};
 
-use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times};
-use super::atlas::{Atlas, all_states};
-use super::belief::NamingForest;
-use super::emission::{Parts, Pose, TEMPER, emission, radius_fit, tempered};
-use super::exclusion::exclusion;
-use super::nodes::Nodes;
-use super::single::Single;
-use super::states::{AtlasState, NOWHERE, STATES};
+use super::algebra::{Symmetric, TableTimes, product, rotation, rotation_vector, symmetric_times, times, transposed};
+use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, all_states, arteries};
+use super::emission::{ALL_PARTS, Pose, Search, Single, TEMPER};
+use super::{nodes::Nodes, pieces::exclusion};
 use willis_core::support::geometry::{Point, distance, dot, norm, sub};
-use willis_core::support::simd::InstructionSet;
+use willis_core::support::{simd::InstructionSet, statistics::weighted_quantile};
 
 /// Nodes that serve the search.
 const SEARCH_NODES: usize = 110;
@@ -23,6 +19,8 @@ const SCALE: f64 = 0.06;
 const MOST_SCALE: f64 = 0.2;
 /// The share of its length that a node counts for: neighbours lie on one vessel.
 const GAIN: f64 = 0.25;
+/// How much the radius counts while a pose is searched, against 1 in its refinement.
+const SEARCH_RADIUS: f64 = 0.5;
 /// Starts that are refined, and optima that are refined by names.
 const REFINED: usize = 16;
 const NAMED: usize = 5;
@@ -30,20 +28,6 @@ const NAMED: usize = 5;
 const AGAIN: usize = 2;
 /// Widths (mm) at which a pose is refined by names.
 const NAMED_WIDTHS: [f64; 4] = [2.0, 1.0, 0.0, 0.0];
-
-/// A case to be posed, with what does not depend on the pose.
-pub struct Search<'a> {
-    /// The nodes.
-    pub nodes: &'a Nodes,
-    /// The atlas.
-    pub atlas: &'a Atlas,
-    /// How probable it is that each node is part of the circle's arteries at all; its length counts that much.
-    pub weight: &'a [f64],
-    /// From [`super::emission::radius_fit`].
-    pub radius: Vec<f64>,
-    /// The forest of names.
-    pub forest: NamingForest,
-}
 
 /// How states pull a node that may be in them: per state its precision, the precision times its mean, and whether it is an artery.
 pub struct Pulls {
@@ -66,13 +50,6 @@ impl Pulls {
         }
         Self { states: states.len(), table, instructions: InstructionSet::detect() }
     }
-
-    /// The pulls on a node, given the probabilities of its states.
-    fn on(&self, names: &[f64]) -> [f64; 10] {
-        let mut out = [0.0; 10];
-        self.instructions.run(TableTimes { table: &self.table, by: names, out: &mut out });
-        out
-    }
 }
 
 /// A pose and how well it fits.
@@ -84,12 +61,7 @@ pub struct Scored {
     pub score: f64,
 }
 
-impl<'a> Search<'a> {
-    /// The search by nodes that count by some weights, with the bridges that are `used`, given the median log radius.
-    pub fn new(nodes: &'a Nodes, atlas: &'a Atlas, weight: &'a [f64], used: &[usize], median: f64) -> Self {
-        Self { nodes, atlas, weight, radius: radius_fit(nodes, atlas, median), forest: NamingForest::of(nodes, used) }
-    }
-
+impl Search<'_> {
     /// The best poses, the best first. `starts` are turns of the frame to begin from, beside those around it.
     pub fn everywhere(&self) -> Vec<Scored> {
         let (subset, all) = (self.subset(), all_states());
@@ -99,7 +71,7 @@ impl<'a> Search<'a> {
         let nodes = 0..self.nodes.len();
         let total: f64 = nodes.clone().map(|n| self.length(n)).sum::<f64>().max(1e-9);
         let centre = [0, 1, 2].map(|k| nodes.clone().map(|n| self.nodes.at[n][k] * self.length(n)).sum::<f64>() / total);
-        let single = |states| Single::new(self.nodes, self.atlas, [&subset, states], &self.radius, Parts::SEARCH.radius);
+        let single = |states| Single::new(self, [&subset, states], SEARCH_RADIUS);
         let [first, second] = [single(&coarse), single(&all)];
         let widths = [(12.0, &first), (9.0, &first), (7.0, &second), (5.0, &second)].map(|(tau, single)| {
             let precisions = self.atlas.widened(tau);
@@ -108,10 +80,10 @@ impl<'a> Search<'a> {
         });
         let mut starts: Vec<Scored> = Vec::new();
         for turn in start_turns() {
-            for offset in START_OFFSETS {
+            for (axis, length) in START_OFFSETS {
                 let turn = rotation(turn.map(f64::to_radians));
                 let to = times(&turn, centre);
-                let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + offset[k] - to[k]);
+                let shift = [0, 1, 2].map(|k| self.atlas.data.centroid[k] + along(axis, length)[k] - to[k]);
                 let mut pose = Pose { turn, shift, log_scale: 0.0 };
                 for (single, places, pulls) in &widths[..3] {
                     let (names, _) = single.probabilities(&pose, places);
@@ -123,24 +95,21 @@ impl<'a> Search<'a> {
             }
         }
         let starts = Self::distinct(starts, centre, 0.2, 4.0, REFINED);
-        let single = Single::new(self.nodes, self.atlas, [&subset, &all], &self.radius, Parts::REFINE.radius);
+        let single = Single::new(self, [&subset, &all], 1.0);
         let widths = [6.0, 5.0, 4.0, 3.0, 2.0, 1.0].map(|tau| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &all, &precisions))
         });
-        let refined = starts
-            .into_iter()
-            .map(|start| {
-                let mut pose = start.pose;
-                for (places, pulls) in &widths[..5] {
-                    let (names, _) = single.probabilities(&pose, places);
-                    pose = self.step(&subset, &pose, pulls, &names, true);
-                }
-                let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
-                Scored { pose, score: fit + 3.0 * pose.log_scale }
-            })
-            .collect();
-        let refined = Self::distinct(refined, centre, 0.15, 4.0, NAMED);
+        let refined = |start: Scored| {
+            let mut pose = start.pose;
+            for (places, pulls) in &widths[..5] {
+                let (names, _) = single.probabilities(&pose, places);
+                pose = self.step(&subset, &pose, pulls, &names, true);
+            }
+            let fit = single.probabilities(&pose, &widths[5].0).1 / subset.len() as f64;
+            Scored { pose, score: fit + 3.0 * pose.log_scale }
+        };
+        let refined = Self::distinct(starts.into_iter().map(refined).collect(), centre, 0.15, 4.0, NAMED);
         self.refine(&refined.iter().map(|s| s.pose).collect::<Vec<_>>(), &[2.0, 1.0])
     }
 
@@ -152,7 +121,7 @@ impl<'a> Search<'a> {
     /// Refines poses by all nodes, first each by itself at some widths, then by the names of all together.
     fn refine(&self, poses: &[Pose], widths: &[f64]) -> Vec<Scored> {
         let (all, states) = ((0..self.nodes.len()).collect::<Vec<_>>(), all_states());
-        let single = Single::new(self.nodes, self.atlas, [&all, &states], &self.radius, Parts::REFINE.radius);
+        let single = Single::new(self, [&all, &states], 1.0);
         let at_width = |tau: f64| {
             let precisions = self.atlas.widened(tau);
             (single.places(&precisions), Pulls::of(self.atlas, &states, &precisions), precisions)
@@ -166,9 +135,8 @@ impl<'a> Search<'a> {
                 pose = self.step(&all, &pose, pulls, &names, true);
             }
             let x = self.nodes.at.first().copied().unwrap_or_default();
-            let is_known =
-                found.iter().any(|(_, q)| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5);
-            if is_known {
+            let is_near = |q: &Pose| angle_between(&pose, q) < 0.06 && distance(unscaled(&pose, x), unscaled(q, x)) < 1.5;
+            if found.iter().any(|(_, q)| is_near(q)) {
                 continue;
             }
             let first = pose;
@@ -185,10 +153,10 @@ impl<'a> Search<'a> {
     /// The log ratio of all names to no artery of the circle, with the prior of the pose. The Jacobian, 3 log scales a node, keeps small
     /// from being likely.
     fn score(&self, pose: &Pose) -> f64 {
-        let e = emission(self.nodes, self.atlas, pose, &self.atlas.position, Parts::ALL, &self.radius);
+        let e = self.emission(pose, &self.atlas.position, ALL_PARTS);
         let tempered: Vec<f64> = e.iter().map(|x| TEMPER * x).collect();
         let mut names = self.forest.beliefs(self.atlas, &tempered).states;
-        let penalty = exclusion(self.nodes, self.weight, self.atlas, &names);
+        let penalty = exclusion(self, &names);
         let penalised: Vec<f64> = tempered.iter().zip(&penalty).map(|(e, p)| e + p).collect();
         names = self.forest.beliefs(self.atlas, &penalised).states;
         let mut score = 0.0;
@@ -206,8 +174,8 @@ impl<'a> Search<'a> {
 
     /// A step of `all` nodes by the names of all together.
     pub fn named_step(&self, all: &[usize], pose: &Pose, pulls: &Pulls, precisions: &[(Symmetric, f64)]) -> Pose {
-        let e = tempered(self.nodes, self.atlas, pose, precisions, &self.radius);
-        self.step(all, pose, pulls, &self.forest.beliefs(self.atlas, &e).states, true)
+        let names = self.forest.beliefs(self.atlas, &self.tempered(pose, precisions)).states;
+        self.step(all, pose, pulls, &names, true)
     }
 
     /// One Gauss-Newton step of rotation, shift and scale, given the probabilities of the states of some nodes.
@@ -221,7 +189,9 @@ impl<'a> Search<'a> {
         let mut gradient = [0.0; 7];
         let mut counted = 0.0;
         for ((names, at), w) in names.chunks(pulls.states).zip(&placed).zip(&length) {
-            let [a, b, c, d, e, f, x, y, z, arteries] = pulls.on(names).map(|pull| pull * w * GAIN);
+            let mut out = [0.0; 10];
+            pulls.instructions.run(TableTimes { table: &pulls.table, by: names, out: &mut out });
+            let [a, b, c, d, e, f, x, y, z, arteries] = out.map(|pull| pull * w * GAIN);
             let sum = [a, b, c, d, e, f];
             counted += arteries;
             let here = [at[0] + pose.shift[0], at[1] + pose.shift[1], at[2] + pose.shift[2]];
@@ -314,24 +284,20 @@ fn unscaled(pose: &Pose, x: Point) -> Point {
 }
 
 fn angle_between(a: &Pose, b: &Pose) -> f64 {
-    norm(rotation_vector(&product(&a.turn, &super::algebra::transposed(&b.turn))))
+    norm(rotation_vector(&product(&a.turn, &transposed(&b.turn))))
 }
 
-/// Offsets of the middle, mm: a tracing may show one side alone.
-const START_OFFSETS: [Point; 7] = [
-    [0.0, 0.0, 0.0],
-    [0.0, 0.0, 14.0],
-    [0.0, 0.0, -14.0],
-    [12.0, 0.0, 0.0],
-    [-12.0, 0.0, 0.0],
-    [24.0, 0.0, 0.0],
-    [-24.0, 0.0, 0.0],
-];
+/// Offsets of the middle along an axis, mm: a tracing may show one side alone.
+const START_OFFSETS: [(usize, f64); 7] = [(0, 0.0), (2, 14.0), (2, -14.0), (0, 12.0), (0, -12.0), (0, 24.0), (0, -24.0)];
+
+/// A vector along an axis.
+fn along(axis: usize, length: f64) -> Point {
+    [0, 1, 2].map(|k| if k == axis { length } else { 0.0 })
+}
 
 /// Rotation vectors in degrees: none, 25 and 42 about each axis, 18 about all three.
 fn start_turns() -> Vec<Point> {
-    let about = |axis: usize, degrees: f64| [0, 1, 2].map(|k| if k == axis { degrees } else { 0.0 });
-    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| about(axis, degrees)));
+    let one = (0..3).flat_map(|axis| [25.0, -25.0, 42.0, -42.0].map(|degrees| along(axis, degrees)));
     let all = (0..8).map(|n| [n & 4, n & 2, n & 1].map(|bit| if bit == 0 { -18.0 } else { 18.0 }));
     std::iter::once([0.0; 3]).chain(one).chain(all).collect()
 }
@@ -343,4 +309,98 @@ fn solve(hessian: &[[f64; 7]; 7], gradient: &[f64; 7]) -> Option<[f64; 7]> {
     let step = h.llt(Side::Lower).ok()?.solve(&g);
     let step: [f64; 7] = std::array::from_fn(|i| step[(i, 0)]);
     step.iter().all(|x| x.is_finite()).then_some(step)
+}
+
+/// Networks of more length (mm) than this are whole brains: a circle with all that its image shows has some 300 to 700.
+const WHOLE_BRAIN: f64 = 1500.0;
+/// Vessels in this share of the length are thick.
+const THICK: f64 = 0.90;
+/// The circle lies within this distance (mm) of the middle of the thick vessels.
+const REACH: f64 = 45.0;
+/// Of these, vessels above this share of the length serve the search of the pose.
+const SEARCHED: f64 = 0.55;
+/// Pieces of less length (mm) do not serve it.
+const LEAST_SEARCHED: f64 = 8.0;
+/// What lies within so many standard deviations of a state is named, in pieces of at least so much (mm).
+const ON_ATLAS: f64 = 2.5;
+const LEAST_NAMED: f64 = 6.0;
+
+/// What is to be named: its nodes, and the median log radius where it is not that of these nodes.
+pub type Core = (Nodes, Option<f64>);
+
+/// What lies on the atlas at a pose, in pieces that are long enough.
+fn on_the_atlas(nodes: &Nodes, atlas: &Atlas, pose: &Pose) -> Nodes {
+    let lies_there = |n: usize| {
+        let at = pose.apply(nodes.at[n]);
+        arteries().any(|state| {
+            let d = sub(at, atlas.data.pieces[state].mean);
+            dot(d, symmetric_times(&atlas.position[state].0, d)) < ON_ATLAS * ON_ATLAS
+        })
+    };
+    nodes.part(lies_there, LEAST_NAMED)
+}
+
+/// The core of a network whose pose is known.
+pub fn core_at(nodes: Nodes, atlas: &Atlas, pose: &Pose) -> Option<Core> {
+    if nodes.length() <= WHOLE_BRAIN {
+        return Some((nodes, None));
+    }
+    let named = on_the_atlas(&nodes, atlas, pose);
+    let median = named.median_log_radius(|_| 1.0);
+    (!named.is_empty()).then_some((named, Some(median)))
+}
+
+/// The core of a network and its poses, the best first.
+pub fn find_core(nodes: Nodes, atlas: &Atlas) -> Option<(Core, Vec<Scored>)> {
+    if nodes.length() <= WHOLE_BRAIN {
+        let poses = search(&nodes, atlas);
+        return (!poses.is_empty()).then_some(((nodes, None), poses));
+    }
+    let radius = branch_radii(&nodes);
+    let length_below = |counts: &dyn Fn(usize) -> bool, share: f64| {
+        let those = (0..nodes.len()).filter(|n| counts(*n)).map(|n| (radius[n], nodes.weight[n]));
+        weighted_quantile(those, share).unwrap_or(f64::INFINITY)
+    };
+    let thick = length_below(&|_| true, THICK);
+    let of_thick: Vec<usize> = (0..nodes.len()).filter(|n| radius[*n] >= thick).collect();
+    let middle = [0, 1, 2].map(|k| {
+        let mut x: Vec<f64> = of_thick.iter().map(|n| nodes.at[*n][k]).collect();
+        x.sort_by(f64::total_cmp);
+        x.get(x.len() / 2).copied().unwrap_or_default()
+    });
+    let near = |n: usize| distance(nodes.at[n], middle) < REACH;
+    let least = length_below(&near, SEARCHED);
+    let searched = nodes.part(|n| near(n) && radius[n] >= least, LEAST_SEARCHED);
+    if searched.is_empty() {
+        return None;
+    }
+    let median = searched.median_log_radius(|_| 1.0);
+    let mut pose = search(&searched, atlas).first()?.pose;
+    let named = on_the_atlas(&nodes, atlas, &pose);
+    if named.is_empty() {
+        return None;
+    }
+    let weight = vec![1.0; named.len()];
+    let search = Search::new(&named, atlas, &weight, &named.spanning_bridges(|_| true), median);
+    let all: Vec<usize> = (0..named.len()).collect();
+    let pulls = Pulls::of(atlas, &all_states(), &atlas.position);
+    for _ in 0..3 {
+        pose = search.named_step(&all, &pose, &pulls, &atlas.position);
+    }
+    Some(((named, Some(median)), vec![Scored { pose, score: 0.0 }]))
+}
+
+fn search(nodes: &Nodes, atlas: &Atlas) -> Vec<Scored> {
+    let (weight, median) = (vec![1.0; nodes.len()], nodes.median_log_radius(|_| 1.0));
+    Search::new(nodes, atlas, &weight, &nodes.spanning_bridges(|_| true), median).everywhere()
+}
+
+/// Per node the mean radius of its branch, mm.
+fn branch_radii(nodes: &Nodes) -> Vec<f64> {
+    let (mut sum, mut length) = (vec![0.0; nodes.branches], vec![1e-9; nodes.branches]);
+    for n in 0..nodes.len() {
+        sum[nodes.branch[n]] += nodes.log_radius[n].exp() * nodes.weight[n];
+        length[nodes.branch[n]] += nodes.weight[n];
+    }
+    nodes.branch.iter().map(|b| sum[*b] / length[*b]).collect()
 }

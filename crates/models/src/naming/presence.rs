@@ -1,10 +1,12 @@
-//! How likely each segment of the ring is there, read off the names: what is seen of it, and what lies before, behind and beside it.
+//! How likely each segment of the ring is there, read off the names: what is seen of it, and the ways between what lies at its two ends.
 
-use super::joins::probability_with;
-use super::nodes::Nodes;
-use super::states::{LABELS, OTHER, label_of};
-use super::ways::{Way, ways};
+use Artery::{A1, A2, AComm, Ba, Ica, P1, P2, PComm};
+
+use super::atlas::{LABELS, OTHER, label_of};
+use super::{belief::probability_with, nodes::Nodes};
 use crate::circle_of_willis::{Artery, BodySide, RING};
+use willis_core::network::paths::{ShortestPaths, lengths_at};
+use willis_core::{network::walks::Walk, support::geometry::distance};
 
 /// How many features a segment has.
 pub const PRESENCE_FEATURES: usize = 20;
@@ -18,9 +20,9 @@ const SEEN: [f64; KINDS] = [3.0, 1.5, 3.0, 3.0];
 /// The kind of a segment of [`RING`].
 pub fn kind_of(segment: usize) -> usize {
     match RING[segment] {
-        Artery::A1(_) => 0,
-        Artery::AComm => 1,
-        Artery::PComm(_) => 2,
+        A1(_) => 0,
+        AComm => 1,
+        PComm(_) => 2,
         _ => 3,
     }
 }
@@ -56,12 +58,11 @@ impl Seen {
                 best[label] = best[label].max(p[label]);
             }
         }
-        let (mut total, mut squares) = (0.0, 0.0);
-        for (bridge, factor) in nodes.bridges.iter().zip(bridge_factor) {
-            let p = probability_with(bridge.probability, *factor);
-            total += p;
-            squares += p * bridge.gap * bridge.gap;
-        }
+        let gaps = nodes.bridges.iter().zip(bridge_factor);
+        let gaps = gaps.map(|(bridge, factor)| (probability_with(bridge.probability, *factor), bridge.gap));
+        let gaps: Vec<(f64, f64)> = gaps.collect();
+        let total: f64 = gaps.iter().map(|(p, _)| p).sum();
+        let squares: f64 = gaps.iter().map(|(p, gap)| p * gap * gap).sum();
         let is_artery = |piece: usize| 1.0 - false_pieces[piece];
         Self {
             length,
@@ -76,18 +77,15 @@ impl Seen {
 
     /// The features of a segment of [`RING`]: its length over the usual one, the logarithm of that, its best node, the lengths (cm) of what
     /// lies around it, the evidence for its name, the cheapest way between its ends, and how broken the case is.
-    pub fn features(&self, segment: usize) -> [f64; PRESENCE_FEATURES] {
+    pub fn features(&self, segment: usize) -> Vec<f64> {
         let (kind, label) = (kind_of(segment), label_of(RING[segment]));
         let cm = |artery: Artery| (self.length[label_of(artery)] / 10.0).min(1.5);
         let mut around = match RING[segment] {
-            Artery::A1(s) => {
-                [Artery::A2(s), Artery::AComm, Artery::Ica(s), Artery::A1(s.other()), Artery::A2(s.other())].map(cm).to_vec()
-            }
-            Artery::PComm(s) => [Artery::P2(s), Artery::P1(s), Artery::Ica(s), Artery::PComm(s.other())].map(cm).to_vec(),
-            Artery::P1(s) => [Artery::P2(s), Artery::PComm(s), Artery::Ba, Artery::P1(s.other())].map(cm).to_vec(),
+            A1(s) => [A2(s), AComm, Ica(s), A1(s.other()), A2(s.other())].map(cm).to_vec(),
+            PComm(s) => [P2(s), P1(s), Ica(s), PComm(s.other())].map(cm).to_vec(),
+            P1(s) => [P2(s), PComm(s), Ba, P1(s.other())].map(cm).to_vec(),
             _ => {
-                let [a, b] = BodySide::BOTH.map(|side| cm(Artery::A1(side)));
-                let [c, d] = BodySide::BOTH.map(|side| cm(Artery::A2(side)));
+                let [[a, b], [c, d]] = [A1, A2].map(|artery: fn(BodySide) -> Artery| BodySide::BOTH.map(|side| cm(artery(side))));
                 vec![a.min(b), a.max(b), c.min(d)]
             }
         };
@@ -96,31 +94,114 @@ impl Seen {
         let (evidence, way) = (self.evidence[segment].max(0.0), &self.ways[segment]);
         let named: f64 = (0..LABELS).filter(|label| *label != OTHER).map(|label| self.length[label]).sum();
         [
-            x,
-            (0.02 + x).ln(),
-            self.best[label],
-            around[0],
-            around[1],
-            around[2],
-            around[3],
-            around[4],
-            evidence.min(30.0) / 10.0,
-            evidence.ln_1p(),
-            way.observed.min(20.0) / 5.0,
-            way.cost.min(20.0) / 5.0,
-            way.gap.min(20.0) / 10.0,
-            way.diameters.min(8.0),
-            way.named.min(15.0) / 10.0,
-            self.pieces[0].ln_1p(),
-            self.pieces[1].ln_1p(),
-            self.gap.min(15.0) / 5.0,
-            self.ends.ln_1p(),
-            named / 400.0,
+            &[x, (0.02 + x).ln(), self.best[label]][..],
+            &around,
+            &[evidence.min(30.0) / 10.0, evidence.ln_1p(), way.observed.min(20.0) / 5.0, way.cost.min(20.0) / 5.0],
+            &[way.gap.min(20.0) / 10.0, way.diameters.min(8.0), way.named.min(15.0) / 10.0],
+            &[self.pieces[0].ln_1p(), self.pieces[1].ln_1p(), self.gap.min(15.0) / 5.0, self.ends.ln_1p(), named / 400.0],
         ]
+        .concat()
     }
 
     /// Whether enough of a segment is seen.
     pub fn is_seen(&self, segment: usize) -> bool {
         self.length[label_of(RING[segment])] > SEEN[kind_of(segment)]
+    }
+}
+
+/// What a millimetre of centerline costs, and what one more costs where it is named as nothing that lies there.
+const STEP: f64 = 0.05;
+const ELSEWHERE: f64 = 0.5;
+/// Twice the negative logarithm of a probability is a cost; no probability counts as smaller than these: of a name, of a candidate.
+const LEAST_NAME: f64 = 1e-3;
+const LEAST_CANDIDATE: f64 = 1e-4;
+
+/// The cheapest way between the ends of a segment.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Way {
+    /// Its cost.
+    pub cost: f64,
+    /// The cost of the cheapest way along centerlines alone.
+    pub observed: f64,
+    /// The gaps on it, mm.
+    pub gap: f64,
+    /// The gaps on it in diameters of its vessels.
+    pub diameters: f64,
+    /// The expected length (mm) on it that has the segment's name.
+    pub named: f64,
+}
+
+/// The ways of the segments of [`RING`], from the probabilities of the labels (nodes x labels) and the factors that names give to the odds of
+/// the bridges.
+pub fn ways(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64]) -> [Way; 7] {
+    let mut paths = ShortestPaths::new(nodes.len() + 1);
+    RING.map(|segment| way(nodes, labels, bridge_factor, segment, &mut paths))
+}
+
+/// The arteries at either end of a segment.
+fn ends(segment: Artery) -> [Vec<Artery>; 2] {
+    let [mut from, mut to] = segment.joins();
+    match segment {
+        Artery::A1(side) => {
+            from.push(Artery::M1(side));
+            to.push(Artery::AComm);
+        }
+        Artery::P1(side) => to.push(Artery::PComm(side)),
+        _ => {}
+    }
+    [from, to]
+}
+
+fn way(nodes: &Nodes, labels: &[[f64; LABELS]], bridge_factor: &[f64], segment: Artery, paths: &mut ShortestPaths) -> Way {
+    let own = label_of(segment);
+    let of = |arteries: Vec<Artery>| -> Vec<f64> {
+        let arteries: Vec<usize> = arteries.into_iter().map(label_of).collect();
+        labels.iter().map(|p| arteries.iter().map(|artery| p[*artery]).sum()).collect()
+    };
+    let [from, to] = ends(segment).map(of);
+    let belongs: Vec<f64> = (0..nodes.len()).map(|n| (from[n] + to[n] + labels[n][own]).min(1.0)).collect();
+    let elsewhere = |[a, b]: [usize; 2], length: f64| ELSEWHERE * length * (1.0 - 0.5 * (belongs[a] + belongs[b]));
+    let improbable = |p: f64, least: f64| -2.0 * p.max(least).ln();
+    let start = nodes.len();
+    let links = nodes.links.iter().map(|[a, b]| {
+        let length = distance(nodes.at[*a], nodes.at[*b]);
+        ([*a, *b], STEP * length + elsewhere([*a, *b], length))
+    });
+    let bridges = nodes.bridges.iter().zip(bridge_factor).map(|(bridge, factor)| {
+        let probability = probability_with(bridge.probability, *factor);
+        (bridge.nodes, improbable(probability, LEAST_CANDIDATE) + elsewhere(bridge.nodes, bridge.gap))
+    });
+    // Edges: links, then bridges; the last ones lead from the start to every node as far as it is what lies at the first end.
+    let edges: Vec<([usize; 2], f64)> = links.chain(bridges).collect();
+    let arrival: Vec<f64> = to.iter().map(|p| improbable(p.min(1.0), LEAST_NAME)).collect();
+    let mut by = |edges: &[([usize; 2], f64)]| {
+        let mut at = lengths_at(start + 1, edges.iter().enumerate().map(|(number, (ends, cost))| (number, *ends, *cost)));
+        at[start] = from.iter().enumerate().map(|(n, p)| (usize::MAX, n, improbable(p.min(1.0), LEAST_NAME))).collect();
+        // The least cost of a way from the start that ends at any node, with the cost of ending there; and that node.
+        let mut best = (f64::INFINITY, 0);
+        let edges = |node: usize| at[node].iter().copied();
+        paths.search(&[start], f64::INFINITY, edges, |costs, node| {
+            if node != start && costs[node] + arrival[node] < best.0 {
+                best = (costs[node] + arrival[node], node);
+            }
+            costs[node] < best.0
+        });
+        best
+    };
+    let (observed, _) = by(&edges[..nodes.links.len()]);
+    let (cost, end) = by(&edges);
+    let Walk { nodes: mut along, edges: used } = paths.path_to(end);
+    along.retain(|n| *n != start);
+    let bridges = used.iter().filter_map(|edge| edge.checked_sub(nodes.links.len())).filter_map(|row| nodes.bridges.get(row));
+    let gap: f64 = bridges.map(|bridge| bridge.gap).sum();
+    let mut radii: Vec<f64> = along.iter().map(|n| nodes.log_radius[*n]).collect();
+    radii.sort_by(f64::total_cmp);
+    let middle = 0.5 * (radii[(radii.len() - 1) / 2] + radii[radii.len() / 2]);
+    Way {
+        cost,
+        observed,
+        gap,
+        diameters: gap / (2.0 * middle.exp()),
+        named: along.iter().map(|n| labels[*n][own] * nodes.weight[*n]).sum(),
     }
 }

@@ -2,16 +2,16 @@
 
 use std::collections::BTreeMap;
 
-use super::cases::LabelledCase;
-use super::truth::LabelledNodes;
+use super::cases::{LabelledCase, LabelledNodes};
 use willis_core::support::geometry::{Point, centroid, sub};
 use willis_models::circle_of_willis::{Artery, BodySide};
-use willis_models::naming::atlas::{Atlas, AtlasData, AtlasPiece, Counts, all_states};
-use willis_models::naming::belief::NamingForest;
-use willis_models::naming::emission::Pose;
-use willis_models::naming::pose::{Pulls, Search};
-use willis_models::naming::states::{AtlasState, BA, NOWHERE, OTHER, STATES, StateTables, first_state, label_of};
-use willis_models::naming::{outer_sum, rotation, turned};
+use willis_models::naming::algebra::{outer, rotation, turned};
+use willis_models::naming::atlas::{
+    Atlas, AtlasData, AtlasPiece, AtlasState, BA, NOWHERE, OTHER, STATES, StatePair, StateTables, StatesOfArms, all_states,
+    first_state, label_of,
+};
+use willis_models::naming::emission::{Pose, Search};
+use willis_models::naming::{belief::NamingForest, pose::Pulls};
 
 /// Rounds of distributions and poses.
 const ROUNDS: usize = 5;
@@ -53,9 +53,7 @@ struct Observed {
 pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
     let tables = StateTables::default();
     let mut posed: Vec<Posed> = cases.iter().filter(|case| case.is_whole).map(|case| first_pose(&case.truth)).collect();
-    let counts = count(cases, &tables);
-    let other_radius = radius_of_others(cases);
-    let mut data = AtlasData { other_radius, counts, ..AtlasData::default() };
+    let mut data = AtlasData { other_radius: radius_of_others(cases), ..count(cases, &tables) };
     for round in 0..ROUNDS {
         data.pieces = distributions(&posed, &tables);
         if round + 1 == ROUNDS {
@@ -78,8 +76,7 @@ pub fn fit_atlas(cases: &[&LabelledCase]) -> Atlas {
         let total = nodes.length();
         [0, 1, 2].map(|k| (0..nodes.len()).map(|n| one.pose.apply(nodes.at[n])[k] * nodes.weight[n]).sum::<f64>() / total)
     };
-    let n = posed.len().max(1) as f64;
-    data.centroid = [0, 1, 2].map(|k| posed.iter().map(|one| mean_of(one)[k]).sum::<f64>() / n);
+    data.centroid = centroid(posed.iter().map(mean_of));
     // Mirror images were counted too, so that the middle lies in the middle.
     data.centroid[0] = 0.0;
     Atlas::new(data)
@@ -158,7 +155,7 @@ fn distribution(seen: &[Observed], before: Option<AtlasPiece>) -> AtlasPiece {
     let mut covariance = [0.0; 6];
     let mut direction = [0.0; 6];
     for o in seen {
-        outer_sum(&mut covariance, sub(o.at, mean), o.weight / total);
+        covariance.iter_mut().zip(outer(sub(o.at, mean))).for_each(|(sum, x)| *sum += o.weight / total * x);
         direction.iter_mut().zip(&o.direction).for_each(|(sum, d)| *sum += o.weight / total * d);
     }
     let effective = seen.len() as f64 / DEPENDENT;
@@ -173,10 +170,10 @@ fn distribution(seen: &[Observed], before: Option<AtlasPiece>) -> AtlasPiece {
 }
 
 /// How often states were side by side, with mirror images.
-fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
+fn count(cases: &[&LabelledCase], tables: &StateTables) -> AtlasData {
     let mut length = vec![0.0; STATES];
-    let mut pairs: [BTreeMap<(AtlasState, AtlasState), f64>; 2] = [BTreeMap::new(), BTreeMap::new()];
-    let mut bifurcations: BTreeMap<([AtlasState; 3], AtlasState), f64> = BTreeMap::new();
+    let mut neighbours: [BTreeMap<StatePair, f64>; 2] = [BTreeMap::new(), BTreeMap::new()];
+    let mut bifurcations: BTreeMap<StatesOfArms, f64> = BTreeMap::new();
     let whole = cases.iter().filter(|case| case.is_whole).count().max(1) as f64;
     let of_whole = ((cases.len() as f64 - whole) / (BROKEN * whole)).round().max(1.0);
     for case in cases {
@@ -189,22 +186,18 @@ fn count(cases: &[&LabelledCase], tables: &StateTables) -> Counts {
         for [a, b] in &nodes.links {
             let kind = usize::from(nodes.degree(*a) > 2 || nodes.degree(*b) > 2);
             for pair in tables.alike(state[*a], state[*b]) {
-                *pairs[kind].entry(pair).or_insert(0.0) += times;
+                *neighbours[kind].entry(pair).or_insert(0.0) += times;
             }
         }
         for n in (0..nodes.len()).filter(|n| nodes.degree(*n) == 3) {
             let mut arms = [0, 1, 2].map(|k| state[nodes.neighbours[n][k]]);
             arms.sort_unstable();
-            for seen in [(arms, state[n]), tables.mirrored_bifurcation(arms, state[n])] {
+            for seen in [(arms, state[n]), tables.mirrored_bifurcation((arms, state[n]))] {
                 *bifurcations.entry(seen).or_insert(0.0) += times;
             }
         }
     }
-    Counts {
-        length,
-        neighbours: pairs.map(|pairs| pairs.into_iter().map(|((a, b), n)| (a, b, n)).collect()),
-        bifurcations: bifurcations.into_iter().map(|((arms, middle), n)| (arms, middle, n)).collect(),
-    }
+    AtlasData { length, neighbours, bifurcations: bifurcations.into_iter().collect(), ..AtlasData::default() }
 }
 
 /// Mean and spread of the relative log radius of false pieces.

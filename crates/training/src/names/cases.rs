@@ -5,17 +5,18 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::truth::{LabelledNodes, label_nodes};
 use crate::cases::{read_network, walk};
 use willis_core::error::{Error, Fault, Result};
-use willis_core::network::{Frame, Network};
+use willis_core::network::{Frame, Network, paths::ShortestPaths};
+use willis_core::support::geometry::{Point, distance, dot};
 use willis_core::support::in_order;
-use willis_io::formats::tables::reader::TableReader;
-use willis_io::formats::{is_there, open_regular, regular_bytes_of};
-use willis_models::candidates::model::Weights;
-use willis_models::candidates::{CandidateOptions, build_with_evidence};
-use willis_models::circle_of_willis::{LabelScheme, RING, artery_of_label};
-use willis_models::naming::states::{ArteryLabel, LABELS, OTHER, label_named};
+use willis_io::formats::{is_there, open_regular, regular_bytes_of, tables::reader::TableReader};
+use willis_models::candidates::{CandidateOptions, build_with_evidence, model::Weights};
+use willis_models::circle_of_willis::{Artery, BodySide, LabelScheme, RING, artery_of_label};
+use willis_models::naming::Nodes;
+use willis_models::naming::atlas::{
+    ArteryLabel, AtlasState, LABELS, NOWHERE, OTHER, artery_of, begins_at, in_atlas, label_named, name_of, state_at,
+};
 
 const TRUTH: &str = "truth.json";
 const LABELS_FILE: &str = "labels.csv";
@@ -108,11 +109,14 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
         present[row] = Some(segment.present);
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
+    // Nodes have the labels of the points that they lie nearest to.
+    let nodes = Nodes::of(&graph);
+    let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     Ok(LabelledCase {
         subject: truth.subject,
         level: truth.level,
         is_whole: truth.whole,
-        truth: label_nodes(&graph, &labels),
+        truth: LabelledNodes { state: true_states(&nodes, &label), nodes, label },
         network,
         graph,
         present,
@@ -133,11 +137,65 @@ fn read_labels(bytes: &[u8]) -> Result<BTreeMap<u64, ArteryLabel>, Fault> {
             row.text(id).parse().map_err(|_| Fault::line(row.line, format!("id \"{}\"", row.text(id)), "expected a number"))?;
         let known = label_named(&text).or_else(|| label_named(&text.replace("M3", "M2")));
         let Some(known) = known.or_else(|| (text.is_empty() || text.ends_with("VA")).then_some(OTHER)) else {
-            let names: BTreeSet<String> = (0..LABELS).map(willis_models::naming::name_of).collect();
+            let names: BTreeSet<String> = (0..LABELS).map(name_of).collect();
             let accepted = format!("expected one of {}", names.into_iter().collect::<Vec<_>>().join(", "));
             return Err(Fault::line(row.line, format!("label \"{text}\""), accepted));
         };
         labels.insert(number, known);
     }
     Ok(labels)
+}
+
+/// The nodes of a case with what they are.
+#[derive(Debug, Clone)]
+pub struct LabelledNodes {
+    /// The nodes.
+    pub nodes: Nodes,
+    /// The label of each.
+    pub label: Vec<ArteryLabel>,
+    /// The state of each.
+    pub state: Vec<AtlasState>,
+}
+
+/// The states of nodes whose labels are known.
+fn true_states(nodes: &Nodes, label: &[ArteryLabel]) -> Vec<AtlasState> {
+    let mut state = vec![NOWHERE; nodes.len()];
+    let mut paths = ShortestPaths::new(nodes.len());
+    for artery in 0..OTHER {
+        let own: Vec<usize> = (0..nodes.len()).filter(|n| label[*n] == artery).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let is_reference = |n: &usize| nodes.neighbours[*n].iter().any(|z| label[*z] != artery && begins_at(artery, label[*z]));
+        let mut sources: Vec<usize> = own.iter().copied().filter(is_reference).collect();
+        if sources.is_empty() {
+            let highest =
+                |best: usize, n: &usize| if height(nodes.at[*n], artery) > height(nodes.at[best], artery) { *n } else { best };
+            sources.push(own.iter().fold(own[0], highest));
+        }
+        let edges = |n: usize| {
+            let next = nodes.neighbours[n].iter().filter(|z| label[**z] == artery);
+            next.map(|z| (0, *z, distance(nodes.at[n], nodes.at[*z]))).collect::<Vec<_>>()
+        };
+        paths.search(&sources, f64::INFINITY, edges, |_, _| true);
+        let along = paths.lengths();
+        for n in &own {
+            let far = if along[*n].is_finite() {
+                along[*n]
+            } else {
+                // A second part of the artery, behind a gap.
+                let reached = own.iter().filter(|q| along[**q].is_finite());
+                let away = reached.map(|q| (distance(nodes.at[*q], nodes.at[*n]), *q));
+                away.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(d, q)| along[q] + d)
+            };
+            state[*n] = state_at(artery, far);
+        }
+    }
+    state
+}
+
+/// How far a position lies in the direction in which the reference end of an artery is expected.
+fn height(at: Point, artery: ArteryLabel) -> f64 {
+    let is_right = artery_of(artery).and_then(Artery::side) == Some(BodySide::Right);
+    dot(in_atlas(artery).begins, if is_right { [-at[0], at[1], at[2]] } else { at })
 }
