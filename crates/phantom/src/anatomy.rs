@@ -51,13 +51,7 @@ impl Anatomy {
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::CircleOfWillis => "circle-of-willis",
-            Self::Cerebral => "cerebral",
-            Self::Tree => "tree",
-            Self::Arterial => "arterial",
-            Self::Capillary => "capillary",
-        }
+        ["circle-of-willis", "cerebral", "tree", "arterial", "capillary"][self as usize]
     }
 
     /// Whether the caller chooses the number of vessels. The anatomy is random then.

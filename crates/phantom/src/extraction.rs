@@ -23,6 +23,8 @@ struct OrderedExtraction {
     links: Vec<[usize; 2]>,
     /// The missing stretches, with the rows of points as their ids.
     gaps: Vec<Break>,
+    /// Per node the row of its point, where a vessel reaches it.
+    at_node: Vec<Option<usize>>,
 }
 
 /// A point at its true place.
@@ -37,25 +39,19 @@ struct TruePoint {
 
 impl OrderedExtraction {
     /// Adds the pieces of a vessel and returns the first and last point of each. Vessels that meet at a node share its point.
-    fn add_vessel(
-        &mut self,
-        row: usize,
-        vessel: &SampledVessel,
-        ends: [usize; 2],
-        node_point: &mut [Option<usize>],
-    ) -> Vec<[usize; 2]> {
+    fn add_vessel(&mut self, row: usize, vessel: &SampledVessel, ends: [usize; 2]) -> Vec<[usize; 2]> {
         let mut pieces = Vec::new();
         for [first, last] in &vessel.pieces {
             let mut rows = Vec::new();
             for at in *first..=*last {
                 let (position, radius) = vessel.points[at];
                 let node = (0..2).find(|end| at == [0, vessel.last()][*end]).map(|end| ends[end]);
-                let point = node.and_then(|node| node_point[node]).unwrap_or_else(|| {
+                let point = node.and_then(|node| self.at_node[node]).unwrap_or_else(|| {
                     self.points.push(TruePoint { position, radius, vessel: Some(row) });
                     self.points.len() - 1
                 });
                 if let Some(node) = node {
-                    node_point[node] = Some(point);
+                    self.at_node[node] = Some(point);
                 }
                 if radius > self.points[point].radius {
                     (self.points[point].radius, self.points[point].vessel) = (radius, Some(row));
@@ -69,13 +65,8 @@ impl OrderedExtraction {
     }
 
     /// Adds the missing stretches of a vessel that have a point at both ends. `pieces` are the first and last points of its pieces.
-    fn add_gaps(
-        &mut self,
-        (row, label): (usize, &String),
-        vessel: &SampledVessel,
-        pieces: &[[usize; 2]],
-        nodes: [Option<usize>; 2],
-    ) {
+    fn add_gaps(&mut self, (row, label): (usize, &String), vessel: &SampledVessel, pieces: &[[usize; 2]], ends: [usize; 2]) {
+        let nodes = ends.map(|node| self.at_node[node]);
         let (Some(first), Some(last)) = (vessel.pieces.first(), vessel.pieces.last()) else { return };
         let mut add = |kind, ends: [usize; 2], stretch: [usize; 2]| {
             let stretch = stretch.map(|at| at as f64 * vessel.step);
@@ -122,10 +113,9 @@ impl OrderedExtraction {
                 let TruePoint { position, radius, .. } = &self.points[point];
                 let mut noise = || rng.sample::<f64, _>(StandardNormal);
                 let jitter = params.jitter * params.spacing / 3.0_f64.sqrt();
-                lines.points.push([0, 1, 2].map(|axis| position[axis] + jitter * noise()));
-                lines.radii.push(radius * (bias + params.radius_noise * noise()).exp());
-                lines.ids.push(lines.points.len() as u64);
-                lines.strand.push(strand as u32);
+                let place = [0, 1, 2].map(|axis| position[axis] + jitter * noise());
+                let radius = radius * (bias + params.radius_noise * noise()).exp();
+                lines.add_point(place, radius, lines.points.len() as u64 + 1, strand as u32);
                 neighbours[point].shuffle(rng);
                 stack.extend(neighbours[point].iter().map(|next| (*next, point)));
             }
@@ -155,15 +145,13 @@ pub fn break_up(network: &Network, params: &Breaks) -> Result<(Centerlines, Trut
 
 /// The shuffled, noisy centerlines of damaged vessels with spurious fragments, and the true answer.
 pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Breaks, rng: &mut impl Rng) -> (Centerlines, Truth) {
-    let mut ordered = OrderedExtraction::default();
-    let mut node_point = vec![None; network.node_count()];
+    let mut ordered = OrderedExtraction { at_node: vec![None; network.node_count()], ..OrderedExtraction::default() };
     let mut pieces = Vec::new();
     for (row, vessel) in vessels.iter().enumerate() {
-        pieces.push(ordered.add_vessel(row, vessel, network.ends(row), &mut node_point));
+        pieces.push(ordered.add_vessel(row, vessel, network.ends(row)));
     }
     for (row, vessel) in vessels.iter().enumerate() {
-        let nodes = network.ends(row).map(|node| node_point[node]);
-        ordered.add_gaps((row, &network.vessel(row).label), vessel, &pieces[row], nodes);
+        ordered.add_gaps((row, &network.vessel(row).label), vessel, &pieces[row], network.ends(row));
     }
     let true_fragments = ordered.fragments().len();
     let wanted = (params.spurious * true_fragments as f64).round() as usize;
@@ -175,7 +163,7 @@ pub(crate) fn extract(network: &Network, vessels: &[SampledVessel], params: &Bre
         ordered.links.extend((first + 1..ordered.points.len()).map(|point| [point - 1, point]));
     }
     let inlets = (0..network.node_count()).filter(|row| network.node(*row).role == Some(Role::Inlet));
-    let inlets: Vec<usize> = inlets.filter_map(|row| node_point[row]).collect();
+    let inlets: Vec<usize> = inlets.filter_map(|row| ordered.at_node[row]).collect();
     let (lines, number) = ordered.centerlines(network.frame, params, rng);
 
     let mut truth = Truth {

@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 
 use super::truth::BreakKind;
 use super::tube::DrawnTube;
@@ -58,18 +59,6 @@ pub struct MaskTruth {
 }
 
 #[derive(Serialize)]
-struct MaskTruthDocument<'a> {
-    vessels: Vec<&'a str>,
-    lost_vessels: &'a [usize],
-    spurious_vessels: Vec<usize>,
-    voxel_mm: f64,
-    inlets_mm: Vec<Point>,
-    breaks: Vec<MaskBreak>,
-    contacts: Vec<Contact>,
-    centerlines: Vec<Centerline<'a>>,
-}
-
-#[derive(Serialize)]
 struct Centerline<'a> {
     vessel: usize,
     nodes: Option<[&'a str; 2]>,
@@ -111,17 +100,19 @@ impl MaskTruth {
             gap_mm: micrometres(gap.gap_mm),
             ..gap.clone()
         };
-        let document = MaskTruthDocument {
-            vessels: self.tubes.iter().map(|tube| tube.label.as_str()).collect(),
-            lost_vessels: &self.lost,
-            spurious_vessels: self.spurious().collect(),
-            voxel_mm: self.voxel,
-            inlets_mm: self.inlets.iter().map(rounded).collect(),
-            breaks: self.breaks.iter().map(in_micrometres).collect(),
-            contacts: self.contacts.iter().map(|at| Contact { position_mm: rounded(&at.position_mm), ..at.clone() }).collect(),
-            centerlines: self.tubes.iter().enumerate().map(|(vessel, tube)| self.centerline(vessel, tube)).collect(),
-        };
-        serde_json::to_writer(&mut out, &document)?;
+        let place_in_micrometres = |at: &Contact| Contact { position_mm: rounded(&at.position_mm), ..at.clone() };
+        let centerline = |(vessel, tube)| self.centerline(vessel, tube);
+        let mut json = serde_json::Serializer::new(&mut out);
+        let mut object = json.serialize_map(None)?;
+        object.serialize_entry("vessels", &Vec::from_iter(self.tubes.iter().map(|tube| &tube.label)))?;
+        object.serialize_entry("lost_vessels", &self.lost)?;
+        object.serialize_entry("spurious_vessels", &Vec::from_iter(self.spurious()))?;
+        object.serialize_entry("voxel_mm", &self.voxel)?;
+        object.serialize_entry("inlets_mm", &Vec::from_iter(self.inlets.iter().map(rounded)))?;
+        object.serialize_entry("breaks", &Vec::from_iter(self.breaks.iter().map(in_micrometres)))?;
+        object.serialize_entry("contacts", &Vec::from_iter(self.contacts.iter().map(place_in_micrometres)))?;
+        object.serialize_entry("centerlines", &Vec::from_iter(self.tubes.iter().enumerate().map(centerline)))?;
+        object.end()?;
         writeln!(out)?;
         out.flush()
     }

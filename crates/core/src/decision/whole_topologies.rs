@@ -20,6 +20,7 @@ use crate::error::Result;
 use crate::flow::pressures::PressureSolver;
 use crate::flow::state::State;
 use crate::flow::{Boundary, Circuit, Tube};
+use crate::network::walks::other_end;
 use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments};
 use crate::sampling::options::{SamplingOptions, Weight};
 use crate::sampling::patterns::Patterns;
@@ -79,7 +80,7 @@ impl Topologies {
     /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
     fn of_ends(
         network: &Network,
-        known: KnownEnds<'_>,
+        known: KnownEnds,
         params: &SamplingOptions,
         go_on: impl Fn(&mut RandomStream, &mut [bool]),
     ) -> Self {
@@ -108,7 +109,7 @@ impl Topologies {
         let provisional = params.provisional(network, boundary);
         let patterns = Patterns::new(network, &provisional, params)?;
         let at_rest = Tube::at_rest(network, params.viscosity);
-        let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
+        let circuit = Circuit::with(network, boundary, &provisional, &at_rest)?;
         let solver = PressureSolver::new(&circuit)?;
         let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
         let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
@@ -226,10 +227,7 @@ impl KnownEnds<'_> {
         let best = |choices: &[(usize, f64)]| choices.iter().map(|(_, odds)| *odds).fold(0.0, f64::max);
         ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
-        let leads_to = |node: usize, row: usize| {
-            let [a, b] = network.ends(row);
-            number.get(if a == node { &b } else { &a }).copied()
-        };
+        let leads_to = |node: usize, row: usize| number.get(&other_end(network, row, node)).copied();
         let of_end = |(node, choices): &(usize, Vec<(usize, f64)>)| {
             choices.iter().map(|(row, odds)| (*row, *odds, leads_to(*node, *row))).collect()
         };

@@ -114,11 +114,7 @@ impl Boundary {
             }
             let cubes: Vec<f64> = found.iter().map(|n| ends.radius[*n].powi(3)).collect();
             let total: f64 = cubes.iter().sum();
-            let pressure = boundary.conditions.iter().filter_map(|(_, c)| match c {
-                Condition::Pressure(p) => Some(*p),
-                _ => None,
-            });
-            let pressure = pressure.fold(0.0, f64::max);
+            let pressure = boundary.conditions.iter().filter_map(|(_, c)| c.pressure()).fold(0.0, f64::max);
             let pressure = if pressure > 0.0 { pressure } else { INLET_PRESSURE };
             let mut cubes = cubes.into_iter();
             boundary.find(&found, Role::Outlet, |_| match outlets {
@@ -132,7 +128,7 @@ impl Boundary {
                     Condition::Resistance { resistance, venous: 0.0 }
                 }
             });
-            boundary.found_outlets = found.into_iter().filter(|node| !ends.named_outlet[*node]).collect();
+            boundary.found_outlets = found.into_iter().filter(|node| !ends.is_named_outlet(*node)).collect();
         }
         boundary.conditions.sort_by_key(|(node, _)| *node);
         for (_, condition) in &mut boundary.conditions {
@@ -271,8 +267,7 @@ impl Boundary {
 /// A pressure without a role belongs to an inlet when it lies in the upper half of all stated pressures; equal
 /// pressures are inlets, unless they are ground. A flow into the network is an inlet.
 pub fn stated(network: &Network) -> Vec<Given> {
-    let pressure = |c: &Condition| if let Condition::Pressure(p) = c { Some(*p) } else { None };
-    let pressures = || network.nodes().filter_map(|n| n.condition.as_ref().and_then(pressure));
+    let pressures = || network.nodes().filter_map(|n| n.condition?.pressure());
     let (low, high) = (pressures().fold(f64::INFINITY, f64::min), pressures().fold(f64::NEG_INFINITY, f64::max));
     let role = |condition: &Condition| match condition {
         Condition::Pressure(p) if *p != 0.0 && 2.0 * p >= low + high => Role::Inlet,

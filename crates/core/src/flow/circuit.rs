@@ -55,15 +55,6 @@ impl Circuit {
         Self::with(network, boundary, &[], &Tube::at_rest(network, viscosity))
     }
 
-    /// The circuit of an over-connected graph for its samples, in which the `provisional` conditions come and go.
-    ///
-    /// # Errors
-    ///
-    /// As [`Circuit::new`].
-    pub fn sampled(network: &Network, boundary: &Boundary, provisional: &[Provisional], viscosity: f64) -> Result<Self> {
-        Self::with(network, boundary, provisional, &Tube::at_rest(network, viscosity))
-    }
-
     /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance, and whose `provisional` conditions come and go.
     ///
     /// # Errors

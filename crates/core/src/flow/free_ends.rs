@@ -1,6 +1,6 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
-use crate::network::{Fragments, Frame, Network, Origin, Role, Vessel, fragments, may_be_speck};
+use crate::network::{Fragments, Network, Origin, Role, Vessel, fragments, may_be_speck};
 use crate::support::geometry::{Point, bounds, centroid, distance, dot, lerp, norm_squared, sub};
 use crate::support::numbered::counted;
 use crate::support::ties::{compare, near_zero, steady};
@@ -21,7 +21,8 @@ const LEAST_PART: f64 = 0.1;
 /// The free ends of the observed vessels (of all vessels where none is observed) that have no condition. A contact of observed vessels
 /// does not make one, and a speck that nothing can join to another part has none.
 #[derive(Debug, Clone)]
-pub struct FreeEnds {
+pub struct FreeEnds<'a> {
+    network: &'a Network,
     /// Their nodes, in order.
     pub nodes: Vec<usize>,
     /// By node the mean radius of the vessel over its last points at this end, m.
@@ -30,26 +31,17 @@ pub struct FreeEnds {
     part: Vec<usize>,
     /// By node whether inlets are looked for there: not in a small part that nothing can join to the rest.
     belongs: Vec<bool>,
-    at_border: Vec<bool>,
-    /// By node whether a landmark names it as an outlet, so that it is one, stated, with the condition of an outlet found.
-    pub named_outlet: Vec<bool>,
-    /// By node whether the input states it as its source.
-    is_source: Vec<bool>,
     /// By node, the sum of the probabilities of the candidates there.
     joined: Vec<f64>,
-    /// By node.
-    position: Vec<Option<Point>>,
     /// The mean position of the ends that belong, m.
     middle: Point,
     /// The lowest corner of the box around these, m, and the longest of its sides, m, which is positive.
     extent: (Point, f64),
-    /// Whether the third axis points to the head. Blood then comes in from below.
-    is_upright: bool,
 }
 
-impl FreeEnds {
+impl<'a> FreeEnds<'a> {
     /// Nodes with one of the `roles` already are not free.
-    pub fn of(network: &Network, roles: &[Role]) -> Self {
+    pub fn of(network: &'a Network, roles: &[Role]) -> Self {
         let any_observed = network.vessels().any(|(_, v)| v.origin == Origin::Observed);
         let counts = |v: &Vessel| !any_observed || v.origin != Origin::Candidate;
         let degree = network.degrees(counts);
@@ -65,12 +57,12 @@ impl FreeEnds {
                 joined[b] += probability;
             }
         }
-        let position: Vec<Option<Point>> = network.nodes().map(|node| node.position).collect();
         let parts = JoinableParts::of(network);
         let is_free = |n: &usize| degree[*n] == 1 && roles[*n] == Role::Inner && !parts.is_speck(*n);
         let nodes: Vec<usize> = (0..network.node_count()).filter(is_free).collect();
         let belongs: Vec<bool> = (0..network.node_count()).map(|n| parts.is_long(n)).collect();
-        let placed: Vec<Point> = nodes.iter().filter(|node| belongs[**node]).filter_map(|node| position[*node]).collect();
+        let placed: Vec<Point> =
+            nodes.iter().filter(|node| belongs[**node]).filter_map(|node| network.node(*node).position).collect();
         Self {
             middle: centroid(placed.iter().copied()),
             extent: extent(&placed),
@@ -78,13 +70,14 @@ impl FreeEnds {
             belongs,
             radius,
             part: fragments(network, |_, v| counts(v)).of_node,
-            at_border: network.nodes().map(|node| node.at_border).collect(),
-            named_outlet: network.nodes().map(|node| node.role == Some(Role::Outlet) && node.condition.is_none()).collect(),
-            is_source: network.nodes().map(|node| node.is_source).collect(),
             joined,
-            position,
-            is_upright: network.frame != Frame::Unknown,
+            network,
         }
+    }
+
+    /// Whether a landmark names a node as an outlet, so that it is one, stated, with the condition of an outlet found.
+    pub fn is_named_outlet(&self, node: usize) -> bool {
+        self.network.node(node).role == Some(Role::Outlet) && self.network.node(node).condition.is_none()
     }
 
     /// The ends by which blood comes in, in node order: those that are `known`, as by the names of arteries, and are no ends of gaps;
@@ -97,7 +90,7 @@ impl FreeEnds {
         };
         let mut known = only(&|node| known.contains(&node));
         if known.is_empty() {
-            known = only(&|node| self.is_source[node] && !self.named_outlet[node]);
+            known = only(&|node| self.network.node(node).is_source && !self.is_named_outlet(node));
         }
         let are_known = !known.is_empty();
         let ranked = if are_known { known } else { self.ranked() };
@@ -122,7 +115,7 @@ impl FreeEnds {
         let [first, second, others @ ..] = before else { return true };
         let Some(least) = LEAST_OUT.get(others.len()) else { return false };
         let out = || {
-            let from_middle = |node: usize| Some(sub(self.position[node]?, self.middle));
+            let from_middle = |node: usize| Some(sub(self.network.node(node).position?, self.middle));
             let outward = lerp(from_middle(*first)?, from_middle(*second)?, 0.5);
             let size = self.extent.1;
             let far = norm_squared(outward) / (size * size);
@@ -137,7 +130,7 @@ impl FreeEnds {
     /// farther from the middle of all, then by place along the axes; the number of a node decides only where two are at one place.
     /// Rounding decides nothing: what differs in the last digits is equal.
     pub fn ranked(&self) -> Vec<usize> {
-        let mut ends: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.named_outlet[*node]).collect();
+        let mut ends: Vec<usize> = self.nodes.iter().copied().filter(|node| !self.is_named_outlet(*node)).collect();
         let mut only = |is_member: &dyn Fn(usize) -> bool| {
             if ends.iter().any(|node| is_member(*node)) {
                 ends.retain(|node| is_member(*node));
@@ -145,19 +138,21 @@ impl FreeEnds {
         };
         let (low, size) = self.extent;
         // Where it is along an axis, as a share of the extent of all.
-        let along = |node: usize, axis: usize| self.position[node].map_or(0.0, |p| near_zero((p[axis] - low[axis]) / size));
+        let position = |node: usize| self.network.node(node).position;
+        let along = |node: usize, axis: usize| position(node).map_or(0.0, |p| near_zero((p[axis] - low[axis]) / size));
         only(&|node| self.belongs[node]);
         only(&|node| steady(self.joined[node]) < PROBABLE);
-        only(&|node| self.at_border[node]);
-        if self.is_upright {
-            let placed = || self.nodes.iter().filter(|node| self.belongs[**node] && self.position[**node].is_some());
+        only(&|node| self.network.node(node).at_border);
+        // The third axis points to the head, and blood comes in from below.
+        if self.network.frame.is_known() {
+            let placed = || self.nodes.iter().filter(|node| self.belongs[**node] && position(**node).is_some());
             let half = 0.5 * placed().map(|node| along(*node, 2)).fold(0.0, f64::max);
-            only(&|node| self.position[node].is_some() && along(node, 2) <= half);
+            only(&|node| position(node).is_some() && along(node, 2) <= half);
         }
         let widest = ends.iter().map(|node| self.radius[*node]).fold(0.0, f64::max);
         let width = |node: usize| steady(self.radius[node] / widest);
         ends.retain(|node| width(*node) >= LEAST_WIDTH);
-        let far = |node: usize| self.position[node].map_or(0.0, |p| near_zero(distance(p, self.middle) / size));
+        let far = |node: usize| position(node).map_or(0.0, |p| near_zero(distance(p, self.middle) / size));
         let order = |node: usize| [along(node, 2), -far(node), along(node, 0), along(node, 1)];
         ends.sort_by(|a, b| width(*b).total_cmp(&width(*a)));
         // Groups of equal width, each measured from its widest.

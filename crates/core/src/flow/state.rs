@@ -65,15 +65,9 @@ impl State {
 
     /// The state of `tubes` between the nodes of a circuit at the pressures that a solver found, Pa above its level. Where flows do not
     /// balance at these to 1e-12, they are refined. The circuit's conditions are those that hold ([`Circuit::in_sample`]).
-    pub fn at_pressures(
-        circuit: &Circuit,
-        boundary: &Boundary,
-        tubes: &[Tube],
-        viscosity: f64,
-        above_level: &[Option<f64>],
-    ) -> Self {
+    pub fn at_pressures(circuit: &Circuit, boundary: &Boundary, tubes: &[Tube], viscosity: f64, above: &[Option<f64>]) -> Self {
         let conductance: Vec<f64> = tubes.iter().map(|tube| if tube.is_open() { 1.0 / tube.resistance } else { 0.0 }).collect();
-        let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above_level);
+        let Balanced { above_level, drop } = Balanced::of(circuit, &conductance, above);
         let through = |(row, drop): (usize, &f64)| if tubes[row].is_open() { (drop / tubes[row].resistance).abs() } else { 0.0 };
         let is_beyond_rounding = |row: usize| match circuit.ends[row].map(|node| above_level[node]) {
             [Some(a), Some(b)] => is_diffused(drop[row], a + circuit.level, b + circuit.level),

@@ -71,12 +71,7 @@ impl fmt::Display for Class {
 impl Reading {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Increment => "increment",
-            Self::Conductance => "conductance",
-            Self::Literal => "literal",
-            Self::Geometry => "geometry",
-        }
+        ["increment", "conductance", "literal", "geometry"][self as usize]
     }
 
     /// Draws the modulation of one vessel.

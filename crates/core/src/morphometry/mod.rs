@@ -18,7 +18,7 @@ pub use vessel_lines::VesselLine;
 use crate::network::{Network, Role};
 use bifurcations::bifurcations;
 use figures::figures_of;
-use orders::{InletWays, Orders};
+use orders::{InletWays, generations, strahler};
 
 /// A vessel between two junctions or ends.
 #[derive(Debug, Clone)]
@@ -75,7 +75,7 @@ impl Morphometry {
         let ways = InletWays::of(network, role);
         let (bifurcations, territory) = (bifurcations(network, &ways), ways.territories(around.territory));
         let figures = figures_of(&ways, &bifurcations, &territory, around.region);
-        let orders = Orders::of(network, &ways);
+        let ((generation, probability), [strahler, diameter_strahler]) = (generations(network, &ways), strahler(&ways));
         let InletWays { lines, degree, from_inlet, .. } = ways;
         let mut ends: Vec<MeasuredEnd> = Vec::new();
         for (vessel, line) in lines.iter().enumerate() {
@@ -87,11 +87,11 @@ impl Morphometry {
         let measured = |(row, line): (usize, VesselLine)| MeasuredVessel {
             shape: VesselShape::of(&line, smoothing),
             degree: line.ends.map(|node| degree[node]),
-            generation: orders.generation[row],
-            strahler: orders.strahler[row],
-            diameter_strahler: orders.diameter_strahler[row],
+            generation: generation[row],
+            strahler: strahler[row],
+            diameter_strahler: diameter_strahler[row],
             from_inlet: from_inlet[line.ends[0]],
-            probability: orders.probability[row],
+            probability: probability[row],
             territory: territory[row],
             line,
         };

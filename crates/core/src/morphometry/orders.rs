@@ -82,35 +82,27 @@ impl InletWays {
     }
 }
 
-/// What follows from the ways; by line, none where no inlet leads.
-pub struct Orders {
-    /// How many bifurcations lie before it.
-    pub generation: Vec<Option<usize>>,
-    /// Strahler's order.
-    pub strahler: Vec<Option<usize>>,
-    /// The same by diameter.
-    pub diameter_strahler: Vec<Option<usize>>,
-    /// The product of the probabilities of all connections on the way to its end.
-    pub probability: Vec<f64>,
+/// By line how many bifurcations lie before it, none where no inlet leads, and the product of the probabilities of all connections on the
+/// way to its end.
+pub fn generations(network: &Network, ways: &InletWays) -> (Vec<Option<usize>>, Vec<f64>) {
+    let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
+    let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
+    for node in &ways.reached {
+        let before = ways.arrives_by[*node];
+        let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
+        for row in &ways.leaving[*node] {
+            generation[*row] = Some(here);
+            probability[*row] *= before.map_or(1.0, |row| probability[row]);
+        }
+    }
+    (generation, probability)
 }
 
-impl Orders {
-    /// The orders of lines by the ways to them.
-    pub fn of(network: &Network, ways: &InletWays) -> Self {
-        let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
-        let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
-        for node in &ways.reached {
-            let before = ways.arrives_by[*node];
-            let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
-            for row in &ways.leaving[*node] {
-                generation[*row] = Some(here);
-                probability[*row] *= before.map_or(1.0, |row| probability[row]);
-            }
-        }
-        let strahler = raised(ways, |_, _| true);
-        let diameter_strahler = by_diameter(ways, &strahler);
-        Self { generation, strahler, diameter_strahler, probability }
-    }
+/// By line Strahler's order, and the same by diameter; none where no inlet leads.
+pub fn strahler(ways: &InletWays) -> [Vec<Option<usize>>; 2] {
+    let order = raised(ways, |_, _| true);
+    let by_diameter = by_diameter(ways, &order);
+    [order, by_diameter]
 }
 
 /// The product of the probabilities of the connections within a line.

@@ -7,9 +7,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::edit::{Edit, MmPoint, text_of};
 use super::path_places::length_of;
-use super::paths::{ShortestPaths, lengths_at};
+use super::paths::{LengthsAt, ShortestPaths, lengths_at};
 use super::units::millimetres;
-use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use super::{Evidence, Frame, Network, Node, Origin, PathPoint, Vessel};
 use crate::error::in_few_digits;
 use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
 
@@ -33,7 +33,7 @@ type NearestVessel = (usize, (usize, f64));
 
 /// A graph that is being edited.
 pub struct GraphEditor {
-    graph: Network,
+    frame: Frame,
     nodes: Vec<Node>,
     vessels: Vec<([usize; 2], Vessel)>,
     ids: BTreeSet<String>,
@@ -56,24 +56,17 @@ struct GroupPart {
 impl GraphEditor {
     /// The editor of a graph.
     pub fn new(graph: Network) -> Self {
-        let frame = graph.frame;
         let has_evidence = graph.vessels().any(|(_, vessel)| vessel.evidence.is_some());
+        let ids = graph.nodes().map(|node| node.id.clone()).collect();
+        let frame = graph.frame;
         let (nodes, vessels) = graph.into_parts();
-        let (nodes, vessels): (Vec<Node>, Vec<_>) = (nodes.collect(), vessels.collect());
-        let ids = nodes.iter().map(|node| node.id.clone()).collect();
-        let graph = Network { frame, ..Network::default() };
-        Self { graph, nodes, vessels, ids, has_evidence, joined: Vec::new(), divided: Vec::new() }
+        let (nodes, vessels) = (nodes.collect(), vessels.collect());
+        Self { frame, nodes, vessels, ids, has_evidence, joined: Vec::new(), divided: Vec::new() }
     }
 
     /// The graph as it is now.
-    pub fn finish(mut self) -> Network {
-        for node in self.nodes {
-            self.graph.add_node(node);
-        }
-        for (ends, vessel) in self.vessels {
-            self.graph.add_vessel(ends, vessel);
-        }
-        self.graph
+    pub fn finish(self) -> Network {
+        Network::of(self.frame, self.nodes, self.vessels)
     }
 
     /// Makes an edit.
@@ -303,7 +296,7 @@ impl GraphEditor {
     }
 
     /// The edges at a node, of the vessels that `counts` admits.
-    fn edges(&self, counts: impl Fn(usize) -> bool) -> Vec<Vec<(usize, usize, f64)>> {
+    fn edges(&self, counts: impl Fn(usize) -> bool) -> LengthsAt {
         let counted = self.vessels.iter().enumerate().filter(|(row, _)| counts(*row));
         lengths_at(self.nodes.len(), counted.map(|(row, (ends, vessel))| (row, *ends, vessel.length)))
     }
@@ -354,13 +347,7 @@ impl GraphEditor {
     /// The shortest ways that join the nodes of a group, each to the nearest node of those before it, no further off than twice the ball
     /// around all places, and through places of other groups only where there is no other. Where there is none but by a [`DETOUR`], a
     /// straight vessel. A vessel counts `factor` times its length.
-    fn tree(
-        &self,
-        own: &[usize],
-        places: &BTreeSet<usize>,
-        edges: &[Vec<(usize, usize, f64)>],
-        factor: impl Fn(usize) -> f64,
-    ) -> GroupPart {
+    fn tree(&self, own: &[usize], places: &BTreeSet<usize>, edges: &LengthsAt, factor: impl Fn(usize) -> f64) -> GroupPart {
         let (centre, ball) = self.ball(places);
         let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), ..GroupPart::default() };
         let mut paths = ShortestPaths::new(self.nodes.len());
@@ -393,21 +380,15 @@ impl GraphEditor {
     }
 
     /// Deletes what joins two groups within the ball around the places, and between the places of each: of a way a contact, or else the
-    /// vessel nearest to the centre.
-    fn cut(
-        &mut self,
-        trees: &[GroupPart],
-        group_of: &BTreeMap<usize, usize>,
-        places: &BTreeSet<usize>,
-        beyond: &BTreeSet<usize>,
-    ) {
+    /// vessel nearest to the centre. At the `outer` nodes vessels may meet.
+    fn cut(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>, outer: &BTreeSet<usize>) {
         let (centre, ball) = self.ball(places);
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
         let within = |(ends, vessel): &([usize; 2], Vessel)| vessel.prior > 0.0 && ends.iter().all(|node| inside(*node));
         let mut open: BTreeSet<usize> =
             (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
-        let group_at = |node: usize| group_of.get(&node).filter(|_| !beyond.contains(&node));
+        let group_at = |node: usize| group_of.get(&node).filter(|_| !outer.contains(&node));
         let between = |ends: &[usize; 2]| matches!(ends.map(group_at), [Some(a), Some(b)] if a != b);
         for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {
             open.remove(&row);
@@ -420,7 +401,7 @@ impl GraphEditor {
             loop {
                 let edges = self.edges(|row| open.contains(&row));
                 let mut other = None;
-                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| !beyond.contains(to));
+                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| !outer.contains(to));
                 paths.search(&own, f64::INFINITY, next, |_, node| {
                     other = group_at(node).filter(|of| **of != group).map(|_| node);
                     other.is_none()

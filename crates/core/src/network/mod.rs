@@ -60,6 +60,18 @@ impl Network {
         Self::default()
     }
 
+    /// A network of some nodes, and of vessels between the rows of two of them.
+    pub fn of(frame: Frame, nodes: Vec<Node>, vessels: Vec<([usize; 2], Vessel)>) -> Self {
+        let mut network = Self { frame, ..Self::default() };
+        for node in nodes {
+            network.add_node(node);
+        }
+        for (ends, vessel) in vessels {
+            network.add_vessel(ends, vessel);
+        }
+        network
+    }
+
     /// The middle point of the path of a vessel, or the middle between its two nodes where no point lies between them, m.
     pub fn middle_of(&self, ends: [usize; 2], vessel: &Vessel) -> Point {
         let [a, b] = ends.map(|node| self.node(node).position.unwrap_or_default());
@@ -321,16 +333,9 @@ impl Serialize for Network {
 impl<'de> Deserialize<'de> for Network {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
-        let mut network = Self { frame: rows.frame.unwrap_or_default(), ..Self::default() };
-        for node in rows.nodes {
-            network.add_node(node);
+        if let Some(([a, b], _)) = rows.vessels.iter().find(|([a, b], _)| *a.max(b) >= rows.nodes.len()) {
+            return Err(D::Error::custom(format!("a vessel between nodes {a} and {b}, which do not both exist")));
         }
-        for ([a, b], vessel) in rows.vessels {
-            if a.max(b) >= network.node_count() {
-                return Err(D::Error::custom(format!("a vessel between nodes {a} and {b}, which do not both exist")));
-            }
-            network.add_vessel([a, b], vessel);
-        }
-        Ok(network)
+        Ok(Self::of(rows.frame.unwrap_or_default(), rows.nodes, rows.vessels))
     }
 }

@@ -39,6 +39,11 @@ impl Condition {
         }
     }
 
+    /// The pressure (Pa) that it fixes.
+    pub fn pressure(&self) -> Option<f64> {
+        if let Self::Pressure(p) = self { Some(*p) } else { None }
+    }
+
     /// The condition after it was written to a file in mmHg and mL and read again.
     #[must_use]
     pub fn as_stored(self) -> Self {
@@ -129,11 +134,7 @@ pub enum Role {
 impl Role {
     /// The word in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Inlet => "inlet",
-            Self::Outlet => "outlet",
-            Self::Inner => "inner",
-        }
+        ["inlet", "outlet", "inner"][self as usize]
     }
 
     /// The role of a node with a fixed flow into the network.

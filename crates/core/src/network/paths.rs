@@ -6,8 +6,11 @@ use std::collections::BinaryHeap;
 use super::walks::Walk;
 use crate::support::numbered::grouped;
 
-/// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
-pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
+/// The edges at each node, as a search takes them: number, node at the other end, length (m).
+pub type LengthsAt = Vec<Vec<(usize, usize, f64)>>;
+
+/// The edges at each of so many nodes. They are given with their two nodes.
+pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> LengthsAt {
     grouped(nodes, edges.flat_map(|(edge, [a, b], length)| [(a, (edge, b, length)), (b, (edge, a, length))]))
 }
 

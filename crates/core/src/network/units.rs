@@ -151,23 +151,12 @@ impl LengthUnit {
 
     /// The unit's usual abbreviation.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Millimetre => "mm",
-            Self::Micrometre => "um",
-            Self::Centimetre => "cm",
-            Self::Metre => "m",
-            Self::Voxel => "voxel",
-        }
+        ["mm", "um", "cm", "m", "voxel"][self as usize]
     }
 
     /// Its length, mm; of a voxel 1.
     pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre | Self::Voxel => 1.0,
-            Self::Micrometre => 1e-3,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1e3,
-        }
+        [1.0, 1e-3, 10.0, 1e3, 1.0][self as usize]
     }
 }
 

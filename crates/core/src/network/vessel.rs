@@ -69,11 +69,7 @@ pub enum Origin {
 impl Origin {
     /// The word in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Observed => "observed",
-            Self::Candidate => "candidate",
-            Self::Contact => "contact",
-        }
+        ["observed", "candidate", "contact"][self as usize]
     }
 }
 

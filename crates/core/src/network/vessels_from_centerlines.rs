@@ -38,10 +38,7 @@ pub struct Contraction {
 impl RadiusRule {
     /// The word on the command line and in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Mean => "mean",
-            Self::Effective => "effective",
-        }
+        ["mean", "effective"][self as usize]
     }
 
     /// The single radius (m) of a vessel with these points.

@@ -43,14 +43,9 @@ impl Stenosis {
 
     /// The factors for a vessel of a length in m, at least the stretch.
     pub fn factors(&self, length: f64) -> Factors {
-        let narrowed = self.stretch.map_or(1.0, |stretch| stretch / length);
-        let normal = 1.0 - narrowed;
-        let open = self.open_diameter;
-        Factors {
-            resistance: normal + narrowed / open.powi(4),
-            volume: normal + narrowed * open * open,
-            radius: open,
-            length: 1.0,
-        }
+        let narrow = self.stretch.map_or(1.0, |stretch| stretch / length);
+        let (normal, radius) = (1.0 - narrow, self.open_diameter);
+        let (resistance, volume) = (normal + narrow / radius.powi(4), normal + narrow * radius * radius);
+        Factors { resistance, volume, radius, length: 1.0 }
     }
 }

@@ -30,29 +30,22 @@ impl<T: Summed> DyadicSums<T> {
         blocks.is_power_of_two() && first.is_multiple_of(blocks) && first.checked_add(blocks).is_some()
     }
 
-    /// Adds the sum over a node, and joins it with its sibling as long as that is there. None of its blocks may be there yet.
+    /// Adds the sum over a node of so many blocks, and joins it with its sibling as long as that is there. None of its blocks may be there yet.
     ///
-    /// `formed` is called for every node that this completes, beginning with the one given; memory that is no longer needed goes to `spare`.
-    pub fn insert(
-        &mut self,
-        mut first: u64,
-        mut blocks: u64,
-        mut sum: T,
-        spare: &mut Vec<T>,
-        mut formed: impl FnMut(u64, u64, &T),
-    ) {
-        debug_assert!(Self::is_node(first, blocks) && !self.overlaps(first..first + blocks));
+    /// `done` is called for every node that this completes, beginning with the one given; memory that is no longer needed goes to `spare`.
+    pub fn insert(&mut self, mut first: u64, mut size: u64, mut sum: T, spare: &mut Vec<T>, mut done: impl FnMut(u64, u64, &T)) {
+        debug_assert!(Self::is_node(first, size) && !self.overlaps(first..first + size));
         loop {
-            formed(first, blocks, &sum);
-            let sibling = first ^ blocks;
-            let is_there = self.nodes.get(&sibling).is_some_and(|(size, _)| *size == blocks);
+            done(first, size, &sum);
+            let sibling = first ^ size;
+            let is_there = self.nodes.get(&sibling).is_some_and(|(blocks, _)| *blocks == size);
             let Some((_, other)) = is_there.then(|| self.nodes.remove(&sibling)).flatten() else { break };
             let (left, right) = if sibling < first { (other, sum) } else { (sum, other) };
             sum = left.plus(&right);
             spare.push(right);
-            (first, blocks) = (first.min(sibling), 2 * blocks);
+            (first, size) = (first.min(sibling), 2 * size);
         }
-        self.nodes.insert(first, (blocks, sum));
+        self.nodes.insert(first, (size, sum));
     }
 
     /// Each node's first block, number of blocks and sum, by first block.

@@ -25,10 +25,7 @@ impl Uncertain {
 
     /// The word in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Candidates => "candidates",
-            Self::All => "all",
-        }
+        ["candidates", "all"][self as usize]
     }
 
     /// Per vessel whether it is uncertain; one marked certain never is.
@@ -56,11 +53,7 @@ impl Weight {
 
     /// The word in files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Resilience => "resilience",
-            Self::Count => "count",
-            Self::Global => "global",
-        }
+        ["resilience", "count", "global"][self as usize]
     }
 
     /// The unit of L.

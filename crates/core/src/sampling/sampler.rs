@@ -10,7 +10,7 @@ use super::patterns::Patterns;
 use super::reference::Reference;
 use super::sampled_graph::SampledGraph;
 use crate::error::Result;
-use crate::flow::{Boundary, Circuit};
+use crate::flow::{Boundary, Circuit, Tube};
 use crate::network::Network;
 use crate::support::random::BLOCK;
 
@@ -54,7 +54,7 @@ impl Sampler {
         let keep = params.keep_probabilities(network);
         let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
         let provisional = params.provisional(network, boundary);
-        let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
+        let circuit = Circuit::with(network, boundary, &provisional, &Tube::at_rest(network, params.viscosity))?;
         // What is asked for, or what is predicted to be the fastest.
         let plan = if params.solver == Solver::Reference {
             SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))

@@ -69,10 +69,9 @@ pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturba
     let changed = perturbed(network, &at_rest, perturbations)?;
     drives_flow(network, boundary)?;
     let solve = |tubes: &[Tube]| State::solve(network, boundary, tubes, viscosity);
-    Ok(Simulation {
-        unperturbed: solve(&at_rest)?,
-        perturbed: if perturbations.is_empty() { None } else { Some(solve(&changed)?) },
-    })
+    let unperturbed = solve(&at_rest)?;
+    let perturbed = if perturbations.is_empty() { None } else { Some(solve(&changed)?) };
+    Ok(Simulation { unperturbed, perturbed })
 }
 
 /// The vessels `at_rest` with the perturbations.
@@ -103,28 +102,22 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
             Change::Tortuosity(_) => {}
             Change::Occlusion => tube.resistance = f64::INFINITY,
             Change::Stenosis(stenosis) => {
-                check(network, *vessel, stenosis, lengths[*vessel])?;
-                *tube = tube.times(&stenosis.factors(lengths[*vessel]));
+                let (open, length) = (stenosis.open_diameter, lengths[*vessel]);
+                if !(open > 0.0 && open <= 1.0) {
+                    let reduction = format!("{}%", 100.0 * (1.0 - open));
+                    let accepted = "expected a reduction from 0% to below 100%; 100% is an occlusion";
+                    return Err(Error::parameter("stenosis", reduction, accepted));
+                }
+                if let Some(stretch) = stenosis.stretch.filter(|stretch| !(*stretch > 0.0 && *stretch <= length)) {
+                    let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(*vessel));
+                    let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
+                    return Err(Error::parameter("stenosis", found, accepted));
+                }
+                *tube = tube.times(&stenosis.factors(length));
             }
         }
     }
     Ok(tubes)
-}
-
-fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> Result<()> {
-    let open = stenosis.open_diameter;
-    if !(open > 0.0 && open <= 1.0) {
-        let reduction = format!("{}%", 100.0 * (1.0 - open));
-        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
-    }
-    match stenosis.stretch {
-        Some(stretch) if !(stretch > 0.0 && stretch <= length) => {
-            let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel));
-            let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
-            Err(Error::parameter("stenosis", found, accepted))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Flows and gains up to this share of the total inflow count as rounding.

@@ -1,7 +1,5 @@
 //! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
 
-use std::str::FromStr;
-
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
@@ -148,14 +146,7 @@ impl TryFrom<String> for RegressionTree {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
-        text.parse().map_err(|found| format!("{found}; expected splits and leaves, as in `3<0.25 -0.1 0.2`"))
-    }
-}
-
-impl FromStr for RegressionTree {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
+        let refused = |found: String| format!("{found}; expected splits and leaves, as in `3<0.25 -0.1 0.2`");
         let number = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite());
         let node = |word: &str| {
             let split = |(column, least_right)| TreeNode::Split { column, least_right, right: 0 };
@@ -163,9 +154,9 @@ impl FromStr for RegressionTree {
                 Some((column, least)) => column.parse().ok().zip(number(least)).map(split),
                 None => number(word).map(TreeNode::Leaf),
             };
-            read.ok_or_else(|| format!("\"{word}\" in a tree"))
+            read.ok_or_else(|| refused(format!("\"{word}\" in a tree")))
         };
         let nodes = text.split_whitespace().map(node).collect::<Result<_, _>>()?;
-        Self::new(nodes).ok_or_else(|| "a tree whose splits and leaves do not match".to_owned())
+        Self::new(nodes).ok_or_else(|| refused("a tree whose splits and leaves do not match".to_owned()))
     }
 }

@@ -118,8 +118,8 @@ impl Pulse {
         };
         let pressure: Vec<Option<Vec<Complex64>>> = pressure.collect();
         let vessels: Vec<VesselPulse> = (0..ends.len()).map(vessel).collect();
-        let middle: Vec<Option<&[Complex64]>> = vessels.iter().map(|vessel| vessel.pressure.as_deref()).collect();
-        let arrivals = Arrivals::follow(&ends, setting, &pressure, &middle);
+        let places = pressure.iter().chain(vessels.iter().map(|vessel| &vessel.pressure));
+        let arrivals = Arrivals::follow(&ends, setting, &places.map(Option::as_deref).collect::<Vec<_>>());
         let (period, harmonics, walls) = (setting.period, setting.harmonics, setting.vessels.to_vec());
         Ok(Self { period, harmonics, pressure, vessels, walls, arrivals })
     }

@@ -26,21 +26,15 @@ impl Walled {
     }
 }
 
-/// The vessels of a network with all `perturbations`, whose figures at rest are `tubes`.
+/// The vessels of a network with all `changes`, whose figures at rest are `tubes`.
 ///
 /// The law of the wall holds for a narrowed lumen as for any other of its radius. A stated resistance is spread over the length.
 ///
 /// # Errors
 ///
 /// A wall that [`WallLaw::compliance`] refuses.
-pub fn walled(
-    network: &Network,
-    tubes: &[Tube],
-    perturbations: &[Perturbation],
-    law: &WallLaw,
-    fluid: &Fluid,
-) -> Result<Vec<Walled>> {
-    let changes = grouped(network.vessel_count(), perturbations.iter().map(|p| (p.vessel, &p.change)));
+pub fn walled(network: &Network, tubes: &[Tube], changes: &[Perturbation], law: &WallLaw, fluid: &Fluid) -> Result<Vec<Walled>> {
+    let changes = grouped(network.vessel_count(), changes.iter().map(|p| (p.vessel, &p.change)));
     let vessel = |row: usize| {
         let (vessel, tube) = (network.vessel(row), &tubes[row]);
         let (narrowest, volume) = (tube.radius, tube.volume);
