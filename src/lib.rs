@@ -64,7 +64,7 @@ pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw};
 pub use willis_core::modulation::ModulationOptions;
 pub use willis_core::network::units::{LengthUnit, Scale};
 pub use willis_core::network::{Network, RadiusRule};
-pub use willis_core::perturbation::stenosis::{Stenosis, StretchPlace};
+pub use willis_core::perturbation::{Stenosis, StretchPlace};
 pub use willis_core::sampling::{FoundConditions, Likelihood, Progress, SamplingOptions, Solver, Uncertain, Weight};
 pub use willis_core::simulation::Change;
 pub use willis_core::simulation::pulse::Friction;

@@ -4,9 +4,8 @@ use rand::seq::SliceRandom;
 use rand::{Rng, RngExt};
 use rand_distr::StandardNormal;
 
-use super::large::Large;
 use super::tree::make_terminal;
-use super::{add_node, make_inlet};
+use super::{Large, add_node, make_inlet};
 use willis_core::error::Result;
 use willis_core::network::Network;
 use willis_core::support::geometry::{Point, distance, lerp};
@@ -16,7 +15,7 @@ use willis_core::support::random::{self, stream};
 const TERRITORIES: [usize; 3] = [3, 2, 2];
 /// The sides of the box that the territories fill, m: 1.2 L, the volume of a brain.
 const BOX: [f64; 3] = [0.138, 0.110, 0.080];
-/// The radius of every root, m: that of A2, the middle one of the three cerebral arteries in [`super::alastruey`].
+/// The radius of every root, m: that of A2, the middle one of the three cerebral arteries in [`super::circle`].
 const ROOT_RADIUS: f64 = 0.0012;
 /// The share of a territory's volume that its first half gets: uniform, with mean 1/2.
 const CUT: std::ops::Range<f64> = 0.35..0.65;

@@ -4,8 +4,7 @@ use rand::seq::{SliceRandom, index};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, LogNormal, Uniform};
 
-use super::large::Large;
-use super::{add_node, state};
+use super::{Large, add_node, state};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Fragments, Network, Role};
 use willis_core::support::numbered::counted;

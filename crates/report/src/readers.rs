@@ -1,6 +1,6 @@
 //! readers.csv and differences.csv: how far two readers agree on the connections of runs, and where they differ.
 
-use willis_core::support::kappa::{CohenKappa, cohen_kappa};
+use willis_core::support::comparison::{CohenKappa, cohen_kappa};
 use willis_io::formats::{Column, POSITION_COLUMNS, coordinate_columns};
 
 /// What a reader says of a connection.

@@ -7,7 +7,7 @@ use crate::internals::report::page::lead::change;
 use crate::internals::report::{MOST_COLLATERALS, end_name};
 use crate::internals::simulation::closures::ClosedVessel;
 use crate::internals::simulation::pulse::Pulse;
-use crate::internals::simulation::pulse::indices::Indices;
+use crate::internals::simulation::pulse::fourier::Indices;
 use crate::internals::simulation::transport::Transport;
 use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{Change, Network, SimulationRun, Stenosis};

@@ -11,15 +11,13 @@ pub mod free_ends;
 pub mod peeling;
 pub mod poiseuille;
 pub mod pressures;
-pub mod residual;
 pub mod resilience;
 pub mod state;
-pub mod unfed;
 pub mod wall;
 
 pub use batch::solver::BatchSolver;
 pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
+pub use floating_components::Unfed;
 pub use poiseuille::{Factors, Tube};
-pub use unfed::Unfed;
 pub use wall::{Thickness, WallLaw};

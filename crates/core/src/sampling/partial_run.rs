@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::dyadic_sums::{DyadicSums, Summed};
+use super::likelihood::{DyadicSums, Summed};
 use super::likelihood::{Snapshot, Sums};
 use crate::support::random::BLOCK;
 

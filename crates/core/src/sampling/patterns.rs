@@ -6,7 +6,7 @@ use super::options::SamplingOptions;
 use crate::error::{Error, Result};
 use crate::flow::boundary_conditions::Provisional;
 use crate::network::Network;
-use crate::perturbation::enumeration::MOST_UNCERTAIN;
+use crate::perturbation::MOST_UNCERTAIN;
 use crate::perturbation::{Enumeration, Occlusion};
 use crate::support::random::BLOCK;
 

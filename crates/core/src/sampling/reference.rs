@@ -21,7 +21,7 @@ use petgraph::graph::UnGraph;
 
 use super::block::Block;
 use super::choose_solver::Method;
-use super::expected_forest::{ExpectedForest, ForestEdge};
+use super::forest::{ExpectedForest, ForestEdge};
 use super::likelihood::Sums;
 use super::options::Weight;
 use super::ties::{Ties, TiesWorkspace};
@@ -30,7 +30,7 @@ use crate::flow::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::flow::drops::{Drops, DropsWorkspace};
 use crate::flow::floating_components::{grounded, stranded};
-use crate::flow::residual::Check;
+use crate::flow::pressures::Check;
 use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
 use crate::network::Network;
 

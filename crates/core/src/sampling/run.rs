@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use super::choose_solver::Method;
 use super::coins::MAX_VESSELS;
-use super::dyadic_sums::DyadicSums;
+use super::likelihood::DyadicSums;
 use super::likelihood::{Likelihood, Sums};
 use super::options::SamplingOptions;
 use super::partial_run::PartialRun;

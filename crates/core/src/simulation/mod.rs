@@ -11,7 +11,7 @@ use crate::flow::state::State;
 use crate::flow::{Boundary, Factors, Tube};
 use crate::network::Network;
 use crate::network::units::millimetres;
-use crate::perturbation::stenosis::Stenosis;
+use crate::perturbation::Stenosis;
 
 /// How the names of columns of the perturbed network end.
 pub const PERTURBED: &str = "_perturbed";

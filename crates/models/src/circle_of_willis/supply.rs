@@ -7,7 +7,7 @@ use willis_core::flow::Boundary;
 use willis_core::network::{Network, Role};
 use willis_core::simulation::simulate;
 use willis_core::simulation::transport::Transports;
-use willis_core::support::parallel::in_order;
+use willis_core::support::in_order;
 
 /// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;

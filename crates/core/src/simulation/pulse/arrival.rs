@@ -4,8 +4,8 @@ use std::cell::Cell;
 
 use num_complex::Complex64;
 
+use super::fourier::behind;
 use super::fourier::{at, derivative, samples};
-use super::indices::behind;
 use super::setting::{Drive, Setting};
 use crate::network::paths::ShortestPaths;
 use crate::support::numbered::marked;

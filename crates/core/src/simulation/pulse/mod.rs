@@ -6,14 +6,10 @@
 pub mod arrival;
 pub mod elimination;
 pub mod fourier;
-pub mod indices;
-pub mod two_port;
 pub mod typical;
 pub mod womersley;
 
 mod setting;
-mod terminal;
-mod vessels;
 
 use std::f64::consts::TAU;
 
@@ -25,16 +21,14 @@ use crate::flow::state::State;
 use crate::network::waveform::Quantity;
 use crate::network::{Condition, Network};
 use crate::support::elimination::Elimination;
-use crate::support::parallel::in_order;
+use crate::support::in_order;
 use arrival::Arrivals;
 use elimination::Equations;
-use indices::{Indices, behind};
-use two_port::Halved;
+use fourier::{Indices, behind};
+use womersley::Halved;
 use womersley::{Fluid, TubeSegment};
 
-pub use setting::{Drive, Setting};
-pub use terminal::{TerminalImpedance, terminals};
-pub use vessels::{Walled, walled};
+pub use setting::{Drive, Setting, TerminalImpedance, Walled, terminals, walled};
 pub use womersley::Friction;
 
 /// The most joins of an elimination.

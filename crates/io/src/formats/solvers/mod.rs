@@ -15,9 +15,9 @@ pub use openbf::{write_openbf, write_openbf_inlet};
 pub use svzerod::write_svzerod;
 
 use willis_core::flow::WallLaw;
+use willis_core::flow::floating_components::fed;
 use willis_core::flow::poiseuille::BLOOD_VISCOSITY;
 use willis_core::flow::state::BLOOD_DENSITY;
-use willis_core::flow::unfed::fed;
 use willis_core::network::walks::{other_end, vessels_at};
 use willis_core::network::waveform::Waveform;
 use willis_core::network::{Condition, Network, Node, Origin, Role, Vessel};
