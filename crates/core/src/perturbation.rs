@@ -3,8 +3,8 @@
 
 use rand::Rng;
 
-use crate::flow::Factors;
-use crate::support::random::{self, BLOCK, RandomStream, stream};
+use crate::support::random::{BLOCK, RandomStream, stream};
+use crate::{flow::Factors, support::random};
 
 /// Vessels that draw on the same words.
 const TOGETHER: usize = 16;

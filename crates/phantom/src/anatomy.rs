@@ -1,18 +1,12 @@
 //! The kinds of phantoms by name, and the network of each.
 
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 
-use super::arterial::arterial;
-use super::capillary::capillary;
 use super::circle::{cerebral, circle_of_willis};
-use super::extraction::Gaps;
-use super::mask::Scan;
 use super::tree::{BranchingTree, branching_tree};
-use super::{EDGES, Large};
+use super::{EDGES, Large, arterial::arterial, capillary::capillary, extraction::Gaps, mask::Scan};
 use willis_core::error::{Error, Result};
-use willis_core::network::Network;
-use willis_core::network::units::{metres, millimetres};
+use willis_core::network::{Network, metres, millimetres};
 use willis_core::support::suggestions::did_you_mean;
 
 /// The default distance between centerline points, m.

@@ -1,15 +1,11 @@
 //! Twelve arterial trees that fill the volume of a brain, by recursive bisection of space and Murray's law.
 
-use rand::seq::SliceRandom;
-use rand::{Rng, RngExt};
+use rand::{Rng, RngExt, seq::SliceRandom};
 use rand_distr::StandardNormal;
 
-use super::tree::make_terminal;
-use super::{Large, add_node, make_inlet};
-use willis_core::error::Result;
-use willis_core::network::Network;
-use willis_core::support::geometry::{Point, distance, lerp};
-use willis_core::support::random::{self, stream};
+use super::{Large, add_node, make_inlet, tree::make_terminal};
+use willis_core::support::{Point, distance, lerp, random, random::stream};
+use willis_core::{error::Result, network::Network};
 
 /// Territories along each axis: in all two for each of the six cerebral arteries.
 const TERRITORIES: [usize; 3] = [3, 2, 2];

@@ -4,16 +4,13 @@
 //! variations and occlusions on cerebral flows*, J Biomech 40:1794-1805 (2007), table 1: 33 vessels between 30 nodes,
 //! one inlet (the aortic root) and 11 outlets with a terminal resistance each. The radius is constant along a vessel.
 
-use std::str::FromStr;
-use std::sync::LazyLock;
+use std::{str::FromStr, sync::LazyLock};
 
 use super::curve::{Bow, course};
 use super::{add_curved_vessel, add_node, make_inlet, state, widen_nodes};
 use willis_core::error::{Error, Result};
-use willis_core::network::units::metres;
-use willis_core::network::{Condition, Frame, Network, Role, Vessel};
-use willis_core::support::geometry::Point;
-use willis_core::support::suggestions::did_you_mean;
+use willis_core::network::{Condition, Frame, Network, Role, Vessel, metres};
+use willis_core::support::{Point, suggestions::did_you_mean};
 
 /// The complete network of [`TABLE`], with centerline points at about `spacing` (m; 0.5 mm is usual).
 ///

@@ -5,11 +5,9 @@ use rand_distr::{Distribution, Exp1, Poisson, StandardNormal, UnitSphere};
 
 use super::{check_length, check_pair, check_range};
 use willis_core::error::Result;
-use willis_core::network::units::metres;
-use willis_core::network::{Network, Role};
+use willis_core::network::{Network, Role, metres};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
-use willis_core::support::geometry::{Point, distance, unit};
-use willis_core::support::numbered::grouped;
+use willis_core::support::{Point, distance, grouped, unit};
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
 #[derive(Debug, Clone, PartialEq)]

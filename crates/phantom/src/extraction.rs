@@ -9,11 +9,8 @@ use super::damage::{Breaks, SampledVessel, damage, spurious};
 use super::truth::{Break, BreakKind, Truth};
 use super::{add_node, check_positions, check_range};
 use willis_core::error::{Error, Result};
-use willis_core::network::centerlines::Centerlines;
-use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, Role, Vessel, fragments};
-use willis_core::support::geometry::Point;
-use willis_core::support::numbered::grouped;
-use willis_core::support::random::{self, stream};
+use willis_core::network::{Centerlines, Fragments, Frame, Network, Origin, PathPoint, Role, Vessel, fragments};
+use willis_core::support::{Point, grouped, random, random::stream};
 use willis_models::candidates::search::join_nearest;
 
 /// The extraction before its points are shuffled and get noise.

@@ -3,12 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use super::truth::BreakKind;
-use super::truth::{Contact, MaskBreak};
+use super::truth::{BreakKind, Contact, MaskBreak};
 use super::tube::{DrawnTube, VoxelGrid};
-use willis_core::network::paths::ShortestPaths;
-use willis_core::support::geometry::{Point, centroid, distance};
-use willis_core::support::numbered::grouped;
+use willis_core::network::ShortestPaths;
+use willis_core::support::{Point, centroid, distance, grouped};
 use willis_io::masks::Mask;
 
 /// Which stations the mask shows.

@@ -20,7 +20,7 @@ use std::fmt::Display;
 
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
-use willis_core::support::geometry::{Point, distance, lerp};
+use willis_core::support::{Point, distance, lerp};
 
 pub use anatomy::{Anatomy, Recipe};
 pub use arterial::arterial;

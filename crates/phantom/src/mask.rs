@@ -4,18 +4,11 @@ use rand::RngExt;
 use rand_distr::StandardNormal;
 
 use super::interruptions::{ShownStations, contacts};
-use super::truth::MaskTruth;
 use super::tube::{DrawnTube, VoxelGrid};
-use super::veins::veins;
-use super::{check_positions, check_range};
+use super::{check_positions, check_range, truth::MaskTruth, veins::veins};
 use willis_core::error::{Error, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Fragments, Network, Role};
-use willis_core::support::gamma::Gamma;
-use willis_core::support::geometry::{Point, bounds, dot};
-use willis_core::support::numbered::counted;
-use willis_core::support::random::{self, stream};
-use willis_core::support::statistics::median;
+use willis_core::network::{Fragments, Network, Role, millimetres};
+use willis_core::support::{Point, bounds, counted, dot, gamma::Gamma, median, random, random::stream};
 use willis_io::masks::{Image, Mask};
 
 /// No mask has more voxels.
@@ -142,26 +135,15 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     if !is_clean {
         mask.fill_cavities();
     }
-    let truth = judge(network, tubes, &grid, &mask);
-    Ok((mask, truth, Image { shape: grid.shape, values, affine }))
-}
-
-/// Compares the mask with the vessels that were drawn.
-fn judge(network: &Network, tubes: Vec<DrawnTube>, grid: &VoxelGrid, mask: &Mask) -> MaskTruth {
-    let shown = ShownStations::new(&tubes, network.node_count(), grid, mask);
+    // What the mask shows of the vessels that were drawn.
+    let shown = ShownStations::new(&tubes, network.node_count(), &grid, &mask);
     let lost: Vec<usize> = (0..tubes.len()).filter(|row| shown.is_lost(*row)).collect();
-    let breaks = shown.breaks();
-    let contacts = contacts(&tubes, grid, mask);
+    let (breaks, contacts) = (shown.breaks(), contacts(&tubes, &grid, &mask));
     let inlets = network.nodes().filter(|node| node.role == Some(Role::Inlet)).filter_map(|node| node.position);
-    MaskTruth {
-        lost,
-        inlets: inlets.map(|at| at.map(millimetres)).collect(),
-        breaks,
-        contacts,
-        voxel: grid.spacing,
-        nodes: network.nodes().map(|node| node.id.clone()).collect(),
-        tubes,
-    }
+    let inlets = inlets.map(|at| at.map(millimetres)).collect();
+    let nodes = network.nodes().map(|node| node.id.clone()).collect();
+    let truth = MaskTruth { lost, inlets, breaks, contacts, voxel: grid.spacing, nodes, tubes };
+    Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }
 
 /// Refuses voxels so small that the stations along the vessels alone are too many.

@@ -5,10 +5,8 @@ use rand::RngExt;
 use super::curve::{Bow, course};
 use super::{add_curved_vessel, add_node, check_length, check_range, make_inlet, state};
 use willis_core::error::Result;
-use willis_core::network::units::{cubic_metres_per_second, metres};
-use willis_core::network::{Condition, INLET_PRESSURE, Network, Role};
-use willis_core::support::geometry::{cross, dot, sub, unit};
-use willis_core::support::random::{self, stream};
+use willis_core::network::{Condition, INLET_PRESSURE, Network, Role, metres, units::cubic_metres_per_second};
+use willis_core::support::{cross, dot, random, random::stream, sub, unit};
 
 /// The shape of a branching tree.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,16 +1,14 @@
 //! The true answer to an extraction, and the landmarks that a person would set on it. And the true answer to a mask: the vessels that were
 //! drawn, where the mask interrupts them, and where it joins what is apart.
 
-use std::io::{self, Write};
+use std::{io, io::Write};
 
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use serde::{Serialize, Serializer, ser::SerializeMap};
 use serde_json::json;
 
 use super::tube::DrawnTube;
-use willis_core::network::Network;
-use willis_core::network::units::millimetres;
-use willis_core::support::geometry::Point;
+use willis_core::network::{Network, millimetres};
+use willis_core::support::Point;
 use willis_io::formats::MarkedPoint;
 
 /// The labelled free ends of a complete network, except those of the vessels (rows) that are lost: label and true position, m, in node

@@ -1,10 +1,8 @@
 //! Vessels as tubes in the frame of an image, and which voxels lie near them.
 
 use super::damage::SampledVessel;
-use willis_core::network::Network;
-use willis_core::network::units::{metres, millimetres};
-use willis_core::support::arc_lengths::arc_lengths;
-use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+use willis_core::network::{Network, metres, millimetres};
+use willis_core::support::{Point, arc_lengths::arc_lengths, distance, dot, lerp, norm_squared, sub, unit};
 
 /// A vessel as stations along its centerline, mm.
 #[derive(Debug, Clone, PartialEq)]

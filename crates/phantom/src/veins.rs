@@ -3,9 +3,8 @@
 use rand::{Rng, RngExt};
 use rand_distr::{StandardNormal, UnitSphere};
 
-use super::damage::scattered;
-use super::tube::DrawnTube;
-use willis_core::support::geometry::{Point, cross, dot, sub, unit};
+use super::{damage::scattered, tube::DrawnTube};
+use willis_core::support::{Point, cross, dot, sub, unit};
 
 /// Attempts for a vein before the space counts as too crowded.
 const ATTEMPTS: usize = 100;

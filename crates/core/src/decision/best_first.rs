@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use petgraph::unionfind::UnionFind;
 
-use super::most_probable_forest::knows_fragments;
+use super::knows_fragments;
 use crate::network::{Network, Origin};
 
 /// The usual least probability.

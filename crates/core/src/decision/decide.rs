@@ -1,14 +1,10 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
-use super::best_first::{best_first_of, reconnected};
-use super::most_probable_forest::{has_evidence, probabilities, probable};
-use super::rules::{DecidingFigure, Keep, threshold};
+use super::{DecidingFigure, Keep, best_first_of, has_evidence, probabilities, probable, reconnected, threshold};
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::flow::floating_components::parts_that_carry;
+use crate::flow::{Boundary, parts_that_carry};
 use crate::network::{Network, Origin, cycles, fragments};
-use crate::sampling::likelihood::Likelihood;
-use crate::support::ties::exceeds;
+use crate::{sampling::Likelihood, support::ties::exceeds};
 
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;

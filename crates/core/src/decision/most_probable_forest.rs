@@ -3,10 +3,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::error::Result;
 use crate::forest_posterior::{Edge, Forests, arborescence};
 use crate::network::{Network, Vessel, fragments};
-use crate::support::numbered::counted;
+use crate::{error::Result, support::counted};
 
 /// The usual price of a false connection.
 pub const PRICE: f64 = 1.5;

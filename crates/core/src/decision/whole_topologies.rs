@@ -16,16 +16,11 @@ use std::collections::BTreeMap;
 
 use rand::RngExt;
 
-use crate::error::Result;
-use crate::flow::pressures::PressureSolver;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::walks::other_end;
-use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments};
-use crate::sampling::options::{SamplingOptions, Weight};
-use crate::sampling::patterns::Patterns;
-use crate::sampling::{Coins, Kruskal};
-use crate::support::random::{self, BLOCK, RandomStream, stream};
+use crate::flow::{Boundary, Circuit, Tube, pressures::PressureSolver, state::State};
+use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
+use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, patterns::Patterns};
+use crate::support::random::{BLOCK, RandomStream, stream};
+use crate::{error::Result, support::random};
 
 /// What topologies are drawn from.
 #[derive(Debug, Clone, Copy)]
@@ -59,7 +54,7 @@ impl Topologies {
             TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
             TopologySource::Connections(known) => {
                 let ends = known.asked_in_turn(network);
-                Ok(Self::of_ends(network, known, params, |rng, kept| connect(&ends, rng, kept)))
+                Ok(known.draw(network, params, |rng, kept| connect(&ends, rng, kept)))
             }
             TopologySource::Samples(above_median) => Self::of_samples(network, boundary, params, above_median),
         }
@@ -68,38 +63,13 @@ impl Topologies {
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
         let ends: Vec<Vec<(usize, f64)>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
-        Self::of_ends(network, known, params, |rng, kept| {
+        known.draw(network, params, |rng, kept| {
             for choices in &ends {
                 if let Some(row) = chosen(choices.iter().copied(), rng) {
                     kept[row] = true;
                 }
             }
         })
-    }
-
-    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
-    fn of_ends(
-        network: &Network,
-        known: KnownEnds,
-        params: &SamplingOptions,
-        go_on: impl Fn(&mut RandomStream, &mut [bool]),
-    ) -> Self {
-        let mut count = Count::default();
-        let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
-        let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
-        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
-        for first in (0..params.samples).step_by(BLOCK as usize) {
-            let mut rng = stream(params.seed, random::ends(first / BLOCK));
-            for _ in first..params.samples.min(first + BLOCK) {
-                let mut kept = given.clone();
-                for (row, p) in &contacts {
-                    kept[*row] = rng.random::<f64>() < *p;
-                }
-                go_on(&mut rng, &mut kept);
-                count.add(&kept, 1.0);
-            }
-        }
-        count.finish(|kept| known.supply(network, kept))
     }
 
     /// Of the topology that each sample votes for, with its weight.
@@ -191,6 +161,26 @@ pub struct KnownEnds<'a> {
 }
 
 impl KnownEnds<'_> {
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
+    fn draw(&self, network: &Network, params: &SamplingOptions, go_on: impl Fn(&mut RandomStream, &mut [bool])) -> Topologies {
+        let mut count = Count::default();
+        let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
+        let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
+        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
+        for first in (0..params.samples).step_by(BLOCK as usize) {
+            let mut rng = stream(params.seed, random::ends(first / BLOCK));
+            for _ in first..params.samples.min(first + BLOCK) {
+                let mut kept = given.clone();
+                for (row, p) in &contacts {
+                    kept[*row] = rng.random::<f64>() < *p;
+                }
+                go_on(&mut rng, &mut kept);
+                count.add(&kept, 1.0);
+            }
+        }
+        count.finish(|kept| self.supply(network, kept))
+    }
+
     /// The factor of a topology that holds the vessels `kept`: e⁻² for each known outlet that is connected with no known inlet.
     fn supply(&self, network: &Network, kept: &[bool]) -> f64 {
         if self.inlets.is_empty() {

@@ -7,9 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use super::circuit::Circuit;
-use super::pressures::PressureSolver;
-use super::resilience::is_diffused;
+use super::{Circuit, is_diffused, pressures::PressureSolver};
 
 /// Imbalances below this share of what flows through a node are rounding.
 const ENOUGH: f64 = 1e-13;

@@ -4,8 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::free_ends::{FreeEnds, joinable_parts};
 use crate::error::{Error, Result};
-use crate::network::units::cubic_metres_per_second;
-use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments};
+use crate::network::{Condition, INLET_PRESSURE, Network, Origin, Role, Vessel, fragments, units::cubic_metres_per_second};
 
 /// A condition that a person or a file states.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

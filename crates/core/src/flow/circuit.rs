@@ -1,7 +1,6 @@
 //! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
 
-use super::boundary_conditions::{Boundary, Provisional};
-use super::poiseuille::Tube;
+use super::{Boundary, Tube, boundary_conditions::Provisional};
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
 

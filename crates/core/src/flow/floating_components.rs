@@ -5,11 +5,10 @@ use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
-use super::boundary_conditions::Boundary;
-use super::circuit::Circuit;
+use super::{Boundary, Circuit};
 use crate::error::{Error, Result};
 use crate::network::{Condition, Fragments, Network, Role, fragments};
-use crate::support::numbered::{grouped, placed};
+use crate::support::{grouped, placed};
 
 /// Per node whether its component over the open vessels is grounded by a fixed pressure or a terminal resistance.
 pub fn grounded(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Vec<bool> {

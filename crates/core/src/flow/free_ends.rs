@@ -1,9 +1,8 @@
 //! The free ends of a network, and which of them blood comes in by: few, true and wide.
 
 use crate::network::{Fragments, Network, Origin, Role, Vessel, fragments, may_be_speck};
-use crate::support::geometry::{Point, bounds, centroid, distance, dot, lerp, norm_squared, sub};
-use crate::support::numbered::counted;
 use crate::support::ties::{compare, near_zero, steady};
+use crate::support::{Point, bounds, centroid, counted, distance, dot, lerp, norm_squared, sub};
 
 /// How far out, as a share of the way from the middle of all ends to the two widest, the third and the fourth inlet lie at least. Blood
 /// comes in from one side: by two carotids, and by the basilar artery or two vertebral arteries, which begin as low as the carotids.
@@ -57,12 +56,25 @@ impl<'a> FreeEnds<'a> {
                 joined[b] += probability;
             }
         }
-        let parts = JoinableParts::of(network);
-        let is_free = |n: &usize| degree[*n] == 1 && roles[*n] == Role::Inner && !parts.is_speck(*n);
+        // All that can be joined being one part: by part the length, and the length times the width, of its observed vessels; m, m².
+        let parts = joinable_parts(network);
+        let mut measured = vec![[0.0; 2]; parts.count];
+        for ([a, _], vessel) in network.vessels().filter(|(_, v)| v.origin != Origin::Candidate) {
+            let [length, area] = &mut measured[parts.of_node[a]];
+            *length += vessel.length;
+            *area += vessel.length * 2.0 * vessel.radius;
+        }
+        let longest = measured.iter().map(|[length, _]| *length).fold(0.0, f64::max);
+        let is_long = |n: usize| steady(measured[parts.of_node[n]][0]) >= steady(LEAST_PART * longest);
+        // A speck is short, and not long beside the others.
+        let is_speck = |n: usize| {
+            let [length, area] = measured[parts.of_node[n]];
+            may_be_speck(length, area / length) && !is_long(n)
+        };
+        let is_free = |n: &usize| degree[*n] == 1 && roles[*n] == Role::Inner && !is_speck(*n);
         let nodes: Vec<usize> = (0..network.node_count()).filter(is_free).collect();
-        let belongs: Vec<bool> = (0..network.node_count()).map(|n| parts.is_long(n)).collect();
-        let placed: Vec<Point> =
-            nodes.iter().filter(|node| belongs[**node]).filter_map(|node| network.node(*node).position).collect();
+        let belongs: Vec<bool> = (0..network.node_count()).map(is_long).collect();
+        let placed: Vec<Point> = nodes.iter().filter(|n| belongs[**n]).filter_map(|n| network.node(*n).position).collect();
         Self {
             middle: centroid(placed.iter().copied()),
             extent: extent(&placed),
@@ -178,36 +190,4 @@ fn extent(points: &[Point]) -> (Point, f64) {
 /// The parts that the vessels make which can be open.
 pub fn joinable_parts(network: &Network) -> Fragments {
     fragments(network, |_, v| v.prior > 0.0 || v.certain || v.origin == Origin::Observed)
-}
-
-/// All that can be joined being one part: what is observed of each.
-struct JoinableParts {
-    parts: Fragments,
-    /// By part the length, and the length times the width, of its observed vessels; m, m².
-    measured: Vec<[f64; 2]>,
-    longest: f64,
-}
-
-impl JoinableParts {
-    fn of(network: &Network) -> Self {
-        let parts = joinable_parts(network);
-        let mut measured = vec![[0.0; 2]; parts.count];
-        for ([a, _], vessel) in network.vessels().filter(|(_, v)| v.origin != Origin::Candidate) {
-            let [length, area] = &mut measured[parts.of_node[a]];
-            *length += vessel.length;
-            *area += vessel.length * 2.0 * vessel.radius;
-        }
-        Self { longest: measured.iter().map(|[length, _]| *length).fold(0.0, f64::max), parts, measured }
-    }
-
-    /// Whether a node lies in a part of at least [`LEAST_PART`] of the observed length of the longest.
-    fn is_long(&self, node: usize) -> bool {
-        steady(self.measured[self.parts.of_node[node]][0]) >= steady(LEAST_PART * self.longest)
-    }
-
-    /// Whether it lies in a speck: short, and not long beside the others.
-    fn is_speck(&self, node: usize) -> bool {
-        let [length, area] = self.measured[self.parts.of_node[node]];
-        may_be_speck(length, area / length) && !self.is_long(node)
-    }
 }

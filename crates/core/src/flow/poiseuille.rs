@@ -3,8 +3,7 @@
 use std::f64::consts::PI;
 
 use crate::error::{Error, Result};
-use crate::network::units::centipoise;
-use crate::network::{Network, Vessel};
+use crate::network::{Network, Vessel, units::centipoise};
 
 /// Dynamic viscosity of whole blood in large vessels, Pa s (3.5 cP).
 pub const BLOOD_VISCOSITY: f64 = 3.5e-3;
@@ -77,12 +76,8 @@ impl Tube {
 
     /// The vessel with its figures multiplied.
     #[must_use]
-    pub fn times(&self, factors: &Factors) -> Self {
-        Self {
-            resistance: self.resistance * factors.resistance,
-            volume: self.volume * factors.volume,
-            radius: self.radius * factors.radius,
-        }
+    pub fn times(&self, by: &Factors) -> Self {
+        Self { resistance: self.resistance * by.resistance, volume: self.volume * by.volume, radius: self.radius * by.radius }
     }
 
     /// Whether blood can pass.

@@ -1,9 +1,7 @@
 //! The steady pressures of one network, with all of its vessels open or some of them closed; and how well pressures solve a circuit: what
 //! is left of Kirchhoff's current law A P = b.
 
-use super::batch::solver::BatchSolver;
-use super::circuit::Circuit;
-use super::floating_components::{grounded, stranded};
+use super::{BatchSolver, Circuit, grounded, stranded};
 use crate::error::{Error, Result};
 use crate::support::simd::Scalar;
 

@@ -3,13 +3,8 @@
 use std::f64::consts::PI;
 
 use super::balance::{Balanced, carrying};
-use super::boundary_conditions::Boundary;
-use super::circuit::Circuit;
-use super::poiseuille::Tube;
-use super::pressures::PressureSolver;
-use super::resilience::{is_diffused, resilience};
-use crate::error::Result;
-use crate::network::Network;
+use super::{Boundary, Circuit, Tube, is_diffused, pressures::PressureSolver, resilience};
+use crate::{error::Result, network::Network};
 
 /// Density of blood, kg/m³.
 pub const BLOOD_DENSITY: f64 = 1060.0;

@@ -5,8 +5,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::network::Wall;
-use crate::network::units::millimetres;
+use crate::network::{Wall, millimetres};
 
 /// The law of the walls. Radius and stiffness hold at the mean pressure.
 ///

@@ -10,8 +10,7 @@
 //! each child the same of all others. It never subtracts a child's own message.
 
 use super::absorbing_walk::AbsorbingWalk;
-use crate::support::elimination::Star;
-use crate::support::numbered::{counted, placed};
+use crate::support::{counted, elimination::Star, placed};
 
 /// Fragments that are solved together.
 #[derive(Debug, Clone, PartialEq, Eq)]

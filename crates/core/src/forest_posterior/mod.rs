@@ -14,11 +14,9 @@ pub mod absorbing_walk;
 pub(crate) mod arborescence;
 pub mod clique_tree;
 pub(crate) mod marginals;
-mod rooted;
 
 pub use arborescence::arborescence;
-pub use marginals::{MOST_PAIRS, Marginals, is_tangle, log_likelihood, marginals};
-pub use rooted::rooted_in;
+pub use marginals::{MOST_PAIRS, Marginals, is_tangle, log_likelihood, marginals, rooted_in};
 
 use crate::error::{Error, Result};
 

@@ -5,8 +5,7 @@ use std::fmt;
 use rand::{Rng, RngExt};
 
 use crate::error::{Error, Result};
-use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
-use crate::flow::{Factors, Unfed};
+use crate::flow::{BLOOD_VISCOSITY, Factors, Unfed, check_viscosity};
 
 /// The largest number of classes.
 const MOST_CLASSES: usize = 12;

@@ -1,10 +1,8 @@
 //! Bifurcations: angles, asymmetry, and Murray's exponent.
 
-use super::orders::InletWays;
-use super::vessel_lines::VesselLine;
+use super::{VesselLine, orders::InletWays};
 use crate::network::Network;
-use crate::support::geometry::{Point, cross, dot, norm_squared, sub, unit};
-use crate::support::numbered::grouped;
+use crate::support::{Point, cross, dot, grouped, norm_squared, sub, unit};
 
 /// The direction and the width of a vessel are those between so many and so many radii of the widest vessel there.
 const STRETCH: [f64; 2] = [2.0, 6.0];
@@ -65,10 +63,7 @@ fn bifurcation(node: usize, mut legs: Vec<Leg>, arrives_by: Option<usize>) -> Me
     let first = arrives_by.and_then(|row| legs.iter().position(|leg| leg.line == row)).unwrap_or(0);
     let parent = legs.remove(first);
     let ratios: Vec<f64> = legs.iter().map(|leg| leg.radius / parent.radius).collect();
-    let angle = |a: Option<Point>, b: Option<Point>| match (a, b) {
-        (Some(a), Some(b)) => dot(a, b).clamp(-1.0, 1.0).acos(),
-        _ => f64::NAN,
-    };
+    let angle = |a: Option<Point>, b: Option<Point>| a.zip(b).map_or(f64::NAN, |(a, b)| dot(a, b).clamp(-1.0, 1.0).acos());
     let onwards = parent.direction.map(|d| d.map(|x| -x));
     let flat = legs[0].direction.zip(legs[1].direction).map(|(a, b)| cross(a, b)).filter(|n| norm_squared(*n) > 1e-12);
     MeasuredBifurcation {

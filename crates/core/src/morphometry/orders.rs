@@ -1,9 +1,8 @@
 //! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
 
-use super::vessel_lines::{VesselLine, vessel_lines};
-use crate::network::paths::{ShortestPaths, lengths_at};
-use crate::network::{Network, Role, Vessel};
-use crate::support::numbered::counted;
+use super::{VesselLine, vessel_lines::vessel_lines};
+use crate::network::{Network, Role, ShortestPaths, Vessel, lengths_at};
+use crate::support::counted;
 
 /// So often orders by diameter are found again at most.
 const MOST_PASSES: usize = 100;
@@ -69,17 +68,6 @@ impl InletWays {
         }
         marks
     }
-
-    /// The lines that a line leads to.
-    fn children(&self, row: usize) -> &[usize] {
-        let end = self.lines[row].ends[1];
-        if self.arrives_by[end] == Some(row) { &self.leaving[end] } else { &[] }
-    }
-
-    /// The lines that ways take, the farthest first.
-    fn back(&self) -> impl Iterator<Item = usize> {
-        self.reached.iter().rev().flat_map(|node| self.leaving[*node].iter().copied())
-    }
 }
 
 /// By line how many bifurcations lie before it, none where no inlet leads, and the product of the probabilities of all connections on the
@@ -115,8 +103,11 @@ fn probability_within(network: &Network, line: &VesselLine) -> f64 {
 /// `rises` says so of the line and that order.
 fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
     let mut order: Vec<Option<usize>> = vec![None; ways.lines.len()];
-    for row in ways.back() {
-        let of: Vec<usize> = ways.children(row).iter().filter_map(|child| order[*child]).collect();
+    // The farthest first.
+    for row in ways.reached.iter().rev().flat_map(|node| ways.leaving[*node].iter().copied()) {
+        let end = ways.lines[row].ends[1];
+        let children = ways.leaving[end].iter().filter(|_| ways.arrives_by[end] == Some(row));
+        let of: Vec<usize> = children.filter_map(|child| order[*child]).collect();
         let most = of.iter().copied().max();
         order[row] = Some(most.map_or(1, |most| {
             let several = of.iter().filter(|order| **order == most).count() > 1;

@@ -6,9 +6,8 @@
 
 use std::f64::consts::PI;
 
-use super::vessel_lines::VesselLine;
-use crate::support::geometry::{Point, cross, distance, dot, norm, norm_squared, sub, unit};
-use crate::support::normal_equations::solve;
+use super::VesselLine;
+use crate::support::{Point, cross, distance, dot, norm, norm_squared, normal_equations::solve, sub, unit};
 
 /// The usual smoothing length in radii of the vessel: its course is not known finer than it is wide.
 pub const SMOOTHING: f64 = 6.0;

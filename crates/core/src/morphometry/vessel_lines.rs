@@ -2,8 +2,7 @@
 
 use crate::network::walks::{Walk, runs, vessels_at};
 use crate::network::{Network, Vessel};
-use crate::support::arc_lengths::in_direction;
-use crate::support::geometry::{Point, distance, lerp};
+use crate::support::{Point, arc_lengths::in_direction, distance, lerp};
 
 /// A vessel between two junctions or ends, as a line of points.
 #[derive(Debug, Clone, PartialEq)]
@@ -77,8 +76,7 @@ impl VesselLine {
 
     fn of(network: &Network, run: Walk) -> Self {
         let (label, ends) = (network.vessel(run.edges[0]).label.clone(), run.ends());
-        let mut line =
-            Self { ends, pieces: run.edges, label, length: 0.0, points: Vec::new(), radii: Vec::new(), at: Vec::new() };
+        let mut line = Self { ends, pieces: run.edges, label, length: 0.0, points: vec![], radii: vec![], at: vec![] };
         for (piece, node) in run.nodes[..line.pieces.len()].iter().enumerate() {
             line.add(network, line.pieces[piece], *node);
         }

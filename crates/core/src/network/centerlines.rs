@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::frame::Frame;
-use crate::support::geometry::Point;
+use super::Frame;
+use crate::support::Point;
 
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]

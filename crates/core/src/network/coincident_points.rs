@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use petgraph::unionfind::UnionFind;
 
-use super::centerlines::{Centerlines, is_radius};
-use crate::support::geometry::{Point, box_diagonal, distance};
-use crate::support::numbered::counted;
+use super::{Centerlines, is_radius};
+use crate::support::{Point, box_diagonal, counted, distance};
 
 /// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
 pub const WELD_TOLERANCE: f64 = 1e-6;

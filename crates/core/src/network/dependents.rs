@@ -4,9 +4,8 @@ use std::collections::VecDeque;
 
 use petgraph::unionfind::UnionFind;
 
-use super::Network;
-use super::paths::{ShortestPaths, lengths_at};
 use super::walks::{other_end, vessels_at};
+use super::{Network, ShortestPaths, lengths_at};
 
 /// Per vessel the length of vessels that hangs on it, m: of the vessels `kept` the shorter side if it were cut, 0 where that cuts
 /// nothing off; of others the shorter of the two parts that it would join, 0 where they are one.

@@ -10,11 +10,9 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use super::path_places::length_of;
-use super::paths::{LengthsAt, ShortestPaths, lengths_at};
-use super::units::millimetres;
-use super::{Evidence, Frame, Network, Node, Origin, PathPoint, Vessel};
+use super::{Evidence, Frame, LengthsAt, Network, Node, Origin, PathPoint, ShortestPaths, Vessel, lengths_at, millimetres};
 use crate::error::in_few_digits;
-use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
+use crate::support::{Point, distance, dot, lerp, norm_squared, sub};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
 const REACH: f64 = 0.002;
@@ -389,8 +387,7 @@ impl GraphEditor {
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
         let within = |(ends, vessel): &([usize; 2], Vessel)| vessel.prior > 0.0 && ends.iter().all(|node| inside(*node));
-        let mut open: BTreeSet<usize> =
-            (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
+        let mut open = BTreeSet::from_iter((0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])));
         let group_at = |node: usize| group_of.get(&node).filter(|_| !outer.contains(&node));
         let between = |ends: &[usize; 2]| matches!(ends.map(group_at), [Some(a), Some(b)] if a != b);
         for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {

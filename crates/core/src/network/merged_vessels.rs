@@ -4,10 +4,9 @@ use std::borrow::Cow;
 
 use petgraph::unionfind::UnionFind;
 
-use super::units::as_stored;
 use super::walks::{Walk, other, runs, vessels_at};
-use super::{Network, Origin, Role, Vessel};
-use crate::support::numbered::placed;
+use super::{Network, Origin, Role, Vessel, units::as_stored};
+use crate::support::placed;
 
 /// A network in which vessels are merged, and what its rows were.
 #[derive(Debug, Clone)]

@@ -25,22 +25,18 @@ pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_
 pub use frame::Frame;
 pub use merged_vessels::{Merged, merge};
 pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
+pub use paths::{LengthsAt, ShortestPaths, lengths_at};
 pub use units::{LengthUnit, Scale, metres, millimetres};
 pub use vessel::{END_ODDS, Evidence, MOST_ODDS, Origin, PathPoint, Vessel, Wall};
 pub use vessels_from_centerlines::{RadiusRule, contract};
 
-use std::borrow::Cow;
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use crate::support::arc_lengths::in_direction;
-use crate::support::geometry::{Point, lerp};
-use crate::support::numbered::{counted, marked};
-use crate::support::ties::steady;
+use crate::support::{Point, arc_lengths::in_direction, counted, lerp, marked, ties::steady};
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed. A copy, or a part, shares those that it does not
 /// change.
@@ -320,10 +316,8 @@ struct NetworkRows<N, V> {
 
 impl Serialize for Network {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (nodes, vessels) = (self.nodes().collect(), self.vessels().collect());
-        let rows: NetworkRows<&Node, &Vessel> =
-            NetworkRows { frame: Some(self.frame).filter(|frame| frame.is_known()), nodes, vessels };
-        rows.serialize(serializer)
+        let (frame, nodes) = (Some(self.frame).filter(|frame| frame.is_known()), self.nodes().collect());
+        NetworkRows::<&Node, &Vessel> { frame, nodes, vessels: self.vessels().collect() }.serialize(serializer)
     }
 }
 

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::units::{cubic_metres_per_second, ml_per_min, mmhg, mmhg_s_per_ml, pascal_seconds_per_cubic_metre, pascals};
-use crate::support::geometry::Point;
+use crate::support::Point;
 
 /// The pressure of an inlet when none is stated, Pa: 100 mmHg.
 pub const INLET_PRESSURE: f64 = pascals(100.0);

@@ -1,10 +1,9 @@
 //! Shortest paths: Dijkstra's algorithm, in memory that is used again.
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 use super::walks::Walk;
-use crate::support::numbered::grouped;
+use crate::support::grouped;
 
 /// The edges at each node, as a search takes them: number, node at the other end, length (m).
 pub type LengthsAt = Vec<Vec<(usize, usize, f64)>>;

@@ -3,6 +3,8 @@
 //! Each pair multiplies in one direction and divides in the other, so that a number written and read again gives the same SI
 //! value to the last bit.
 
+use crate::error::{Error, Result};
+
 /// Pascal in one millimetre of mercury, exactly as conventionally defined.
 pub const PASCAL_PER_MMHG: f64 = 133.322_387_415;
 const ML_PER_MIN_PER_SI: f64 = 6e7;
@@ -166,8 +168,7 @@ impl Scale {
     /// # Errors
     ///
     /// Names the option, its value and what is accepted.
-    pub fn validate(&self) -> crate::error::Result<()> {
-        use crate::error::Error;
+    pub fn validate(&self) -> Result<()> {
         let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
@@ -193,11 +194,9 @@ impl Scale {
     /// # Errors
     ///
     /// Names the option and what it goes with.
-    pub fn check_coordinates(&self) -> crate::error::Result<()> {
-        match (self.unit, self.spacing) {
-            (LengthUnit::Voxel, _) | (_, None) => Ok(()),
-            (_, Some(spacing)) => Err(crate::error::Error::parameter("spacing", words(spacing), self.needs_voxels())),
-        }
+    pub fn check_coordinates(&self) -> Result<()> {
+        let Some(spacing) = self.spacing.filter(|_| self.unit != LengthUnit::Voxel) else { return Ok(()) };
+        Err(Error::parameter("spacing", words(spacing), self.needs_voxels()))
     }
 
     /// mm along each axis for one unit of the file.

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::support::geometry::{Point, lerp};
+use crate::support::{Point, lerp};
 
 /// The odds that a free end, known neither as inlet nor as outlet, is a true end, where a candidate of weight w has the odds w: e⁻²,
 /// between a value that leaves gaps open and one that closes every gap.

@@ -1,15 +1,10 @@
 //! Contracts centerlines to vessels: maximal runs of points between points whose degree is not two. Tells whether the root of a tracing is
 //! where its blood comes from: the widest end of one tree that gets narrower from there.
 
-use super::Network;
-use super::centerlines::{Centerlines, is_radius};
-use super::node::Node;
-use super::path_places::length_of;
-use super::vessel::{Origin, PathPoint, Vessel};
 use super::walks::{Walk, edges_at, other_end, runs_by_node, vessels_at};
+use super::{Centerlines, Network, Node, Origin, PathPoint, Vessel, is_radius, path_places::length_of};
 use crate::error::Fault;
-use crate::support::arc_lengths::arc_lengths;
-use crate::support::geometry::distance;
+use crate::support::{arc_lengths::arc_lengths, distance};
 
 /// Which single radius a vessel gets from the radii along it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]

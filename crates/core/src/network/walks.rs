@@ -1,7 +1,7 @@
 //! Walks along edges: runs of vessels that follow each other at nodes where nothing else begins, and parts of a walk.
 
 use super::{Network, PathPoint};
-use crate::support::numbered::grouped;
+use crate::support::grouped;
 
 /// Nodes and the edges between them: vessels of a network, or links of centerlines.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

@@ -1,7 +1,6 @@
 //! A block of samples that are taken together.
 
-use super::coins::Coins;
-use super::per_sample::PerSample;
+use super::{Coins, per_sample::PerSample};
 use crate::support::random::BLOCK;
 
 /// Samples that are taken together.

@@ -5,8 +5,8 @@
 use rand::Rng;
 
 use super::per_sample::PerSample;
-use crate::support::random::{self, stream};
 use crate::support::simd::{Lanes, Scalar, Simd};
+use crate::support::{random, random::stream};
 
 /// The bits of a double that are left out when ρ is rounded.
 const FREE_BITS: u32 = 29;

@@ -9,7 +9,7 @@ use petgraph::unionfind::UnionFind;
 use rand::Rng;
 
 use super::coins::rounded;
-use crate::support::random::{self, stream};
+use crate::support::{random, random::stream};
 
 /// The memory of Kruskal's algorithm for one worker.
 #[derive(Debug, Clone, Default)]

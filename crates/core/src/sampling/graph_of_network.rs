@@ -4,19 +4,13 @@
 //! are kept once, for one vessel that stands for all of them, and each other vessel has a fixed share of them. A forest can leave out only
 //! the vessel of least ρ of a chain.
 
-use super::choose_solver;
-use super::options::SamplingOptions;
 use super::sampled_graph::{RowFlow, SampledGraph, TreeFlow};
 use super::ties::{Ties, same};
-use crate::error::Result;
-use crate::flow::batch::reduction::Reduction;
-use crate::flow::circuit::beyond_doubles;
-use crate::flow::drops::Drops;
+use super::{SamplingOptions, choose_solver};
 use crate::flow::peeling::{Peeled, peel};
-use crate::flow::resilience::{resilience, resilience_per_square_drop, resilience_per_square_flow};
-use crate::flow::{BatchSolver, Circuit};
-use crate::network::Network;
-use crate::support::simd::InstructionSet;
+use crate::flow::{BatchSolver, Circuit, drops::Drops, resilience, resilience_per_square_drop, resilience_per_square_flow};
+use crate::flow::{batch::reduction::Reduction, circuit::beyond_doubles};
+use crate::{error::Result, network::Network, support::simd::InstructionSet};
 
 impl SampledGraph {
     /// Reduces a circuit whose `certain` vessels are open in every sample, and prepares its samples.

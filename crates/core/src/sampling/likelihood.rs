@@ -1,8 +1,7 @@
 //! The likelihood matrix: sums over samples, in an order that neither threads nor a stop can change. They are taken over the dyadic tree of
 //! block indices (node = left + right): the same bits in whatever order blocks arrive.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
 use serde::{Deserialize, Serialize};
 

@@ -3,9 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::flow::boundary_conditions::Provisional;
-use crate::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
+use crate::flow::{BLOOD_VISCOSITY, Boundary, boundary_conditions::Provisional, check_viscosity};
 use crate::network::{Network, Origin, Role, Vessel};
 
 /// Which vessels are uncertain: occluded at random, and to be decided on.

@@ -1,10 +1,8 @@
 //! A part of a run: the blocks that are finished, in any order, and the convergence record over them.
 
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::{collections::BTreeMap, ops::Range};
 
-use super::likelihood::{DyadicSums, Summed};
-use super::likelihood::{Snapshot, Sums};
+use super::{DyadicSums, Snapshot, Summed, Sums};
 use crate::support::random::BLOCK;
 
 /// How many points the convergence record should have.

@@ -2,13 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use super::options::SamplingOptions;
+use super::SamplingOptions;
 use crate::error::{Error, Result};
-use crate::flow::boundary_conditions::Provisional;
-use crate::network::Network;
-use crate::perturbation::MOST_UNCERTAIN;
-use crate::perturbation::{Enumeration, Occlusion};
-use crate::support::random::BLOCK;
+use crate::perturbation::{Enumeration, MOST_UNCERTAIN, Occlusion};
+use crate::{flow::boundary_conditions::Provisional, network::Network, support::random::BLOCK};
 
 /// The patterns of a run.
 ///

@@ -2,8 +2,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use crate::support::random::BLOCK;
-use crate::support::simd::Lanes;
+use crate::support::{random::BLOCK, simd::Lanes};
 
 /// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
 pub const SUM_LANES: usize = 8;

@@ -6,16 +6,9 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::choose_solver::Method;
-use super::coins::MAX_VESSELS;
-use super::likelihood::DyadicSums;
-use super::likelihood::{Likelihood, Sums};
-use super::options::SamplingOptions;
-use super::partial_run::PartialRun;
-use super::sampler::Sampler;
+use super::{DyadicSums, Likelihood, Method, PartialRun, Sampler, SamplingOptions, Sums, coins::MAX_VESSELS};
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::network::Network;
+use crate::{flow::Boundary, network::Network};
 
 /// The fewest samples of a run until stable.
 pub const FIRST_STABLE: u64 = 1 << 10;
@@ -205,6 +198,6 @@ struct SharedRun<'a, P: ?Sized> {
 }
 
 /// The content of a lock. A panic elsewhere leaves it usable: it only holds sums and counts.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -1,18 +1,11 @@
 //! The sampler: block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its first
 //! block; only an enumeration of equal vessels does.
 
-use super::block::Block;
-use super::choose_solver::{FULL_GRAPH_LANES, Method, REDUCED_GRAPH_LANES, most_joins_in_full};
-use super::coins::Coins;
-use super::likelihood::Sums;
-use super::options::{SamplingOptions, Solver};
-use super::patterns::Patterns;
-use super::reference::Reference;
+use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES, most_joins_in_full};
 use super::sampled_graph::SampledGraph;
-use crate::error::Result;
+use super::{Coins, Method, SamplingOptions, Solver, Sums, block::Block, patterns::Patterns, reference::Reference};
 use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::Network;
-use crate::support::random::BLOCK;
+use crate::{error::Result, network::Network, support::random::BLOCK};
 
 /// Everything about a graph that all its samples share.
 #[derive(Debug)]
@@ -36,10 +29,8 @@ pub struct SamplerWorkspace<'a> {
 /// A graph made ready for the way in which its samples are computed.
 #[derive(Debug)]
 enum SamplingPlan {
-    /// Vessel by vessel.
-    Full(Box<SampledGraph>),
-    /// Reduced first to what samples can change.
-    Reduced(Box<SampledGraph>),
+    /// Vessel by vessel, or reduced first to what samples can change.
+    Graph(Box<SampledGraph>),
     /// By the book.
     Reference(Box<Reference>),
 }
@@ -61,10 +52,8 @@ impl Sampler {
         } else {
             let most = most_joins_in_full(network.vessel_count(), params.solver);
             let full = most.map(|most| SampledGraph::full(network, &circuit, &certain, params, most)).transpose()?.flatten();
-            match full {
-                Some(full) => SamplingPlan::Full(Box::new(full)),
-                None => SamplingPlan::Reduced(Box::new(SampledGraph::reduced(network, &circuit, &certain, params)?)),
-            }
+            let reduced = || SampledGraph::reduced(network, &circuit, &certain, params);
+            SamplingPlan::Graph(Box::new(full.map_or_else(reduced, Ok)?))
         };
         let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
         Ok(Self { patterns, coins, plan })
@@ -78,7 +67,7 @@ impl Sampler {
     /// How the samples are computed.
     pub fn method(&self) -> Method {
         match &self.plan {
-            SamplingPlan::Full(graph) | SamplingPlan::Reduced(graph) => graph.method(),
+            SamplingPlan::Graph(graph) => graph.method(),
             SamplingPlan::Reference(reference) => reference.method(),
         }
     }
@@ -90,8 +79,8 @@ impl Sampler {
             masks: Vec::new(),
             probability: [0.0; BLOCK as usize],
             sums_of: match &self.plan {
-                SamplingPlan::Full(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
-                SamplingPlan::Reduced(graph) => side_by_side::<REDUCED_GRAPH_LANES>(graph),
+                SamplingPlan::Graph(graph) if graph.is_reduced => side_by_side::<REDUCED_GRAPH_LANES>(graph),
+                SamplingPlan::Graph(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
                 SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
             },
         }

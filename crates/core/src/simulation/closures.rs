@@ -1,11 +1,9 @@
 //! What each closed vessel does: the flow again without each vessel in turn.
 
 use super::{Change, FlowChange, Perturbation, gains, perturbed, reversals, rounding};
-use crate::error::Result;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Tube};
+use crate::flow::{Boundary, Tube, state::State};
 use crate::network::{Network, Role};
-use crate::support::in_order;
+use crate::{error::Result, support::in_order};
 
 /// What becomes of the flow without a vessel.
 #[derive(Debug, Clone, Copy, PartialEq)]

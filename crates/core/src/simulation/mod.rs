@@ -5,12 +5,8 @@ pub mod pulse;
 pub mod transport;
 
 use crate::error::{Error, Result};
-use crate::flow::floating_components::drives_flow;
-use crate::flow::poiseuille::check_viscosity;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Factors, Tube};
-use crate::network::Network;
-use crate::network::units::millimetres;
+use crate::flow::{Boundary, Factors, Tube, check_viscosity, drives_flow, state::State};
+use crate::network::{Network, millimetres};
 use crate::perturbation::Stenosis;
 
 /// How the names of columns of the perturbed network end.

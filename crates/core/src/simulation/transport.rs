@@ -9,11 +9,9 @@ use std::collections::BTreeSet;
 
 use super::{Perturbation, Simulation, perturbed};
 use crate::error::Result;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Tube};
-use crate::network::Network;
-use crate::network::walks::other;
-use crate::support::numbered::{grouped, marked};
+use crate::flow::{Boundary, Tube, state::State};
+use crate::network::{Network, walks::other};
+use crate::support::{grouped, marked};
 
 /// A flow is no source or exit where it is less than this share of what passes its node.
 const ROUNDING: f64 = 1e-9;

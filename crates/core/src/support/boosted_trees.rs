@@ -3,8 +3,7 @@
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
-use super::suggestions::did_you_mean;
-use super::toml_text::finite;
+use super::{suggestions::did_you_mean, toml_text::finite};
 use crate::error::Fault;
 
 /// A sum of trees.

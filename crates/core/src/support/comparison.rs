@@ -11,9 +11,7 @@
 
 use rand::RngExt;
 
-use super::numbered::marked;
-use super::random::stream;
-use super::statistics::quantile;
+use super::{marked, quantile, random::stream};
 
 /// Half of the width of a normal interval of 95 %, in standard deviations.
 const Z: f64 = 1.959_963_984_540_054;

@@ -21,7 +21,12 @@ pub mod suggestions;
 pub mod ties;
 pub mod toml_text;
 
-pub use statistics::Distribution;
+pub use geometry::{
+    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, radius_of, smooth,
+    straightest, sub, unit,
+};
+pub use numbered::{counted, grouped, marked, placed};
+pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantile};
 
 use rayon::prelude::*;
 

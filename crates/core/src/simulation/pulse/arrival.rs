@@ -4,11 +4,9 @@ use std::cell::Cell;
 
 use num_complex::Complex64;
 
-use super::fourier::behind;
-use super::fourier::{at, derivative, samples};
-use super::setting::{Drive, Setting};
-use crate::network::paths::ShortestPaths;
-use crate::support::numbered::marked;
+use super::fourier::{at, behind, derivative, samples};
+use super::{Drive, Setting};
+use crate::{network::ShortestPaths, support::marked};
 
 /// Even times of a period among which rises are looked for.
 const TIMES: usize = 1000;

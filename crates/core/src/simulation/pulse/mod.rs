@@ -16,17 +16,13 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::flow::state::State;
-use crate::network::waveform::Quantity;
-use crate::network::{Condition, Network};
-use crate::support::elimination::Elimination;
-use crate::support::in_order;
+use crate::flow::{Boundary, state::State};
+use crate::network::{Condition, Network, waveform::Quantity};
+use crate::support::{elimination::Elimination, in_order};
 use arrival::Arrivals;
 use elimination::Equations;
 use fourier::{Indices, behind};
-use womersley::Halved;
-use womersley::{Fluid, TubeSegment};
+use womersley::{Fluid, Halved, TubeSegment};
 
 pub use setting::{Drive, Setting, TerminalImpedance, Walled, terminals, walled};
 pub use womersley::Friction;

@@ -7,13 +7,10 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 
 use super::womersley::{Fluid, TubeSegment};
-use crate::error::Result;
 use crate::flow::{Boundary, Tube, WallLaw};
-use crate::network::waveform::Quantity;
-use crate::network::{Condition, Network, Windkessel};
-use crate::perturbation::StretchPlace;
+use crate::network::{Condition, Network, Windkessel, waveform::Quantity};
 use crate::simulation::{Change, Perturbation};
-use crate::support::numbered::grouped;
+use crate::{error::Result, perturbation::StretchPlace, support::grouped};
 
 /// What drives a node at every harmonic but 0.
 #[derive(Debug, Clone, PartialEq)]
