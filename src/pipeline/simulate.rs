@@ -9,7 +9,7 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, FoundOutlets, Unfed};
 use willis_core::modulation::{HypertensionByClass, ModulationOptions};
 use willis_core::network::{Network, vessels_called};
-use willis_core::simulation::closures::close_each;
+use willis_core::simulation::close_each;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Change, Perturbation};
 use willis_io::formats::tables::reader::plural;
@@ -52,8 +52,7 @@ pub fn simulate_with<'a>(
     let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
     let simulation = willis_core::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
-    let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
-    let transports = options.transport.then(follow).transpose()?;
+    let transports = options.transport.then(|| Transports::of(network, &boundary, &simulation));
     let close_all = || close_each(network, &boundary, viscosity, &simulation.unperturbed);
     let closures = options.occlude_each.then(close_all).transpose()?;
     let driven = waves.as_ref().zip(options.pulse.as_ref());

@@ -3,8 +3,8 @@
 use std::{fmt, str::FromStr};
 
 use super::circle::{cerebral, circle_of_willis};
-use super::tree::{BranchingTree, branching_tree};
-use super::{EDGES, Large, arterial::arterial, capillary::capillary, extraction::Gaps, mask::Scan};
+use super::tree::{BranchingTree, arterial, branching_tree};
+use super::{EDGES, Large, capillary::capillary, extraction::Gaps, mask::Scan};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Network, metres, millimetres};
 use willis_core::support::suggestions::did_you_mean;

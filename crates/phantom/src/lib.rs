@@ -3,7 +3,6 @@
 //! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
 
 mod anatomy;
-mod arterial;
 mod capillary;
 pub mod circle;
 pub mod curve;
@@ -14,7 +13,6 @@ mod mask;
 mod tree;
 mod truth;
 mod tube;
-mod veins;
 
 use std::fmt::Display;
 
@@ -23,13 +21,12 @@ use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRu
 use willis_core::support::{Point, distance, lerp};
 
 pub use anatomy::{Anatomy, Recipe};
-pub use arterial::arterial;
 pub use capillary::capillary;
 pub use circle::{cerebral, circle_of_willis, without};
 pub use damage::Breaks;
 pub use extraction::{Gaps, break_up, over_connected, with_gaps};
 pub use mask::{MOST_VOXELS, Scan, draw_mask, draw_scan};
-pub use tree::{BranchingTree, branching_tree};
+pub use tree::{BranchingTree, arterial, branching_tree};
 pub use truth::{BreakKind, Contact, MaskBreak, MaskTruth, Truth, landmarks};
 pub use tube::DrawnTube;
 

@@ -4,8 +4,8 @@ use rand::RngExt;
 use rand_distr::StandardNormal;
 
 use super::interruptions::{ShownStations, contacts};
-use super::tube::{DrawnTube, VoxelGrid};
-use super::{check_positions, check_range, truth::MaskTruth, veins::veins};
+use super::tube::{DrawnTube, VoxelGrid, veins};
+use super::{check_positions, check_range, truth::MaskTruth};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Fragments, Network, Role, millimetres};
 use willis_core::support::{Point, bounds, counted, dot, gamma::Gamma, median, random, random::stream};

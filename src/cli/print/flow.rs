@@ -5,7 +5,7 @@ use crate::internals::network::Condition;
 use crate::internals::network::units::{millimetres, milliseconds, ml_per_min};
 use crate::internals::report::page::lead::change;
 use crate::internals::report::{MOST_COLLATERALS, end_name};
-use crate::internals::simulation::closures::ClosedVessel;
+use crate::internals::simulation::ClosedVessel;
 use crate::internals::simulation::pulse::Pulse;
 use crate::internals::simulation::pulse::fourier::Indices;
 use crate::internals::simulation::transport::Transport;

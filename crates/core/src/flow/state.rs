@@ -17,6 +17,8 @@ pub const LAMINAR_LIMIT: f64 = 2000.0;
 pub struct VesselState {
     /// Pa s/m³; infinite for an occluded vessel.
     pub resistance: f64,
+    /// Of the lumen, m³.
+    pub volume: f64,
     /// Pressure at the first node less that at the second, Pa.
     pub drop: f64,
     /// Q, m³/s.
@@ -101,7 +103,7 @@ impl State {
 impl VesselState {
     /// A vessel in which nothing flows.
     fn at_rest(tube: &Tube) -> Self {
-        Self { resistance: tube.resistance, ..Self::default() }
+        Self { resistance: tube.resistance, volume: tube.volume, ..Self::default() }
     }
 
     /// A vessel along which the pressure drops so much, Pa.
@@ -110,6 +112,7 @@ impl VesselState {
         let velocity = flow / (PI * tube.radius * tube.radius);
         Self {
             resistance: tube.resistance,
+            volume: tube.volume,
             drop,
             flow,
             velocity,

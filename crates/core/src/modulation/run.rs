@@ -13,9 +13,9 @@ use super::{Class, ModulationOptions};
 use crate::error::{Error, Result};
 use crate::flow::pressures::{Check, MOST_BACKWARD};
 use crate::flow::{
-    BatchSolver, Boundary, Circuit, Factors, Tube, batch::solver::BatchWorkspace, circuit::conductances, drives_flow, grounded,
-    state::State, stranded,
+    BatchSolver, Boundary, Circuit, Factors, Tube, batch::solver::BatchWorkspace, drives_flow, grounded, stranded,
 };
+use crate::flow::{circuit::conductances, state::State};
 use crate::support::random::{BLOCK, stream};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 use crate::support::{Distribution, limits, random};

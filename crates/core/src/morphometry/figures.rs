@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
-use super::{MeasuredBifurcation, VesselLine, orders::InletWays, shape::cones};
+use super::{MeasuredBifurcation, VesselLine, orders::InletWays, vessel_lines::cones};
 use crate::support::{Point, bounds, distance, lerp, median};
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.

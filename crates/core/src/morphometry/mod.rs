@@ -7,13 +7,11 @@ mod bifurcations;
 pub mod columns;
 mod figures;
 mod orders;
-mod shape;
 mod vessel_lines;
 
 pub use bifurcations::MeasuredBifurcation;
 pub use figures::{MeasureContext, NetworkFigures, Region, VesselTotals};
-pub use shape::{SMOOTHING, Smoothing, VesselShape};
-pub use vessel_lines::VesselLine;
+pub use vessel_lines::{SMOOTHING, Smoothing, VesselLine, VesselShape};
 
 use crate::network::{Network, Role};
 use bifurcations::bifurcations;

@@ -5,9 +5,6 @@ pub mod coincident_points;
 pub mod dependents;
 pub mod edits;
 pub mod find_by_name;
-mod frame;
-mod merged_vessels;
-mod node;
 pub mod path_places;
 pub mod paths;
 pub mod quantity;
@@ -22,13 +19,13 @@ pub use coincident_points::WELD_TOLERANCE;
 pub use dependents::{dependents, if_parted, weakest_of_loops};
 pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
-pub use frame::Frame;
-pub use merged_vessels::{Merged, merge};
-pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
 pub use paths::{LengthsAt, ShortestPaths, lengths_at};
-pub use units::{LengthUnit, Scale, metres, millimetres};
-pub use vessel::{END_ODDS, Evidence, MOST_ODDS, Origin, PathPoint, Vessel, Wall};
+pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
+pub use vessel::{
+    Condition, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall, Windkessel,
+};
 pub use vessels_from_centerlines::{RadiusRule, contract};
+pub use walks::{Merged, merge};
 
 use std::{borrow::Cow, sync::Arc};
 

@@ -14,7 +14,6 @@ pub mod per_sample;
 pub mod reference;
 mod run;
 mod sampled_graph;
-mod sampler;
 mod ties;
 
 pub use batch_forest::{ForestProgram, InForest, wider};
@@ -24,5 +23,4 @@ pub use forest::Kruskal;
 pub use likelihood::{DyadicSums, Likelihood, Snapshot, Summed, Sums};
 pub use options::{FoundConditions, SamplingOptions, Solver, Uncertain, Weight};
 pub use partial_run::PartialRun;
-pub use run::{FIRST_STABLE, Progress, Sampling, infer};
-pub use sampler::Sampler;
+pub use run::{FIRST_STABLE, Progress, Sampler, Sampling, infer};

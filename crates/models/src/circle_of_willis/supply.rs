@@ -122,7 +122,7 @@ fn one(
     let (network, rows) = &network.subgraph(|row| kept[row]);
     let arteries = circle.restricted_to(rows).artery_vessels(network);
     let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
-    let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
+    let transport = Transports::of(network, boundary, &simulation).unperturbed;
     let mut marks = vec![None; network.vessel_count()];
     for (feeder, vessels) in arteries.feeders.iter().enumerate() {
         for vessel in vessels {

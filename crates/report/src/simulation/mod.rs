@@ -22,7 +22,7 @@ use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::morphometry::{MeasureContext, network_figures};
 use willis_core::network::units::{centipoise, millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use willis_core::network::{Network, Node};
-use willis_core::simulation::closures::ClosedVessel;
+use willis_core::simulation::ClosedVessel;
 use willis_core::simulation::{Change, FlowChange, PERTURBED, Perturbation, Simulation, gains, reversals};
 use willis_io::formats::{
     Column, END_POSITION_COLUMNS, NamedArray, vessel_columns as vessel_columns_of_graph, wall_columns, windkessel_columns,

@@ -9,7 +9,7 @@ use crate::run_record::Provenance;
 use willis_core::flow::state::State;
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::{Network, RadiusRule};
-use willis_core::simulation::closures::ClosedVessel;
+use willis_core::simulation::ClosedVessel;
 use willis_core::simulation::pulse::Pulses;
 use willis_core::simulation::transport::Transports;
 use willis_core::simulation::{Perturbation, Simulation};
