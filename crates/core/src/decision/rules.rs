@@ -31,10 +31,10 @@ pub enum Keep {
     /// there is nothing ([`super::most_probable_forest::probable()`]): the smaller, the fewer fragments stay alone.
     Probable(f64),
     /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
-    /// ([`super::best_first::best_first()`]).
+    /// ([`super::most_probable_forest::best_first()`]).
     BestFirst(f64),
     /// As `best-first`, then contacts, and candidates of which little is sure, the most probable first, while they join two parts and are
-    /// at least so probable, in [0, 1] ([`super::best_first::reconnected()`]).
+    /// at least so probable, in [0, 1] ([`super::most_probable_forest::reconnected()`]).
     Reconnect(f64),
 }
 

@@ -18,7 +18,7 @@ use rand::RngExt;
 
 use crate::flow::{Boundary, Circuit, Tube, pressures::PressureSolver, state::State};
 use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
-use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, patterns::Patterns};
+use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, options::Patterns};
 use crate::support::random::{BLOCK, RandomStream, stream};
 use crate::{error::Result, support::random};
 

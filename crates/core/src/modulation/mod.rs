@@ -2,9 +2,7 @@
 //! within classes of growing size (Moriconi et al. 2019).
 
 pub mod hypertension;
-mod options;
 mod run;
 
 pub use hypertension::{BINS, Hypertension, HypertensionByClass};
-pub use options::{Class, ModulationOptions, Reading};
-pub use run::{Instances, Modulation, hypertension_force, modulate};
+pub use run::{Class, Instances, Modulation, ModulationOptions, Reading, hypertension_force, modulate};

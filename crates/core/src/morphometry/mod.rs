@@ -3,20 +3,18 @@
 //! Nodes at which only two vessels meet divide nothing: the pieces are one vessel, unless their labels differ. So a figure does not
 //! depend on how a file divides its lines.
 
-mod bifurcations;
 pub mod columns;
 mod figures;
 mod orders;
 mod vessel_lines;
 
-pub use bifurcations::MeasuredBifurcation;
 pub use figures::{MeasureContext, NetworkFigures, Region, VesselTotals};
+pub use orders::MeasuredBifurcation;
 pub use vessel_lines::{SMOOTHING, Smoothing, VesselLine, VesselShape};
 
 use crate::network::{Network, Role};
-use bifurcations::bifurcations;
 use figures::figures_of;
-use orders::{InletWays, generations, strahler};
+use orders::{InletWays, bifurcations, generations, strahler};
 
 /// A vessel between two junctions or ends.
 #[derive(Debug, Clone)]

@@ -1,9 +1,12 @@
-//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
+//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel. Coincident points of different
+//! polylines are merged.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
+
+use petgraph::unionfind::UnionFind;
 
 use super::Frame;
-use crate::support::Point;
+use crate::support::{Point, box_diagonal, counted, distance};
 
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -96,5 +99,185 @@ impl Labels {
             None | Some(0) => "",
             Some(row) => &self.names[*row as usize - 1],
         }
+    }
+}
+
+/// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
+pub const WELD_TOLERANCE: f64 = 1e-6;
+
+impl Centerlines {
+    /// Merges coincident points: those of different polylines, the two ends of a closed polyline's only
+    /// link run, and linked points without a distance between them. Returns how many points were removed.
+    ///
+    /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
+    pub fn weld(&mut self, tolerance: f64) -> usize {
+        let n = self.points.len();
+        let reach = tolerance * box_diagonal(self.points.iter().copied());
+        let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
+        let mut places = DistinctPositions::of(&self.points, &self.strand);
+        places.unite_crowds(reach);
+        // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for
+        // its other points, once they are merged.
+        let [ends, others] = [0, 1].map(|which| move |place: usize| n + 2 * place + which);
+        let mut same = UnionFind::<usize>::new(n + 2 * places.at.len());
+        let mut is_one = vec![false; places.at.len()];
+        let mut has_end = vec![false; places.at.len()];
+        for (point, place) in places.of.iter().enumerate().filter(|(point, _)| degree[*point] == 1) {
+            has_end[*place] = true;
+            same.union(point, ends(*place));
+        }
+        for link in &self.links {
+            let (a, b) = (link[0] as usize, link[1] as usize);
+            if distance(self.points[a], self.points[b]) <= reach {
+                same.union(a, b);
+            }
+        }
+        let mut meet = |a: usize, b: usize| {
+            if places.strand[a].is_none() || places.strand[a] != places.strand[b] {
+                (is_one[a], is_one[b]) = (true, true);
+                for element in [others(a), ends(b), others(b)] {
+                    same.union(ends(a), element);
+                }
+            } else if has_end[a] && has_end[b] {
+                same.union(ends(a), ends(b));
+            }
+        };
+        (0..places.at.len()).filter(|place| places.strand[*place].is_none()).for_each(|place| meet(place, place));
+        pairs_within(&places.at, reach, &mut meet);
+        for (point, place) in places.of.iter().enumerate().filter(|(_, place)| is_one[**place]) {
+            same.union(point, others(*place));
+        }
+        let mut class = same.into_labeling();
+        class.truncate(n);
+        self.merge(&class)
+    }
+
+    /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
+    /// double.
+    fn merge(&mut self, class: &[usize]) -> usize {
+        let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
+        let mut new_index = vec![0_u32; class.len()];
+        let mut kept = Vec::new();
+        for (point, label) in class.iter().enumerate() {
+            new_index[point] = *first_of[*label].get_or_insert_with(|| {
+                kept.push(point);
+                kept.len() as u32 - 1
+            });
+            let first = kept[new_index[point] as usize];
+            // The widest, whatever the order of the points.
+            let (standing, other) = (self.radii[first], self.radii[point]);
+            if is_radius(other) && (!is_radius(standing) || other > standing) {
+                self.radii[first] = other;
+            }
+        }
+        let gone = class.len() - kept.len();
+        self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
+        let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
+        self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
+        let mut seen = std::collections::HashSet::new();
+        let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
+        for (row, link) in links.into_iter().enumerate() {
+            let [a, b] = link.map(|p| new_index[p as usize]);
+            if a != b && seen.insert([a.min(b), a.max(b)]) {
+                self.add_link([a, b], labels.of(row));
+            }
+        }
+        self.points = kept.iter().map(|p| self.points[*p]).collect();
+        self.radii = kept.iter().map(|p| self.radii[*p]).collect();
+        self.ids = kept.iter().map(|p| self.ids[*p]).collect();
+        self.strand = kept.iter().map(|p| self.strand[*p]).collect();
+        gone
+    }
+}
+
+/// The distinct positions of points; any number of points may share one.
+struct DistinctPositions {
+    at: Vec<Point>,
+    /// The strand of the points there; none if they belong to several.
+    strand: Vec<Option<u32>>,
+    /// The place of each point.
+    of: Vec<usize>,
+}
+
+impl DistinctPositions {
+    fn of(points: &[Point], strands: &[u32]) -> Self {
+        let mut places = Self { at: Vec::new(), strand: Vec::new(), of: Vec::with_capacity(points.len()) };
+        let mut number_of = HashMap::with_capacity(points.len());
+        for (point, strand) in points.iter().zip(strands) {
+            // The sum makes one zero of both.
+            let place = *number_of.entry(point.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                places.at.push(*point);
+                places.strand.push(Some(*strand));
+                places.at.len() - 1
+            });
+            if places.strand[place] != Some(*strand) {
+                places.strand[place] = None;
+            }
+            places.of.push(place);
+        }
+        places
+    }
+
+    /// Merges places that crowd in a cube of half the reach, where each is within reach of all others. Without
+    /// that, one distant coordinate makes the reach so wide that every two points are a pair.
+    fn unite_crowds(&mut self, reach: f64) {
+        const CROWD: usize = 16;
+        if self.at.len() <= CROWD || reach <= 0.0 {
+            return;
+        }
+        let cell = |p: &Point| p.map(|x| (x / (0.5 * reach)).floor() as i64);
+        let mut in_cell: HashMap<[i64; 3], usize> = HashMap::with_capacity(self.at.len());
+        self.at.iter().for_each(|p| *in_cell.entry(cell(p)).or_default() += 1);
+        in_cell.retain(|_, places| *places > CROWD);
+        if in_cell.is_empty() {
+            return;
+        }
+        let mut first_in: HashMap<[i64; 3], usize> = HashMap::new();
+        let (mut at, mut strand) = (Vec::new(), Vec::new());
+        let number: Vec<usize> = (0..self.at.len())
+            .map(|place| {
+                let p = self.at[place];
+                let crowd = in_cell.contains_key(&cell(&p));
+                let new = if crowd { *first_in.entry(cell(&p)).or_insert(at.len()) } else { at.len() };
+                if new == at.len() {
+                    at.push(p);
+                    strand.push(if crowd { None } else { self.strand[place] });
+                }
+                new
+            })
+            .collect();
+        self.of.iter_mut().for_each(|place| *place = number[*place]);
+        (self.at, self.strand) = (at, strand);
+    }
+}
+
+/// Calls `meet` for all pairs (a < b) of points at most `reach` apart.
+///
+/// A grid of cells several times as wide is searched: few points lie so close to a side that the next cell matters too.
+pub fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
+    const WIDTH: f64 = 8.0;
+    const NONE: u32 = u32::MAX;
+    // A little more than the reach, for coordinates that are rounded.
+    let margin = 1.125 * reach;
+    let cell = |x: f64| if reach > 0.0 { (x / (WIDTH * reach)).floor() as i64 } else { (x + 0.0).to_bits() as i64 };
+    let mut last_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(points.len());
+    let mut before = vec![NONE; points.len()];
+    for (b, p) in points.iter().enumerate() {
+        let (low, high) = (p.map(|x| cell(x - margin)), p.map(|x| cell(x + margin)));
+        for corner in 0..8 {
+            let side = |axis: usize| corner >> axis & 1 == 1;
+            if (0..3).any(|axis| side(axis) && low[axis] == high[axis]) {
+                continue;
+            }
+            let mut at =
+                last_in.get(&[0, 1, 2].map(|axis| if side(axis) { high[axis] } else { low[axis] })).copied().unwrap_or(NONE);
+            while at != NONE {
+                if distance(points[at as usize], *p) <= reach {
+                    meet(at as usize, b);
+                }
+                at = before[at as usize];
+            }
+        }
+        before[b] = last_in.insert(p.map(cell), b as u32).unwrap_or(NONE);
     }
 }

@@ -1,8 +1,6 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
 pub mod centerlines;
-pub mod coincident_points;
-pub mod dependents;
 pub mod edits;
 pub mod find_by_name;
 pub mod path_places;
@@ -14,12 +12,10 @@ mod vessels_from_centerlines;
 pub mod walks;
 pub mod waveform;
 
-pub use centerlines::{Centerlines, Labels, is_radius};
-pub use coincident_points::WELD_TOLERANCE;
-pub use dependents::{dependents, if_parted, weakest_of_loops};
+pub use centerlines::{Centerlines, Labels, WELD_TOLERANCE, is_radius};
 pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
-pub use paths::{LengthsAt, ShortestPaths, lengths_at};
+pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
 pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
 pub use vessel::{
     Condition, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall, Windkessel,

@@ -1,7 +1,6 @@
 //! Samples an over-connected graph: which vessels are open, flow, resilience, spanning forest, and the likelihood summed over all samples.
 
 mod batch_forest;
-mod block;
 mod choose_solver;
 pub mod coins;
 pub mod forest;
@@ -9,8 +8,6 @@ mod graph_of_network;
 pub mod likelihood;
 pub mod options;
 mod partial_run;
-pub mod patterns;
-pub mod per_sample;
 pub mod reference;
 mod run;
 mod sampled_graph;

@@ -18,7 +18,7 @@ use petgraph::{algo::min_spanning_tree, data::Element, graph::UnGraph};
 
 use super::forest::{ExpectedForest, ForestEdge};
 use super::ties::{Ties, TiesWorkspace};
-use super::{Method, Sums, Weight, block::Block};
+use super::{Method, Sums, Weight, coins::Block};
 use crate::error::{Error, Result};
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::flow::drops::{Drops, DropsWorkspace};

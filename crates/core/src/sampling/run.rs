@@ -10,8 +10,9 @@ use std::time::{Duration, Instant};
 use rayon::prelude::*;
 
 use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES, most_joins_in_full};
-use super::{Coins, DyadicSums, Likelihood, Method, PartialRun, SamplingOptions, Solver, Sums, block::Block, coins::MAX_VESSELS};
-use super::{patterns::Patterns, reference::Reference, sampled_graph::SampledGraph};
+use super::coins::{Block, MAX_VESSELS};
+use super::{Coins, DyadicSums, Likelihood, Method, PartialRun, SamplingOptions, Solver, Sums, options::Patterns};
+use super::{reference::Reference, sampled_graph::SampledGraph};
 use crate::error::{Error, Result};
 use crate::flow::{Boundary, Circuit, Tube};
 use crate::{network::Network, support::random::BLOCK};
@@ -204,7 +205,7 @@ struct SharedRun<'a, P: ?Sized> {
 }
 
 /// The content of a lock. A panic elsewhere leaves it usable: it only holds sums and counts.
-pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
