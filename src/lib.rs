@@ -25,7 +25,7 @@
 //! |---|---|
 //! | the whole method, one sample after another, slow and obvious | `crates/core/src/sampling/reference.rs` |
 //! | the steps of a run | [`internals::pipeline`] |
-//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/vessels_from_centerlines.rs`: [`RadiusRule::Mean`] |
+//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/centerlines.rs`: [`RadiusRule::Mean`] |
 //! | R = 8µl/(πr⁴) | [`internals::flow::poiseuille`] |
 //! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `crates/core/src/flow/batch/` |
 //! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`], [`internals::flow::state`] |

@@ -7,7 +7,7 @@
 use std::{str::FromStr, sync::LazyLock};
 
 use super::curve::{Bow, course};
-use super::{add_curved_vessel, add_node, make_inlet, state, widen_nodes};
+use super::{add_curved_vessel, add_node, state, widen_nodes};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Frame, Network, Role, Vessel, metres};
 use willis_core::support::{Point, suggestions::did_you_mean};
@@ -29,7 +29,7 @@ pub fn circle_of_willis(spacing: f64) -> Network {
     for position in &*POSITIONS {
         add_node(&mut network, *position, None);
     }
-    make_inlet(&mut network, ROOT - 1);
+    state(&mut network, ROOT - 1, Role::Inlet, Condition::INLET);
     for row in &*TABLE {
         let ends = row.nodes.map(|number| number - 1);
         let [a, b] = ends.map(|node| POSITIONS[node]);
@@ -57,7 +57,7 @@ pub fn cerebral(network: &Network) -> Network {
     let degree = shown.degrees(|_| true);
     for row in (0..shown.node_count()).filter(|row| degree[*row] == 1) {
         if shown.node(row).condition.is_none() {
-            make_inlet(&mut shown, row);
+            state(&mut shown, row, Role::Inlet, Condition::INLET);
         }
     }
     shown

@@ -51,11 +51,6 @@ fn widen_nodes(network: &mut Network, nodes: [usize; 2], radius: f64) {
     }
 }
 
-/// Makes a node an inlet at 100 mmHg.
-fn make_inlet(network: &mut Network, row: usize) {
-    state(network, row, Role::Inlet, Condition::INLET);
-}
-
 /// Gives a node a role and its condition.
 fn state(network: &mut Network, row: usize, role: Role, condition: Condition) {
     let node = network.node_mut(row);

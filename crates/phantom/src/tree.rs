@@ -5,7 +5,7 @@ use rand::{Rng, RngExt, seq::SliceRandom};
 use rand_distr::StandardNormal;
 
 use super::curve::{Bow, course};
-use super::{Large, add_curved_vessel, add_node, check_length, check_range, make_inlet, state};
+use super::{Large, add_curved_vessel, add_node, check_length, check_range, state};
 use willis_core::error::Result;
 use willis_core::network::{Condition, INLET_PRESSURE, Network, Role, metres, units::cubic_metres_per_second};
 use willis_core::support::{Point, cross, distance, dot, lerp, random, random::stream, sub, unit};
@@ -68,7 +68,7 @@ pub fn branching_tree(params: &BranchingTree) -> Result<Network> {
     let mut rng = stream(params.seed, random::ANATOMY);
     let mut network = Network::new();
     let root = add_node(&mut network, [0.0; 3], Some(params.radius));
-    make_inlet(&mut network, root);
+    state(&mut network, root, Role::Inlet, Condition::INLET);
     let first = PlannedVessel {
         from: root,
         along: [0.0, 0.0, 1.0],
@@ -210,7 +210,7 @@ fn territory(network: &mut Network, tree: usize, leaves: usize) -> Territory {
     let mut root = lerp(low, high, 0.5);
     root[2] = if cell[2] == 0 { low[2] } else { high[2] };
     let from = add_node(network, root, None);
-    make_inlet(network, from);
+    state(network, from, Role::Inlet, Condition::INLET);
     Territory { from, low, high, leaves, radius: ROOT_RADIUS }
 }
 

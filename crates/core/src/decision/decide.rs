@@ -61,9 +61,8 @@ pub struct Topology {
 pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Decision> {
     let cut = threshold(rule, result);
     let median = threshold(Keep::Median, result);
-    let rows = 0..result.likelihood.len();
-    let above_median =
-        rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m))).collect();
+    let is_above = |row: usize| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m));
+    let above_median = (0..result.likelihood.len()).map(is_above).collect();
     let (mut left_open, mut needed, mut instead) =
         (Vec::new(), vec![f64::NAN; network.vessel_count()], vec![None; network.vessel_count()]);
     let (mut kept, close) = match rule {

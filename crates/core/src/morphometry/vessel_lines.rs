@@ -288,11 +288,8 @@ fn derivatives(line: &VesselLine, weights: &[f64], at: f64, within: f64) -> [Poi
     // The nearest others, where too few points are within reach.
     while high - low < LEAST_POINTS.min(last + 1) {
         let [before, after] = [low.checked_sub(1).map(|i| at - line.at[i]), (high <= last).then(|| line.at[high] - at)];
-        match (before, after) {
-            (Some(before), Some(after)) if before < after => low -= 1,
-            (Some(_), None) => low -= 1,
-            _ => high += 1,
-        }
+        let is_before = before.is_some_and(|before| after.is_none_or(|after| before < after));
+        if is_before { low -= 1 } else { high += 1 }
     }
     let reach = within.max(1.000_001 * (at - line.at[low]).max(line.at[high - 1] - at));
     let terms = TERMS.min(high - low);

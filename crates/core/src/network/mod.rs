@@ -8,11 +8,10 @@ pub mod paths;
 pub mod quantity;
 pub mod units;
 mod vessel;
-mod vessels_from_centerlines;
 pub mod walks;
 pub mod waveform;
 
-pub use centerlines::{Centerlines, Labels, WELD_TOLERANCE, is_radius};
+pub use centerlines::{Centerlines, Labels, RadiusRule, WELD_TOLERANCE, contract, is_radius};
 pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
 pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
@@ -20,7 +19,6 @@ pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
 pub use vessel::{
     Condition, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall, Windkessel,
 };
-pub use vessels_from_centerlines::{RadiusRule, contract};
 pub use walks::{Merged, merge};
 
 use std::{borrow::Cow, sync::Arc};

@@ -120,18 +120,14 @@ impl SampledGraph {
     }
 
     /// Prepares the samples of a network as it is, but for dead ends and certain chains, which are taken out of its circuit; `None` when a
-    /// sample would take more than `most_joins`.
+    /// sample would take too many joins, so that it is reduced first.
     ///
     /// # Errors
     ///
     /// A vessel whose resilience no double can hold.
-    pub fn full(
-        network: &Network,
-        circuit: &Circuit,
-        certain: &[bool],
-        options: &SamplingOptions,
-        most_joins: usize,
-    ) -> Result<Option<Self>> {
+    pub fn full(network: &Network, circuit: &Circuit, certain: &[bool], params: &SamplingOptions) -> Result<Option<Self>> {
+        let most_joins = choose_solver::most_joins_in_full(network.vessel_count(), params.solver);
+        let Some(most_joins) = most_joins else { return Ok(None) };
         let ends = circuit.ends[..circuit.vessel_count()].to_vec();
         let of_square_flow: Vec<f64> =
             network.vessels().zip(&circuit.conductance).map(|((_, v), c)| resilience(1.0 / c, 1.0, v.volume())).collect();
@@ -150,7 +146,7 @@ impl SampledGraph {
                 }
                 (Some(chain), None) => {
                     let squared = chain.conductance * chain.conductance;
-                    squared * resilience_per_square_flow(options.viscosity, vessel.radius)
+                    squared * resilience_per_square_flow(params.viscosity, vessel.radius)
                 }
             };
             if chain.is_some() && !factor.is_normal() {
@@ -182,7 +178,7 @@ impl SampledGraph {
             shares: Vec::new(),
             solver,
             ties,
-            weight: options.weight,
+            weight: params.weight,
             is_reduced: false,
             instructions: InstructionSet::detect(),
         }))

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES, most_joins_in_full};
+use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES};
 use super::coins::{Block, MAX_VESSELS};
 use super::{Coins, DyadicSums, Likelihood, Method, PartialRun, SamplingOptions, Solver, Sums, options::Patterns};
 use super::{reference::Reference, sampled_graph::SampledGraph};
@@ -252,8 +252,7 @@ impl Sampler {
         let plan = if params.solver == Solver::Reference {
             SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))
         } else {
-            let most = most_joins_in_full(network.vessel_count(), params.solver);
-            let full = most.map(|most| SampledGraph::full(network, &circuit, &certain, params, most)).transpose()?.flatten();
+            let full = SampledGraph::full(network, &circuit, &certain, params)?;
             let reduced = || SampledGraph::reduced(network, &circuit, &certain, params);
             SamplingPlan::Graph(Box::new(full.map_or_else(reduced, Ok)?))
         };
