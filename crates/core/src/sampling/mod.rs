@@ -18,4 +18,4 @@ pub use coins::Coins;
 pub use forest::Kruskal;
 pub use likelihood::{DyadicSums, Likelihood, PartialRun, Snapshot, Summed, Sums};
 pub use options::{FoundConditions, SamplingOptions, Solver, Uncertain, Weight};
-pub use run::{FIRST_STABLE, Progress, Sampler, Sampling, infer};
+pub use run::{FIRST_STABLE, Progress, Sampling, infer};

@@ -1,6 +1,6 @@
 //! The sampling run: worker threads compute fixed blocks of samples, which are summed over the dyadic tree of block indices.
 //!
-//! The sampler finds block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its
+//! It finds block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its
 //! first block; only an enumeration of equal vessels does.
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -65,7 +65,9 @@ pub fn infer(
 /// A run that is prepared, and can be stopped and resumed.
 #[derive(Debug)]
 pub struct Sampling {
-    sampler: Sampler,
+    patterns: Patterns,
+    coins: Coins,
+    plan: SamplingPlan,
     uncertain: Vec<bool>,
     samples: u64,
     /// In an enumeration, the number of samples that L is scaled to.
@@ -77,21 +79,50 @@ impl Sampling {
     ///
     /// # Errors
     ///
-    /// A parameter or vessel out of its range.
+    /// A parameter or vessel out of its range, such as one whose conductance or resilience no double can hold; a mesh beyond what indices
+    /// can count.
     pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
         params.validate()?;
         if network.vessel_count() >= MAX_VESSELS {
             return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
         }
-        let sampler = Sampler::new(network, boundary, params)?;
-        let samples = sampler.samples(params.samples);
-        let uncertain = params.uncertain.vessels(network);
-        Ok(Self { sampler, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
+        let keep = params.keep_probabilities(network);
+        let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
+        let provisional = params.provisional(network, boundary);
+        let circuit = Circuit::with(network, boundary, &provisional, &Tube::at_rest(network, params.viscosity))?;
+        // What is asked for, or what is predicted to be the fastest.
+        let plan = if params.solver == Solver::Reference {
+            SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))
+        } else {
+            let full = SampledGraph::full(network, &circuit, &certain, params)?;
+            let reduced = || SampledGraph::reduced(network, &circuit, &certain, params);
+            SamplingPlan::Graph(Box::new(full.map_or_else(reduced, Ok)?))
+        };
+        let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
+        let (samples, uncertain) = (patterns.samples(params.samples), params.uncertain.vessels(network));
+        Ok(Self { patterns, coins, plan, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
     }
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        self.sampler.method()
+        match &self.plan {
+            SamplingPlan::Graph(graph) => graph.method(),
+            SamplingPlan::Reference(reference) => reference.method(),
+        }
+    }
+
+    /// A worker.
+    pub fn workspace(&self) -> SamplingWorkspace<'_> {
+        SamplingWorkspace {
+            sampling: self,
+            masks: Vec::new(),
+            probability: [0.0; BLOCK as usize],
+            sums_of: match &self.plan {
+                SamplingPlan::Graph(graph) if graph.is_reduced => side_by_side::<REDUCED_GRAPH_LANES>(graph),
+                SamplingPlan::Graph(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
+                SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
+            },
+        }
     }
 
     /// Samples of the whole run.
@@ -130,7 +161,7 @@ impl Sampling {
             while !stop.load(Ordering::Relaxed) {
                 let Some(unit) = locked(&units).next() else { break };
                 // One that finds nothing to do has no need of any.
-                let work = memory.get_or_insert_with(|| self.sampler.workspace());
+                let work = memory.get_or_insert_with(|| self.workspace());
                 let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
                 for block in unit {
                     let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
@@ -209,20 +240,12 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Everything about a graph that all its samples share.
-#[derive(Debug)]
-pub struct Sampler {
-    patterns: Patterns,
-    coins: Coins,
-    plan: SamplingPlan,
-}
-
 /// Replaces sums by those of a block, in memory of its own.
 type SumsOfBlock<'a> = Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>;
 
 /// One worker and its memory.
-pub struct SamplerWorkspace<'a> {
-    sampler: &'a Sampler,
+pub struct SamplingWorkspace<'a> {
+    sampling: &'a Sampling,
     masks: Vec<u64>,
     probability: [f64; BLOCK as usize],
     sums_of: SumsOfBlock<'a>,
@@ -237,65 +260,14 @@ enum SamplingPlan {
     Reference(Box<Reference>),
 }
 
-impl Sampler {
-    /// Prepares the samples of a network.
-    ///
-    /// # Errors
-    ///
-    /// A vessel whose conductance or resilience no double can hold; a mesh beyond what indices can count.
-    pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
-        let keep = params.keep_probabilities(network);
-        let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
-        let provisional = params.provisional(network, boundary);
-        let circuit = Circuit::with(network, boundary, &provisional, &Tube::at_rest(network, params.viscosity))?;
-        // What is asked for, or what is predicted to be the fastest.
-        let plan = if params.solver == Solver::Reference {
-            SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))
-        } else {
-            let full = SampledGraph::full(network, &circuit, &certain, params)?;
-            let reduced = || SampledGraph::reduced(network, &circuit, &certain, params);
-            SamplingPlan::Graph(Box::new(full.map_or_else(reduced, Ok)?))
-        };
-        let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
-        Ok(Self { patterns, coins, plan })
-    }
-
-    /// How many samples a run of `asked` takes: all patterns in an enumeration.
-    pub fn samples(&self, asked: u64) -> u64 {
-        self.patterns.samples(asked)
-    }
-
-    /// How the samples are computed.
-    pub fn method(&self) -> Method {
-        match &self.plan {
-            SamplingPlan::Graph(graph) => graph.method(),
-            SamplingPlan::Reference(reference) => reference.method(),
-        }
-    }
-
-    /// A worker.
-    pub fn workspace(&self) -> SamplerWorkspace<'_> {
-        SamplerWorkspace {
-            sampler: self,
-            masks: Vec::new(),
-            probability: [0.0; BLOCK as usize],
-            sums_of: match &self.plan {
-                SamplingPlan::Graph(graph) if graph.is_reduced => side_by_side::<REDUCED_GRAPH_LANES>(graph),
-                SamplingPlan::Graph(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
-                SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
-            },
-        }
-    }
-}
-
-impl SamplerWorkspace<'_> {
+impl SamplingWorkspace<'_> {
     /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
     ///
     /// # Errors
     ///
     /// The solver breaks down.
     pub fn block(&mut self, block: u64, samples: u64, sums: &mut Sums) -> Result<()> {
-        let Sampler { patterns, coins, .. } = self.sampler;
+        let Sampling { patterns, coins, .. } = self.sampling;
         let samples = samples.min(BLOCK);
         let probability = patterns.fill(block, &mut self.masks, &mut self.probability).then_some(&self.probability);
         let valid = u64::MAX >> (BLOCK - samples);
