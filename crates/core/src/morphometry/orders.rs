@@ -87,13 +87,6 @@ pub fn generations(network: &Network, ways: &InletWays) -> (Vec<Option<usize>>, 
     (generation, probability)
 }
 
-/// By line Strahler's order, and the same by diameter; none where no inlet leads.
-pub fn strahler(ways: &InletWays) -> [Vec<Option<usize>>; 2] {
-    let order = raised(ways, |_, _| true);
-    let by_diameter = by_diameter(ways, &order);
-    [order, by_diameter]
-}
-
 /// The product of the probabilities of the connections within a line.
 fn probability_within(network: &Network, line: &VesselLine) -> f64 {
     let vessels = line.pieces.iter().map(|row| network.vessel(*row)).filter(|vessel| !vessel.certain);
@@ -118,11 +111,14 @@ fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<
     order
 }
 
-/// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
+/// By line Strahler's order, and the same by diameter; none where no inlet leads.
+///
+/// By diameter orders rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
 /// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
-fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
+pub fn strahler(ways: &InletWays) -> [Vec<Option<usize>>; 2] {
+    let strahler = raised(ways, |_, _| true);
     let radius: Vec<f64> = ways.lines.iter().map(VesselLine::radius).collect();
-    let mut order = strahler.to_vec();
+    let mut order = strahler.clone();
     for _ in 0..MOST_PASSES {
         let spread = |of: usize| {
             let values: Vec<f64> = order.iter().zip(&radius).filter(|(order, _)| **order == Some(of)).map(|(_, r)| *r).collect();
@@ -143,7 +139,7 @@ fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize
         }
         order = again;
     }
-    order
+    [strahler, order]
 }
 
 /// The direction and the width of a vessel are those between so many and so many radii of the widest vessel there.
