@@ -55,11 +55,6 @@ pub struct Factors {
 impl Factors {
     /// A vessel left as it is.
     pub const ONE: Self = Self { resistance: 1.0, volume: 1.0, radius: 1.0, length: 1.0 };
-
-    /// A vessel longer by a factor: R and the volume of the lumen grow with it.
-    pub fn of_length(length: f64) -> Self {
-        Self { resistance: length, volume: length, radius: 1.0, length }
-    }
 }
 
 impl Tube {

@@ -89,7 +89,8 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
                 return Err(Error::parameter("tortuosity", factor, "expected a factor of length of at least 1"));
             }
             lengths[*vessel] *= factor;
-            tubes[*vessel] = tubes[*vessel].times(&Factors::of_length(*factor));
+            let longer = Factors { resistance: *factor, volume: *factor, length: *factor, ..Factors::ONE };
+            tubes[*vessel] = tubes[*vessel].times(&longer);
         }
     }
     for Perturbation { vessel, change } in perturbations {

@@ -31,7 +31,8 @@ impl Boosted {
     ///
     /// A column beyond the last.
     pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
-        let beyond = |tree: &RegressionTree| tree.last_column().filter(|column| *column >= columns);
+        let column = |node: &TreeNode| if let TreeNode::Split { column, .. } = node { Some(*column) } else { None };
+        let beyond = |tree: &RegressionTree| tree.nodes.iter().filter_map(column).max().filter(|column| *column >= columns);
         let wrong = self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?)));
         wrong.map_or(Ok(()), |(at, column)| {
             let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
@@ -98,12 +99,6 @@ impl RegressionTree {
     pub fn new(mut nodes: Vec<TreeNode>) -> Option<Self> {
         let end = subtree(&mut nodes, 0, 0)?;
         (end == nodes.len()).then_some(Self { nodes })
-    }
-
-    /// The largest column it looks at.
-    pub fn last_column(&self) -> Option<usize> {
-        let column = |node: &TreeNode| if let TreeNode::Split { column, .. } = node { Some(*column) } else { None };
-        self.nodes.iter().filter_map(column).max()
     }
 
     /// Its value for a row.

@@ -70,11 +70,6 @@ impl TubeSegment {
         8.0 * viscosity / (PI * radius.powi(4))
     }
 
-    /// Whether two segments differ in nothing but their length.
-    pub fn is_like(&self, other: &Self) -> bool {
-        Self { length: other.length, ..*self } == *other
-    }
-
     /// Z' (Pa s/m⁴) and Y' (m²/(Pa s)) at the angular frequency ω, 1/s.
     pub fn line(&self, fluid: &Fluid, frequency: f64) -> (Complex64, Complex64) {
         let friction = Self::poiseuille(self.radius, fluid.viscosity);
@@ -177,9 +172,9 @@ pub struct Halved {
 impl Halved {
     /// A vessel of segments, those before and those behind its middle. One that is closed has none.
     pub fn of(halves: &[Vec<TubeSegment>; 2], fluid: &Fluid, frequency: f64) -> Self {
-        // A vessel of one radius, the usual one, is a line as a whole.
+        // A vessel of one radius, the usual one, is a line as a whole: its halves differ in nothing but their length.
         if let ([first], [last]) = (halves[0].as_slice(), halves[1].as_slice())
-            && first.is_like(last)
+            && *last == (TubeSegment { length: last.length, ..*first })
         {
             let line = first.line(fluid, frequency);
             let half = TwoPort::of_line(line, first.length);
