@@ -204,14 +204,14 @@ impl MaskTruth {
         let centerline = |(vessel, tube)| self.centerline(vessel, tube);
         let mut json = serde_json::Serializer::new(&mut out);
         let mut object = json.serialize_map(None)?;
-        object.serialize_entry("vessels", &Vec::from_iter(self.tubes.iter().map(|tube| &tube.label)))?;
+        object.serialize_entry("vessels", &self.tubes.iter().map(|tube| &tube.label).collect::<Vec<_>>())?;
         object.serialize_entry("lost_vessels", &self.lost)?;
-        object.serialize_entry("spurious_vessels", &Vec::from_iter(self.spurious()))?;
+        object.serialize_entry("spurious_vessels", &self.spurious().collect::<Vec<_>>())?;
         object.serialize_entry("voxel_mm", &self.voxel)?;
-        object.serialize_entry("inlets_mm", &Vec::from_iter(self.inlets.iter().map(rounded)))?;
-        object.serialize_entry("breaks", &Vec::from_iter(self.breaks.iter().map(in_micrometres)))?;
-        object.serialize_entry("contacts", &Vec::from_iter(self.contacts.iter().map(place_in_micrometres)))?;
-        object.serialize_entry("centerlines", &Vec::from_iter(self.tubes.iter().enumerate().map(centerline)))?;
+        object.serialize_entry("inlets_mm", &self.inlets.iter().map(rounded).collect::<Vec<_>>())?;
+        object.serialize_entry("breaks", &self.breaks.iter().map(in_micrometres).collect::<Vec<_>>())?;
+        object.serialize_entry("contacts", &self.contacts.iter().map(place_in_micrometres).collect::<Vec<_>>())?;
+        object.serialize_entry("centerlines", &self.tubes.iter().enumerate().map(centerline).collect::<Vec<_>>())?;
         object.end()?;
         writeln!(out)?;
         out.flush()

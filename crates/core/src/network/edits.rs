@@ -387,7 +387,8 @@ impl GraphEditor {
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
         let within = |(ends, vessel): &([usize; 2], Vessel)| vessel.prior > 0.0 && ends.iter().all(|node| inside(*node));
-        let mut open = BTreeSet::from_iter((0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])));
+        let mut open: BTreeSet<usize> =
+            (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
         let group_at = |node: usize| group_of.get(&node).filter(|_| !outer.contains(&node));
         let between = |ends: &[usize; 2]| matches!(ends.map(group_at), [Some(a), Some(b)] if a != b);
         for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {
