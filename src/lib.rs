@@ -25,7 +25,7 @@
 //! |---|---|
 //! | the whole method, one sample after another, slow and obvious | `crates/core/src/sampling/reference.rs` |
 //! | the steps of a run | [`internals::pipeline`] |
-//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/vessels_from_centerlines.rs`: [`RadiusRule::Mean`] |
+//! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/centerlines.rs`: [`RadiusRule::Mean`] |
 //! | R = 8µl/(πr⁴) | [`internals::flow::poiseuille`] |
 //! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `crates/core/src/flow/batch/` |
 //! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`], [`internals::flow::state`] |
@@ -63,7 +63,7 @@ pub use willis_core::error::{self, Error, Result};
 pub use willis_core::flow::{FoundOutlets, Thickness, Unfed, WallLaw};
 pub use willis_core::network::units::{LengthUnit, Scale};
 pub use willis_core::network::{Network, RadiusRule};
-pub use willis_core::perturbation::stenosis::{Stenosis, StretchPlace};
+pub use willis_core::perturbation::{Stenosis, StretchPlace};
 pub use willis_core::sampling::{FoundConditions, Likelihood, Progress, SamplingOptions, Solver, Uncertain, Weight};
 pub use willis_core::{modulation::ModulationOptions, simulation::Change, simulation::pulse::Friction};
 pub use willis_io::formats::ReadOptions;

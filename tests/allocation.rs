@@ -4,7 +4,7 @@ use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::{Boundary, FoundOutlets};
 use willis::internals::output::atomic::StagedFolder;
 use willis::internals::phantom::{cerebral, circle_of_willis};
-use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums, Uncertain, Weight};
+use willis::internals::sampling::{Sampling, SamplingOptions, Solver, Sums, Uncertain, Weight};
 use willis::{InferOptions, ReadOptions, SaveOptions, infer, read_bytes};
 
 /// Bytes that the files of a run take at most while they are written, beside the graph.
@@ -47,7 +47,7 @@ fn a_block_allocates_nothing_once_warm() {
     let boundary = Boundary::resolve(&network, &stated(&network), FoundOutlets::Ground).expect("conditions");
     for weight in [Weight::Resilience, Weight::Global] {
         let params = SamplingOptions { uncertain: Uncertain::All, solver: Solver::Lanes, weight, ..SamplingOptions::default() };
-        let sampler = Sampler::new(&network, &boundary, &params).expect("a sampler");
+        let sampler = Sampling::new(&network, &boundary, &params).expect("a sampler");
         let (mut work, mut sums) = (sampler.workspace(), Sums::zero(network.vessel_count()));
         let mut blocks = |range: std::ops::Range<u64>| {
             for block in range {

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use willis::internals::sampling::{Sampler, SamplingOptions, Solver, Sums};
+use willis::internals::sampling::{Sampling, SamplingOptions, Solver, Sums};
 use willis::internals::support::random::BLOCK;
 
 use crate::Result;
@@ -16,7 +16,7 @@ pub fn print(case: &Case, solver: Solver, seconds: f64) -> Result<()> {
     let uncertain = params.uncertain.vessels(&case.network).iter().filter(|u| **u).count();
     let start = Instant::now();
     let mut sampler = None;
-    let shared = allocation_counter::measure(|| sampler = Some(Sampler::new(&case.network, &case.boundary, &params)));
+    let shared = allocation_counter::measure(|| sampler = Some(Sampling::new(&case.network, &case.boundary, &params)));
     let sampler = sampler.transpose()?.ok_or("no sampler")?;
     let compile = start.elapsed().as_secs_f64();
     let mut worker = None;

@@ -10,7 +10,7 @@ mod stages;
 
 use std::error::Error;
 
-use willis::internals::sampling::{Likelihood, Sampler, SamplingOptions, Solver, Sums, infer};
+use willis::internals::sampling::{Likelihood, Sampling, SamplingOptions, Solver, Sums, infer};
 
 use case::{Case, params};
 
@@ -103,7 +103,7 @@ fn seconds(case: &Case, threads: usize, samples: u64) -> Result<()> {
 }
 
 fn count(case: &Case, samples: u64) -> Result<()> {
-    let sampler = Sampler::new(&case.network, &case.boundary, &params(Solver::Lanes, samples))?;
+    let sampler = Sampling::new(&case.network, &case.boundary, &params(Solver::Lanes, samples))?;
     let (mut work, mut sums) = (sampler.workspace(), Sums::zero(case.network.vessel_count()));
     for block in 0..samples / willis::internals::support::random::BLOCK {
         work.block(block, willis::internals::support::random::BLOCK, &mut sums)?;

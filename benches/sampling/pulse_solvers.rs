@@ -12,8 +12,8 @@ use num_complex::Complex64;
 use willis::internals::flow::{Tube, WallLaw};
 use willis::internals::network::{Condition, Windkessel};
 use willis::internals::simulation::pulse::elimination::Equations;
-use willis::internals::simulation::pulse::two_port::Halved;
 use willis::internals::simulation::pulse::womersley::Fluid;
+use willis::internals::simulation::pulse::womersley::Halved;
 use willis::internals::simulation::pulse::{Friction, terminals, walled};
 use willis::internals::support::elimination::Elimination;
 

@@ -9,7 +9,7 @@ use crate::{
 };
 use willis_core::network::{Wall, Windkessel, vessels_called};
 use willis_core::{
-    flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::closures::close_each,
+    flow::Boundary, flow::Tube, modulation::HypertensionByClass, simulation::Perturbation, simulation::close_each,
     simulation::pulse::terminals, simulation::pulse::walled, simulation::transport::Transports,
 };
 use willis_io::{formats::SolverSetting, formats::tables::reader::plural};
@@ -51,8 +51,7 @@ pub fn simulate_with<'a>(
     let boundary = waves.as_ref().map_or(Ok(boundary.clone()), |waves| waves.steady(&boundary))?;
     let viscosity = options.viscosity;
     let simulation = willis_core::simulation::simulate(network, &boundary, viscosity, &perturbations)?;
-    let follow = || Transports::of(network, &boundary, viscosity, &perturbations, &simulation);
-    let transports = options.transport.then(follow).transpose()?;
+    let transports = options.transport.then(|| Transports::of(network, &boundary, &simulation));
     let close_all = || close_each(network, &boundary, viscosity, &simulation.unperturbed);
     let closures = options.occlude_each.then(close_all).transpose()?;
     let driven = waves.as_ref().zip(options.pulse.as_ref());

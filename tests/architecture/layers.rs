@@ -54,7 +54,6 @@ const CONFINED: &[(&str, &[&str])] = &[
             "core/sampling/run.rs",
             "core/modulation/run.rs",
             "core/support/mod.rs",
-            "core/support/parallel.rs",
             "willis/pipeline/inference.rs",
             "willis/cli/mod.rs",
             "willis/cli/cohort.rs",

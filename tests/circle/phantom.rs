@@ -6,7 +6,7 @@ use std::collections::HashSet;
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::pascals;
 use willis::internals::network::{Condition, Frame, Network, Role, cycles, fragments};
-use willis::internals::phantom::alastruey::TABLE;
+use willis::internals::phantom::circle::TABLE;
 use willis::internals::phantom::curve::{Bow, course};
 use willis::internals::phantom::{
     Anatomy, BranchingTree, BreakKind, Breaks, Recipe, Truth, branching_tree, break_up, cerebral, circle_of_willis, without,

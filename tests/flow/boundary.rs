@@ -2,8 +2,8 @@
 
 use crate::networks::{MMHG, pressure};
 use crate::vessels::{network, tube};
+use willis::internals::flow::boundary_conditions::FreeEnds;
 use willis::internals::flow::boundary_conditions::{Total, stated};
-use willis::internals::flow::free_ends::FreeEnds;
 use willis::internals::flow::{Boundary, FoundOutlets, Given};
 use willis::internals::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
 use willis::internals::support::geometry::distance;

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use willis::internals::flow::unfed::fed;
+use willis::internals::flow::floating_components::fed;
 use willis::internals::network::{Network, Node, Origin, PathPoint, Role, Vessel, Wall, cycles, merge};
 use willis::internals::simulation::simulate;
 

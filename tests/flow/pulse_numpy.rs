@@ -115,7 +115,7 @@ impl Compared {
     fn of(name: String, case: &Case, waves: &[(usize, Waveform)]) -> Self {
         let boundary = boundary(case.network, case.conditions);
         let steady = simulate(case.network, &boundary, case.fluid.viscosity, &[]).expect("a flow");
-        let transport = Transports::of(case.network, &boundary, case.fluid.viscosity, &[], &steady).expect("no change");
+        let transport = Transports::of(case.network, &boundary, &steady);
         Self { name, told: told(case, waves), pulse: case.solve(), transport: transport.unperturbed }
     }
 }

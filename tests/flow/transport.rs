@@ -18,7 +18,7 @@ fn close(got: f64, expected: f64, within: f64, what: &str) {
 /// The transport of a network as it is.
 fn follow(network: &Network, boundary: &Boundary) -> (Transport, f64) {
     let result = simulate(network, boundary, VISCOSITY, &[]).expect("a flow");
-    let transport = Transports::of(network, boundary, VISCOSITY, &[], &result).expect("no change").unperturbed;
+    let transport = Transports::of(network, boundary, &result).unperturbed;
     let diffused = result.unperturbed.vessels.iter().enumerate().filter(|(_, vessel)| vessel.diffused);
     (transport, diffused.map(|(row, _)| network.vessel(row).volume()).sum())
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 use crate::peers::document;
 use willis::internals::formats::{Format, ReadOptions, read_markups, read_points, read_swc};
 use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::coincident_points::pairs_within;
+use willis::internals::network::centerlines::pairs_within;
 use willis::internals::network::units::{LengthUnit, Scale, millimetres};
 use willis::internals::network::{Network, RadiusRule, contract, cycles, fragments};
 use willis::internals::support::geometry::{Point, distance};

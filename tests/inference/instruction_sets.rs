@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use std::process::Command;
-use willis::internals::sampling::per_sample::open_vessels;
+use willis::internals::sampling::coins::open_vessels;
 
 /// edges.csv of a run with these variables in the environment.
 fn edges(input: &str, arguments: &[&str], variables: &[(&str, &str)]) -> Vec<u8> {

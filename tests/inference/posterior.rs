@@ -19,9 +19,9 @@ use crate::figure::Figure;
 use listed::{Listed, random};
 use serde::Deserialize;
 use willis::internals::forest_posterior::absorbing_walk::AbsorbingWalk;
-use willis::internals::forest_posterior::clique_messages::complete;
+use willis::internals::forest_posterior::absorbing_walk::escapes;
 use willis::internals::forest_posterior::clique_tree::cliques;
-use willis::internals::forest_posterior::escape_probability::escapes;
+use willis::internals::forest_posterior::clique_tree::complete;
 use willis::internals::forest_posterior::{Edge, Forests, arborescence, log_likelihood, marginals, rooted_in};
 use willis::internals::support::elimination::least_degree;
 

@@ -1,18 +1,12 @@
 //! The kinds of phantoms by name, and the network of each.
 
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 
-use super::arterial::arterial;
-use super::capillary::capillary;
 use super::circle::{cerebral, circle_of_willis};
-use super::gaps::Gaps;
-use super::large::{EDGES, Large};
-use super::mask::Scan;
-use super::tree::{BranchingTree, branching_tree};
+use super::tree::{BranchingTree, arterial, branching_tree};
+use super::{EDGES, Large, capillary::capillary, extraction::Gaps, mask::Scan};
 use willis_core::error::{Error, Result};
-use willis_core::network::Network;
-use willis_core::network::units::{metres, millimetres};
+use willis_core::network::{Network, metres, millimetres};
 use willis_core::support::suggestions::did_you_mean;
 
 /// The default distance between centerline points, m.
@@ -51,13 +45,7 @@ impl Anatomy {
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::CircleOfWillis => "circle-of-willis",
-            Self::Cerebral => "cerebral",
-            Self::Tree => "tree",
-            Self::Arterial => "arterial",
-            Self::Capillary => "capillary",
-        }
+        ["circle-of-willis", "cerebral", "tree", "arterial", "capillary"][self as usize]
     }
 
     /// Whether the caller chooses the number of vessels. The anatomy is random then.

@@ -4,12 +4,10 @@ use rand::seq::{SliceRandom, index};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, LogNormal, Uniform};
 
-use super::large::Large;
-use super::{add_node, state};
+use super::{Large, add_node, state};
 use willis_core::error::{Error, Result};
 use willis_core::network::{Condition, Fragments, Network, Role};
-use willis_core::support::numbered::counted;
-use willis_core::support::random::{self, stream};
+use willis_core::support::{counted, random, random::stream};
 
 /// The distance between neighbours on the lattice, m.
 const SPACING: f64 = 5e-5;
@@ -84,7 +82,9 @@ fn mesh(params: &Large) -> Option<Mesh> {
         if mesh.vessels() > 0 {
             places *= params.edges as f64 / mesh.vessels() as f64;
         }
-        if mesh.holds_feeders() && best.as_ref().is_none_or(|best| difference(&mesh) < difference(best)) {
+        // Every feeder is connected to the rest.
+        let holds_feeders = mesh.feeders.iter().all(|(top, _)| mesh.kept[*top]);
+        if holds_feeders && best.as_ref().is_none_or(|best| difference(&mesh) < difference(best)) {
             best = Some(mesh);
         }
         if best.as_ref().is_some_and(|best| difference(best) as f64 <= TOLERANCE * params.edges as f64) {
@@ -193,11 +193,6 @@ impl Mesh {
     /// How many vessels, with the one above every feeder.
     fn vessels(&self) -> usize {
         self.links.len() + self.feeders.len()
-    }
-
-    /// Whether every feeder is connected to the rest.
-    fn holds_feeders(&self) -> bool {
-        self.feeders.iter().all(|(top, _)| self.kept[*top])
     }
 
     /// How far down its feeder a link is, 0 to 1; `None` for a capillary.

@@ -1,11 +1,16 @@
 //! The Circle of Willis as a network: published lengths, radii and resistances, along plausible centerlines.
+//!
+//! Alastruey, Parker, Peiró, Byrd, Sherwin, *Modelling the circle of Willis to assess the effects of anatomical
+//! variations and occlusions on cerebral flows*, J Biomech 40:1794-1805 (2007), table 1: 33 vessels between 30 nodes,
+//! one inlet (the aortic root) and 11 outlets with a terminal resistance each. The radius is constant along a vessel.
 
-use super::alastruey::{POSITIONS, ROOT, TABLE};
-use super::curve::course;
-use super::{add_curved_vessel, add_node, make_inlet, state, widen_nodes};
+use std::{str::FromStr, sync::LazyLock};
+
+use super::curve::{Bow, course};
+use super::{add_curved_vessel, add_node, state, widen_nodes};
 use willis_core::error::{Error, Result};
-use willis_core::network::{Condition, Frame, Network, Role, Vessel};
-use willis_core::support::suggestions::did_you_mean;
+use willis_core::network::{Condition, Frame, Network, Role, Vessel, metres};
+use willis_core::support::{Point, suggestions::did_you_mean};
 
 /// The complete network of [`TABLE`], with centerline points at about `spacing` (m; 0.5 mm is usual).
 ///
@@ -24,7 +29,7 @@ pub fn circle_of_willis(spacing: f64) -> Network {
     for position in &*POSITIONS {
         add_node(&mut network, *position, None);
     }
-    make_inlet(&mut network, ROOT - 1);
+    state(&mut network, ROOT - 1, Role::Inlet, Condition::INLET);
     for row in &*TABLE {
         let ends = row.nodes.map(|number| number - 1);
         let [a, b] = ends.map(|node| POSITIONS[node]);
@@ -52,7 +57,7 @@ pub fn cerebral(network: &Network) -> Network {
     let degree = shown.degrees(|_| true);
     for row in (0..shown.node_count()).filter(|row| degree[*row] == 1) {
         if shown.node(row).condition.is_none() {
-            make_inlet(&mut shown, row);
+            state(&mut shown, row, Role::Inlet, Condition::INLET);
         }
     }
     shown
@@ -89,4 +94,54 @@ pub fn without(network: &Network, labels: &[impl AsRef<str>]) -> Result<Network>
         }
     }
     Ok(rest)
+}
+
+/// One row of the table.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ArteryRow {
+    /// The usual name with its side. The whole middle cerebral artery is called M1.
+    pub label: &'static str,
+    /// The table's numbers of the two nodes, counted from 1.
+    pub nodes: [usize; 2],
+    /// Length, m.
+    pub length: f64,
+    /// Radius, m.
+    pub radius: f64,
+    /// Peripheral resistance at the second node, Pa s/m³, if the vessel ends there.
+    pub terminal: Option<f64>,
+    /// How it curves between its nodes, which the table does not say.
+    pub bow: Bow,
+}
+
+/// The table's number of the aortic root, the inlet.
+pub const ROOT: usize = 1;
+
+/// The 33 vessels in the order of the table.
+pub static TABLE: LazyLock<Vec<ArteryRow>> = LazyLock::new(|| {
+    let row = |line: &'static str| {
+        let columns: Vec<&str> = line.split(',').collect();
+        ArteryRow {
+            label: columns[0],
+            nodes: [number(columns[1]), number(columns[2])],
+            length: number(columns[3]),
+            radius: number(columns[4]),
+            terminal: (!columns[5].is_empty()).then(|| number(columns[5])),
+            bow: Bow { side: [number(columns[6]), number(columns[7]), number(columns[8])], swings: number(columns[9]) },
+        }
+    };
+    include_str!("alastruey_vessels.csv").lines().skip(1).map(row).collect()
+});
+
+/// The positions of the table's nodes 1 to 30, m.
+static POSITIONS: LazyLock<Vec<Point>> = LazyLock::new(|| {
+    let row = |line: &str| {
+        let columns: Vec<f64> = line.split(',').take(3).map(number).collect();
+        [0, 1, 2].map(|axis| metres(columns[axis]))
+    };
+    include_str!("alastruey_nodes.csv").lines().skip(1).map(row).collect()
+});
+
+/// A number of a table. The tables are part of the program, and every row of them is read with the first phantom: nothing that a user gives gets here.
+fn number<T: FromStr>(word: &str) -> T {
+    word.parse().unwrap_or_else(|_| panic!("{word} is no number"))
 }

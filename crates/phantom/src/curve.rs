@@ -2,8 +2,7 @@
 
 use std::f64::consts::PI;
 
-use willis_core::support::arc_lengths::ArcWalk;
-use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
+use willis_core::support::{Point, arc_lengths::ArcWalk, distance, dot, lerp, norm_squared, sub, unit};
 
 /// The side to which a vessel curves, and how often it swings.
 #[derive(Debug, Clone, Copy, PartialEq)]

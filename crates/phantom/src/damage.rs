@@ -5,11 +5,9 @@ use rand_distr::{Distribution, Exp1, Poisson, StandardNormal, UnitSphere};
 
 use super::{check_length, check_pair, check_range};
 use willis_core::error::Result;
-use willis_core::network::units::metres;
-use willis_core::network::{Network, Role};
+use willis_core::network::{Network, Role, metres};
 use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
-use willis_core::support::geometry::{Point, distance, unit};
-use willis_core::support::numbered::grouped;
+use willis_core::support::{Point, distance, grouped, unit};
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
 #[derive(Debug, Clone, PartialEq)]
@@ -95,13 +93,16 @@ impl Breaks {
     }
 }
 
+/// Points with radii.
+pub type Lumens = Vec<(Point, f64)>;
+
 /// The smallest number of points in a piece of a vessel.
 const LEAST: usize = 3;
 
 /// A vessel resampled at equal steps, and the pieces of it that are left.
 pub(crate) struct SampledVessel {
     /// Points with radii, both nodes included.
-    pub points: Vec<(Point, f64)>,
+    pub points: Lumens,
     /// The step, m.
     pub step: f64,
     /// Mean radius, m.
@@ -235,7 +236,7 @@ const REACH: f64 = 10.0;
 const TURN: f64 = 0.25;
 
 /// Up to `wanted` spurious fragments (points with radii) that touch neither the complete vessels in `lumens` nor each other.
-pub(crate) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, rng: &mut impl Rng) -> Vec<Vec<(Point, f64)>> {
+pub(crate) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, rng: &mut impl Rng) -> Vec<Lumens> {
     if lumens.is_empty() {
         return Vec::new();
     }
@@ -244,12 +245,7 @@ pub(crate) fn spurious(lumens: &[(Point, f64)], wanted: usize, params: &Breaks, 
 
 /// Up to so many lines (points with radii) as `draw` makes them, with so many attempts for each, whose lumens are more than `apart` from those
 /// in `taken` and from each other.
-pub(crate) fn scattered(
-    mut taken: Vec<(Point, f64)>,
-    [wanted, attempts]: [usize; 2],
-    apart: f64,
-    mut draw: impl FnMut() -> Vec<(Point, f64)>,
-) -> Vec<Vec<(Point, f64)>> {
+pub fn scattered(mut taken: Lumens, [wanted, attempts]: [usize; 2], apart: f64, mut draw: impl FnMut() -> Lumens) -> Vec<Lumens> {
     let mut found = Vec::new();
     for _ in 0..attempts * wanted {
         if found.len() == wanted {
@@ -266,7 +262,7 @@ pub(crate) fn scattered(
 }
 
 /// A random walk that tends to go straight. It begins near a random point of the vessels and is thinner than the vessel there.
-fn walk(lumens: &[(Point, f64)], params: &Breaks, rng: &mut impl Rng) -> Vec<(Point, f64)> {
+fn walk(lumens: &[(Point, f64)], params: &Breaks, rng: &mut impl Rng) -> Lumens {
     let (anchor, lumen) = lumens[rng.random_range(0..lumens.len())];
     let radius = lumen * rng.random_range(0.3..0.8);
     let away = lumen + radius + params.spacing * (MARGIN + REACH * rng.random::<f64>());

@@ -2,43 +2,32 @@
 //!
 //! An internal part of willis. Nothing here is stable: programs use the functions of the crate `willis`.
 
-pub mod alastruey;
 mod anatomy;
-mod arterial;
 mod capillary;
-mod circle;
-mod contacts;
+pub mod circle;
 pub mod curve;
 mod damage;
 mod extraction;
-mod gaps;
 mod interruptions;
-mod large;
 mod mask;
-mod mask_truth;
 mod tree;
 mod truth;
 mod tube;
-mod veins;
 
 use std::fmt::Display;
 
 use willis_core::error::{Error, Result};
-use willis_core::network::{Condition, Network, Node, PathPoint, RadiusRule, Role, Vessel};
-use willis_core::support::geometry::Point;
+use willis_core::network::{Condition, Network, Node, Origin, PathPoint, RadiusRule, Role, Vessel};
+use willis_core::support::{Point, distance, lerp};
 
 pub use anatomy::{Anatomy, Recipe};
-pub use arterial::arterial;
 pub use capillary::capillary;
 pub use circle::{cerebral, circle_of_willis, without};
 pub use damage::Breaks;
-pub use extraction::break_up;
-pub use gaps::{Gaps, over_connected, with_gaps};
-pub use large::Large;
+pub use extraction::{Gaps, break_up, over_connected, with_gaps};
 pub use mask::{MOST_VOXELS, Scan, draw_mask, draw_scan};
-pub use mask_truth::{Contact, MaskBreak, MaskTruth};
-pub use tree::{BranchingTree, branching_tree};
-pub use truth::{BreakKind, Truth, landmarks};
+pub use tree::{BranchingTree, arterial, branching_tree};
+pub use truth::{BreakKind, Contact, MaskBreak, MaskTruth, Truth, landmarks};
 pub use tube::DrawnTube;
 
 /// Adds an inner node whose id is the next number.
@@ -60,11 +49,6 @@ fn widen_nodes(network: &mut Network, nodes: [usize; 2], radius: f64) {
         let current = &mut network.node_mut(node).radius;
         *current = Some(current.map_or(radius, |current| current.max(radius)));
     }
-}
-
-/// Makes a node an inlet at 100 mmHg.
-fn make_inlet(network: &mut Network, row: usize) {
-    state(network, row, Role::Inlet, Condition::INLET);
 }
 
 /// Gives a node a role and its condition.
@@ -99,5 +83,46 @@ fn check_positions(network: &Network) -> Result<()> {
     match network.nodes().find(|node| node.position.is_none()) {
         Some(node) => Err(Error::parameter("node", &node.id, "has no position; expected one for every node")),
         None => Ok(()),
+    }
+}
+
+/// The least and the greatest number of vessels of a large phantom.
+pub const EDGES: [usize; 2] = [100, 10_000_000];
+
+/// The options of a large phantom.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Large {
+    /// How many vessels, 100 to 10 000 000.
+    pub edges: usize,
+    /// The seed of the anatomy.
+    pub seed: u64,
+    /// Distance between centerline points, m, positive; `None` leaves each vessel its two nodes only.
+    pub spacing: Option<f64>,
+}
+
+impl Large {
+    /// Refuses a field out of its range.
+    ///
+    /// # Errors
+    ///
+    /// Names the field, its value and its range.
+    pub fn validate(&self) -> Result<()> {
+        check_range("edges", self.edges, EDGES[0], EDGES[1])?;
+        self.spacing.map_or(Ok(()), |spacing| check_length("spacing", spacing))
+    }
+
+    /// Adds a straight vessel of a radius (m) between two nodes, with centerline points when there is a spacing. Its nodes become at
+    /// least as wide as the vessel.
+    fn add_vessel(&self, network: &mut Network, ends: [usize; 2], radius: f64) {
+        let [a, b] = ends.map(|end| network.node(end).position.unwrap_or_default());
+        let length = distance(a, b);
+        let path = self.spacing.map_or_else(Vec::new, |spacing| {
+            let steps = (length / spacing).round().max(1.0) as usize;
+            let share = |step: usize| step as f64 / steps as f64;
+            let point = |step| if step == steps { b } else { lerp(a, b, share(step)) };
+            (0..=steps).map(|step| PathPoint { position: point(step), radius, id: None }).collect()
+        });
+        widen_nodes(network, ends, radius);
+        network.add_vessel(ends, Vessel { path, ..Vessel::new(length, radius, Origin::Observed) });
     }
 }

@@ -3,19 +3,12 @@
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
-use super::contacts::contacts;
-use super::interruptions::ShownStations;
-use super::mask_truth::MaskTruth;
-use super::tube::{DrawnTube, VoxelGrid};
-use super::veins::veins;
-use super::{check_positions, check_range};
+use super::interruptions::{ShownStations, contacts};
+use super::tube::{DrawnTube, VoxelGrid, veins};
+use super::{check_positions, check_range, truth::MaskTruth};
 use willis_core::error::{Error, Result};
-use willis_core::network::units::millimetres;
-use willis_core::network::{Network, Role};
-use willis_core::support::gamma::Gamma;
-use willis_core::support::geometry::{Point, bounds, dot};
-use willis_core::support::random::{self, stream};
-use willis_core::support::statistics::median;
+use willis_core::network::{Fragments, Network, Role, millimetres};
+use willis_core::support::{Point, bounds, counted, dot, gamma::Gamma, median, random, random::stream};
 use willis_io::masks::{Image, Mask};
 
 /// No mask has more voxels.
@@ -142,26 +135,15 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     if !is_clean {
         mask.fill_cavities();
     }
-    let truth = judge(network, tubes, &grid, &mask);
-    Ok((mask, truth, Image { shape: grid.shape, values, affine }))
-}
-
-/// Compares the mask with the vessels that were drawn.
-fn judge(network: &Network, tubes: Vec<DrawnTube>, grid: &VoxelGrid, mask: &Mask) -> MaskTruth {
-    let shown = ShownStations::new(&tubes, network.node_count(), grid, mask);
+    // What the mask shows of the vessels that were drawn.
+    let shown = ShownStations::new(&tubes, network.node_count(), &grid, &mask);
     let lost: Vec<usize> = (0..tubes.len()).filter(|row| shown.is_lost(*row)).collect();
-    let breaks = shown.breaks();
-    let contacts = contacts(&tubes, grid, mask);
+    let (breaks, contacts) = (shown.breaks(), contacts(&tubes, &grid, &mask));
     let inlets = network.nodes().filter(|node| node.role == Some(Role::Inlet)).filter_map(|node| node.position);
-    MaskTruth {
-        lost,
-        inlets: inlets.map(|at| at.map(millimetres)).collect(),
-        breaks,
-        contacts,
-        voxel: grid.spacing,
-        nodes: network.nodes().map(|node| node.id.clone()).collect(),
-        tubes,
-    }
+    let inlets = inlets.map(|at| at.map(millimetres)).collect();
+    let nodes = network.nodes().map(|node| node.id.clone()).collect();
+    let truth = MaskTruth { lost, inlets, breaks, contacts, voxel: grid.spacing, nodes, tubes };
+    Ok((mask, truth, Image { shape: grid.shape, values, affine }))
 }
 
 /// Refuses voxels so small that the stations along the vessels alone are too many.
@@ -325,32 +307,14 @@ impl NormalTable {
 
 /// Removes the 26-connected components of fewer voxels.
 fn remove_small(classes: &mut [u8], grid: &VoxelGrid, least: usize) {
-    const SEEN: u8 = 2;
-    let mut component = Vec::new();
-    for first in 0..classes.len() {
-        if classes[first] != 1 {
-            continue;
-        }
-        component.clear();
-        component.push(first);
-        classes[first] = SEEN;
-        let mut next = 0;
-        while let Some(row) = component.get(next).copied() {
-            next += 1;
-            for to in grid.neighbours(row) {
-                if classes[to] == 1 {
-                    classes[to] = SEEN;
-                    component.push(to);
-                }
-            }
-        }
-        if component.len() < least {
-            for row in &component {
-                classes[*row] = 0;
-            }
-        }
-    }
-    for class in classes {
-        *class = u8::from(*class != 0);
+    let rows: Vec<usize> = (0..classes.len()).filter(|row| classes[*row] == 1).collect();
+    let links = rows.iter().enumerate().flat_map(|(at, row)| {
+        let later = grid.neighbours(*row).filter(move |to| to > row);
+        later.filter_map(|to| rows.binary_search(&to).ok()).map(move |to| [at, to])
+    });
+    let Fragments { of_node, count } = Fragments::over(rows.len(), links);
+    let size = counted(count, of_node.iter().copied());
+    for (row, component) in rows.into_iter().zip(of_node) {
+        classes[row] = u8::from(size[component] >= least);
     }
 }

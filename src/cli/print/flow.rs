@@ -6,8 +6,8 @@ use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{
     Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
     internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
-    internals::report::page::lead::change, internals::simulation::closures::ClosedVessel, internals::simulation::pulse::Pulse,
-    internals::simulation::pulse::indices::Indices, internals::simulation::transport::Transport,
+    internals::report::page::lead::change, internals::simulation::ClosedVessel, internals::simulation::pulse::Pulse,
+    internals::simulation::pulse::fourier::Indices, internals::simulation::transport::Transport,
 };
 
 /// The least share of an outlet's blood that is named.

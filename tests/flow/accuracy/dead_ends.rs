@@ -7,9 +7,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use willis::internals::flow::Circuit;
-use willis::internals::flow::balance::{AT_REST, Balanced};
 use willis::internals::flow::pressures::PressureSolver;
 use willis::internals::flow::resilience::is_diffused;
+use willis::internals::flow::state::{AT_REST, Balanced};
 
 use super::{DROP_TOLERANCE, circuit, lanes, numberings, renumbered, star_mesh};
 

@@ -1,14 +1,10 @@
 //! The answer: which vessels are kept, what the kept graph looks like, and which decisions are still open.
 
-use super::best_first::{best_first_of, reconnected};
-use super::most_probable_forest::{has_evidence, probabilities, probable};
-use super::rules::{DecidingFigure, Keep, threshold};
+use super::{DecidingFigure, Keep, best_first_of, has_evidence, probabilities, probable, reconnected, threshold};
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::flow::floating_components::parts_that_carry;
+use crate::flow::{Boundary, parts_that_carry};
 use crate::network::{Network, Origin, cycles, fragments};
-use crate::sampling::likelihood::Likelihood;
-use crate::support::ties::exceeds;
+use crate::{sampling::Likelihood, support::ties::exceeds};
 
 /// A vessel whose L is within so many standard errors of the threshold is undecided.
 pub const UNDECIDED_Z: f64 = 2.0;
@@ -65,9 +61,8 @@ pub struct Topology {
 pub fn decide(rule: Keep, network: &Network, result: &Likelihood) -> Result<Decision> {
     let cut = threshold(rule, result);
     let median = threshold(Keep::Median, result);
-    let rows = 0..result.likelihood.len();
-    let above_median =
-        rows.map(|row| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m))).collect();
+    let is_above = |row: usize| !result.uncertain[row] || median.is_some_and(|m| exceeds(result.likelihood[row], m));
+    let above_median = (0..result.likelihood.len()).map(is_above).collect();
     let (mut left_open, mut needed, mut instead) =
         (Vec::new(), vec![f64::NAN; network.vessel_count()], vec![None; network.vessel_count()]);
     let (mut kept, close) = match rule {

@@ -1,16 +1,11 @@
 //! The rules that decide which vessels are kept: the median of the paper, and others.
 
-use std::fmt;
-use std::mem::discriminant;
-use std::str::FromStr;
+use std::{fmt, mem::discriminant, str::FromStr};
 
-use super::best_first::{BEST_FIRST, DOUBTFUL, RECONNECT};
-use super::most_probable_forest::{PRICE, WITHOUT_PIECE};
+use super::{BEST_FIRST, DOUBTFUL, PRICE, RECONNECT, WITHOUT_PIECE};
 use crate::error::{Error, Result};
 use crate::sampling::likelihood;
-use crate::support::statistics::{median, otsu, quantile};
-use crate::support::suggestions::did_you_mean;
-use crate::support::ties::TIE;
+use crate::support::{median, otsu, quantile, suggestions::did_you_mean, ties::TIE};
 use DecidingFigure::{Frequency, Likelihood, Probability};
 
 /// The rule that decides which uncertain vessels stay; as text a word such as `median`, with a figure where it has one, as `quantile=0.8`.
@@ -36,10 +31,10 @@ pub enum Keep {
     /// there is nothing ([`super::most_probable_forest::probable()`]): the smaller, the fewer fragments stay alone.
     Probable(f64),
     /// The most probable candidates first, those more probable than this, in [0, 1], each free end once
-    /// ([`super::best_first::best_first()`]).
+    /// ([`super::most_probable_forest::best_first()`]).
     BestFirst(f64),
     /// As `best-first`, then contacts, and candidates of which little is sure, the most probable first, while they join two parts and are
-    /// at least so probable, in [0, 1] ([`super::best_first::reconnected()`]).
+    /// at least so probable, in [0, 1] ([`super::most_probable_forest::reconnected()`]).
     Reconnect(f64),
 }
 
@@ -167,9 +162,8 @@ impl FromStr for Keep {
                 let percent = figure.strip_suffix('%').filter(|_| rule.range == SHARE);
                 let x: f64 = percent.unwrap_or(figure).parse().map_err(|_| unknown())?;
                 if rule.range == SHARE && (percent.is_some() || !(0.0..=1.0).contains(&x)) {
-                    let meant =
-                        if (1.0..=100.0).contains(&x) { format!(", such as {word}={}", x / 100.0) } else { String::new() };
-                    return Err(refused(format!("expected a number from 0 to 1{meant}")));
+                    let hint = if (1.0..=100.0).contains(&x) { format!(", such as {word}={}", x / 100.0) } else { String::new() };
+                    return Err(refused(format!("expected a number from 0 to 1{hint}")));
                 }
                 x
             }

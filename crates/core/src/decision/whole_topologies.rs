@@ -16,15 +16,11 @@ use std::collections::BTreeMap;
 
 use rand::RngExt;
 
-use crate::error::Result;
-use crate::flow::pressures::PressureSolver;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Circuit, Tube};
-use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments};
-use crate::sampling::options::{SamplingOptions, Weight};
-use crate::sampling::patterns::Patterns;
-use crate::sampling::{Coins, Kruskal};
-use crate::support::random::{self, BLOCK, RandomStream, stream};
+use crate::flow::{Boundary, Circuit, Tube, pressures::PressureSolver, state::State};
+use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
+use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, options::Patterns};
+use crate::support::random::{BLOCK, RandomStream, stream};
+use crate::{error::Result, support::random};
 
 /// What topologies are drawn from.
 #[derive(Debug, Clone, Copy)]
@@ -58,7 +54,7 @@ impl Topologies {
             TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
             TopologySource::Connections(known) => {
                 let ends = known.asked_in_turn(network);
-                Ok(Self::of_ends(network, known, params, |rng, kept| connect(&ends, rng, kept)))
+                Ok(known.draw(network, params, |rng, kept| connect(&ends, rng, kept)))
             }
             TopologySource::Samples(above_median) => Self::of_samples(network, boundary, params, above_median),
         }
@@ -67,38 +63,13 @@ impl Topologies {
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
         let ends: Vec<Vec<(usize, f64)>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
-        Self::of_ends(network, known, params, |rng, kept| {
+        known.draw(network, params, |rng, kept| {
             for choices in &ends {
                 if let Some(row) = chosen(choices.iter().copied(), rng) {
                     kept[row] = true;
                 }
             }
         })
-    }
-
-    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
-    fn of_ends(
-        network: &Network,
-        known: KnownEnds<'_>,
-        params: &SamplingOptions,
-        go_on: impl Fn(&mut RandomStream, &mut [bool]),
-    ) -> Self {
-        let mut count = Count::default();
-        let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
-        let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
-        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
-        for first in (0..params.samples).step_by(BLOCK as usize) {
-            let mut rng = stream(params.seed, random::ends(first / BLOCK));
-            for _ in first..params.samples.min(first + BLOCK) {
-                let mut kept = given.clone();
-                for (row, p) in &contacts {
-                    kept[*row] = rng.random::<f64>() < *p;
-                }
-                go_on(&mut rng, &mut kept);
-                count.add(&kept, 1.0);
-            }
-        }
-        count.finish(|kept| known.supply(network, kept))
     }
 
     /// Of the topology that each sample votes for, with its weight.
@@ -108,7 +79,7 @@ impl Topologies {
         let provisional = params.provisional(network, boundary);
         let patterns = Patterns::new(network, &provisional, params)?;
         let at_rest = Tube::at_rest(network, params.viscosity);
-        let circuit = Circuit::sampled(network, boundary, &provisional, params.viscosity)?;
+        let circuit = Circuit::with(network, boundary, &provisional, &at_rest)?;
         let solver = PressureSolver::new(&circuit)?;
         let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
         let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
@@ -190,6 +161,26 @@ pub struct KnownEnds<'a> {
 }
 
 impl KnownEnds<'_> {
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
+    fn draw(&self, network: &Network, params: &SamplingOptions, go_on: impl Fn(&mut RandomStream, &mut [bool])) -> Topologies {
+        let mut count = Count::default();
+        let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
+        let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
+        let given: Vec<bool> = network.vessels().map(|(_, v)| v.is_given()).collect();
+        for first in (0..params.samples).step_by(BLOCK as usize) {
+            let mut rng = stream(params.seed, random::ends(first / BLOCK));
+            for _ in first..params.samples.min(first + BLOCK) {
+                let mut kept = given.clone();
+                for (row, p) in &contacts {
+                    kept[*row] = rng.random::<f64>() < *p;
+                }
+                go_on(&mut rng, &mut kept);
+                count.add(&kept, 1.0);
+            }
+        }
+        count.finish(|kept| self.supply(network, kept))
+    }
+
     /// The factor of a topology that holds the vessels `kept`: e⁻² for each known outlet that is connected with no known inlet.
     fn supply(&self, network: &Network, kept: &[bool]) -> f64 {
         if self.inlets.is_empty() {
@@ -226,10 +217,7 @@ impl KnownEnds<'_> {
         let best = |choices: &[(usize, f64)]| choices.iter().map(|(_, odds)| *odds).fold(0.0, f64::max);
         ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
-        let leads_to = |node: usize, row: usize| {
-            let [a, b] = network.ends(row);
-            number.get(if a == node { &b } else { &a }).copied()
-        };
+        let leads_to = |node: usize, row: usize| number.get(&other_end(network, row, node)).copied();
         let of_end = |(node, choices): &(usize, Vec<(usize, f64)>)| {
             choices.iter().map(|(row, odds)| (*row, *odds, leads_to(*node, *row))).collect()
         };

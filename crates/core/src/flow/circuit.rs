@@ -1,7 +1,6 @@
 //! The resistor network of a vascular network: conductances, fixed pressures, terminal resistances, injected flows.
 
-use super::boundary_conditions::{Boundary, Provisional};
-use super::poiseuille::Tube;
+use super::{Boundary, Tube, boundary_conditions::Provisional};
 use crate::error::{Error, Result};
 use crate::network::{Condition, Network};
 
@@ -53,15 +52,6 @@ impl Circuit {
     /// A vessel whose conductance is zero, infinite or not a number.
     pub fn new(network: &Network, boundary: &Boundary, viscosity: f64) -> Result<Self> {
         Self::with(network, boundary, &[], &Tube::at_rest(network, viscosity))
-    }
-
-    /// The circuit of an over-connected graph for its samples, in which the `provisional` conditions come and go.
-    ///
-    /// # Errors
-    ///
-    /// As [`Circuit::new`].
-    pub fn sampled(network: &Network, boundary: &Boundary, provisional: &[Provisional], viscosity: f64) -> Result<Self> {
-        Self::with(network, boundary, provisional, &Tube::at_rest(network, viscosity))
     }
 
     /// The circuit of a network whose vessels are `tubes`, the occluded ones without conductance, and whose `provisional` conditions come and go.

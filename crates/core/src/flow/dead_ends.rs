@@ -1,8 +1,8 @@
 //! Dead ends: parts that a single junction, or a single pressure, separates from everything that drives flow. Nothing flows there. They are
 //! found by structure, because a solver that subtracts leaves rounding there that could pass for flow.
 
-use super::circuit::Circuit;
-use crate::support::numbered::grouped;
+use super::Circuit;
+use crate::support::grouped;
 
 /// The nodes of a circuit, one per pressure level of its conditions, and the root behind them all.
 #[derive(Debug, Clone)]

@@ -6,9 +6,7 @@
 //! pressure that a condition holds. Such a sum loses digits only where larger drops cancel in it. How far rounding may have
 //! moved it is summed up beside it, which tells a small flow from none.
 
-use super::circuit::{Circuit, same_pressure};
-use super::floating_components::grounded;
-use super::resilience::DROP_CUT;
+use super::{Circuit, circuit::same_pressure, grounded, resilience::DROP_CUT};
 use crate::support::elimination::{Elimination, NOWHERE};
 
 /// Drops below this share of the larger pressure have three digits at the most.
@@ -60,19 +58,15 @@ impl Bounded {
         Self { value, error: 0.0 }
     }
 
+    fn negated(self) -> Self {
+        Self { value: -self.value, ..self }
+    }
+
     /// Adds a weight times a number; `unit` is what rounding may take from such a term.
     fn add(&mut self, weight: f64, of: Self, unit: f64) {
         let term = weight * of.value;
         self.value += term;
         self.error += weight * of.error + unit * term.abs();
-    }
-}
-
-impl std::ops::Neg for Bounded {
-    type Output = Self;
-
-    fn neg(self) -> Self {
-        Self { value: -self.value, ..self }
     }
 }
 
@@ -248,14 +242,14 @@ impl Drops {
             for ray in star.clone() {
                 drop[ray] = injected;
                 for (at, own) in own.iter().enumerate() {
-                    drop[ray].add(*own, -above[to(ray) + at], unit);
+                    drop[ray].add(*own, above[to(ray) + at].negated(), unit);
                 }
             }
             let mut mesh = program.mesh(k).iter();
             for a in star.clone() {
                 for (b, between) in (a + 1..star.end).zip(&mut mesh) {
                     let between = drop[*between as usize];
-                    drop[a].add(weight[b], -between, unit);
+                    drop[a].add(weight[b], between.negated(), unit);
                     drop[b].add(weight[a], between, unit);
                 }
             }

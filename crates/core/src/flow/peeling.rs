@@ -3,7 +3,7 @@
 //! A vessel that ends at a free node without a terminal or another vessel carries no flow in any sample. Certain vessels in series carry one
 //! flow: they become one resistance, so vessels of equal radii have equal resilience to the last bit.
 
-use super::circuit::Circuit;
+use super::Circuit;
 use crate::network::walks::other;
 
 /// A circuit with its dead ends and certain chains taken out.
@@ -84,10 +84,6 @@ pub fn peel(circuit: &Circuit, certain: &[bool]) -> Peeled {
             _ => {}
         }
     }
-    assemble(circuit, &links, &gone)
-}
-
-fn assemble(circuit: &Circuit, links: &[Option<ChainLink>], gone: &[bool]) -> Peeled {
     let mut peeled = Peeled { circuit: circuit.clone(), chain: vec![None; circuit.row_count()] };
     for [a, b] in &mut peeled.circuit.ends {
         *b = *a;

@@ -2,8 +2,7 @@
 //!
 //! In O(m log² m), with heaps of which the smaller is moved to the larger, and a union-find that can be rolled back (Gabow, Galil, Spencer and Tarjan 1986).
 
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::{cmp::Reverse, collections::BinaryHeap};
 
 use super::Forests;
 

@@ -1,12 +1,11 @@
-//! The probability of every edge and every root.
+//! The probability of every edge and every root, and that a fragment's tree is rooted in one of some fragments; and the log-likelihood of a
+//! case whose true edges are known, with its gradient: what weights are fitted by.
 
-use super::absorbing_walk::AbsorbingWalk;
-use super::clique_messages::complete;
-use super::clique_tree::{Clique, cliques};
-use super::escape_probability::escapes;
+use super::absorbing_walk::{AbsorbingWalk, escapes};
+use super::clique_tree::{Clique, cliques, complete};
 use super::{Edge, Forests};
 use crate::support::elimination::{Star, least_degree};
-use crate::support::numbered::grouped;
+use crate::support::{grouped, placed};
 
 /// Marginal probabilities of the posterior; those of a fragment's edges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
@@ -119,5 +118,122 @@ impl Scaled {
         let links: Vec<[usize; 2]> = self.possible(forests).map(|(_, edge, _)| [edge.child, edge.parent]).collect();
         // Without a limit there is always an order.
         least_degree(forests.fragments(), &links, usize::MAX).unwrap_or_default()
+    }
+}
+
+/// Derivatives of the log-likelihood.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ForestGradient {
+    /// Per edge, with respect to ln w.
+    pub edges: Vec<f64>,
+    /// Per fragment, with respect to ln v.
+    pub roots: Vec<f64>,
+}
+
+/// ln of the probability that every fragment is attached by one of its allowed edges, or is a root where none is allowed:
+/// Σ_c ln Σ_allowed w - ln Z. Its gradient is the share of an edge among those allowed to its fragment less its marginal.
+///
+/// `allowed` has shape (edges); the true edges must close no cycle, then one forest or a product of choices per
+/// fragment is summed. A fragment whose allowed edges all weigh nothing makes it -∞.
+///
+/// # Panics
+///
+/// `allowed` or `marginals` belong to other forests.
+pub fn log_likelihood(forests: &Forests, marginals: &Marginals, allowed: &[bool]) -> (f64, ForestGradient) {
+    assert_eq!(allowed.len(), forests.edges().len(), "one mark per edge");
+    assert_eq!(marginals.edges.len(), allowed.len(), "marginals of the same forests");
+    let mut most = vec![None::<f64>; forests.fragments()];
+    let chosen = || forests.edges().iter().zip(allowed).filter(|(_, allowed)| **allowed).map(|(edge, _)| edge);
+    for edge in chosen() {
+        let most = &mut most[edge.child];
+        *most = Some(most.map_or(edge.log_weight, |most| most.max(edge.log_weight)));
+    }
+    // Relative to the largest; a fragment whose allowed edges cannot be keeps a sum of zero.
+    let relative = |log_weight: f64, most: Option<f64>| most.map_or(0.0, |most| (log_weight - most.max(f64::MIN)).exp());
+    let mut sum = vec![0.0; forests.fragments()];
+    for edge in chosen() {
+        sum[edge.child] += relative(edge.log_weight, most[edge.child]);
+    }
+    let terms = most.iter().zip(&sum).zip(forests.log_roots()).map(|((most, sum), root)| most.map_or(*root, |m| m + sum.ln()));
+    let value = terms.sum::<f64>() - marginals.log_total;
+    let edges = forests.edges().iter().zip(allowed).zip(&marginals.edges).map(|((edge, allowed), p)| {
+        let share =
+            if *allowed { relative(edge.log_weight, most[edge.child]) / sum[edge.child].max(f64::MIN_POSITIVE) } else { 0.0 };
+        share - p
+    });
+    let roots = most.iter().zip(&marginals.roots).map(|(most, p)| f64::from(u8::from(most.is_none())) - p);
+    (value, ForestGradient { edges: edges.collect(), roots: roots.collect() })
+}
+
+/// A fragment at its turn, by places in the order.
+struct Turn {
+    fragment: usize,
+    /// The neighbours at its elimination, in order.
+    to: Vec<usize>,
+    /// Odds of stepping to each, and from each to here.
+    out: Vec<f64>,
+    into: Vec<f64>,
+    /// Odds of dying here or in what was eliminated: with a mark, and without.
+    death: [f64; 2],
+}
+
+/// Per fragment the probability that the root of its tree is `marked`, shape (fragments): Σ G_cr v_r over the marked r, the
+/// probability that the walk from c dies in one of them.
+///
+/// Eliminated without a subtraction, as the marginals are, so each is right in its own digits.
+///
+/// # Panics
+///
+/// When there is not one mark per fragment.
+pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
+    assert_eq!(marked.len(), forests.fragments(), "one mark per fragment");
+    let scaled = Scaled::new(forests);
+    let stars = scaled.stars(forests);
+    let place = placed(stars.len(), stars.iter().map(|star| star.center));
+    let turn = |star: &Star| {
+        let mut to: Vec<usize> = star.neighbours.iter().map(|node| place[*node]).collect();
+        to.sort_unstable();
+        let (root, rays) = (scaled.root[star.center], to.len());
+        let death = if marked[star.center] { [root, 0.0] } else { [0.0, root] };
+        Turn { fragment: star.center, to, out: vec![0.0; rays], into: vec![0.0; rays], death }
+    };
+    let mut turns: Vec<Turn> = stars.iter().map(turn).collect();
+    for (_, edge, odds) in scaled.possible(forests) {
+        let [child, parent] = [edge.child, edge.parent].map(|fragment| place[fragment]);
+        let turn = &mut turns[child.min(parent)];
+        let ray = turn.to.partition_point(|to| *to < child.max(parent));
+        *(if child < parent { &mut turn.out[ray] } else { &mut turn.into[ray] }) += odds;
+    }
+    for at in 0..turns.len() {
+        eliminate(&mut turns, at);
+    }
+    let mut rooted = vec![0.0; turns.len()];
+    for turn in turns.iter().rev() {
+        let later = turn.to.iter().zip(&turn.out).map(|(to, odds)| odds * rooted[turns[*to].fragment]);
+        rooted[turn.fragment] = (turn.death[0] + later.sum::<f64>()).min(1.0);
+    }
+    rooted
+}
+
+/// Makes the odds of a fragment probabilities, and of each step to it the steps that lead on.
+fn eliminate(turns: &mut [Turn], at: usize) {
+    let (done, later) = turns.split_at_mut(at + 1);
+    let turn = &mut done[at];
+    let sum = turn.death.iter().sum::<f64>() + turn.out.iter().sum::<f64>();
+    turn.out.iter_mut().chain(&mut turn.death).for_each(|odds| *odds /= sum);
+    for (i, to) in turn.to.iter().enumerate() {
+        let target = &mut later[to - at - 1];
+        for (death, here) in target.death.iter_mut().zip(turn.death) {
+            *death += turn.into[i] * here;
+        }
+        // All later neighbours are neighbours of this one; both lists are in order.
+        let mut ray = 0;
+        for j in i + 1..turn.to.len() {
+            while target.to[ray] < turn.to[j] {
+                ray += 1;
+            }
+            target.out[ray] += turn.into[i] * turn.out[j];
+            target.into[ray] += turn.into[j] * turn.out[i];
+        }
     }
 }

@@ -12,17 +12,11 @@
 
 pub mod absorbing_walk;
 pub(crate) mod arborescence;
-pub mod clique_messages;
 pub mod clique_tree;
-pub mod escape_probability;
-pub(crate) mod log_likelihood;
 pub(crate) mod marginals;
-mod rooted;
 
 pub use arborescence::arborescence;
-pub use log_likelihood::log_likelihood;
-pub use marginals::{MOST_PAIRS, Marginals, is_tangle, marginals};
-pub use rooted::rooted_in;
+pub use marginals::{MOST_PAIRS, Marginals, is_tangle, log_likelihood, marginals, rooted_in};
 
 use crate::error::{Error, Result};
 

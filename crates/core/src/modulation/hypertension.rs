@@ -1,10 +1,9 @@
 //! Hypertension: the distribution of the hypertension force over vessels and instances, and the share above a threshold of risk (Moriconi et
 //! al. 2019).
 
-use super::run::Modulation;
+use super::Modulation;
 use crate::support::gamma::{Gamma, GammaFit};
-use crate::support::statistics::quantile;
-use crate::support::ties::exceeds;
+use crate::support::{quantile, ties::exceeds};
 
 /// The bins of equal width in a histogram.
 pub const BINS: usize = 50;

@@ -2,11 +2,7 @@
 //! within classes of growing size (Moriconi et al. 2019).
 
 pub mod hypertension;
-mod instances;
-mod options;
 mod run;
 
 pub use hypertension::{BINS, Hypertension, HypertensionByClass};
-pub use instances::{Instances, hypertension_force};
-pub use options::{Class, ModulationOptions, Reading};
-pub use run::{Modulation, modulate};
+pub use run::{Class, Instances, Modulation, ModulationOptions, Reading, hypertension_force, modulate};

@@ -1,7 +1,7 @@
 //! The columns of tables of what is measured, in the units in which files have it: vessels.csv, bifurcations.csv, ends.csv and subjects.csv.
 
 use super::{MeasuredBifurcation, MeasuredEnd, MeasuredVessel, NetworkFigures, VesselTotals};
-use crate::network::units::millimetres;
+use crate::network::millimetres;
 
 /// A column: its name, and the figure of a row; what is not finite leaves its cell empty.
 pub type MeasuredColumn<T> = (&'static str, fn(&T) -> f64);

@@ -4,12 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
-use super::bifurcations::MeasuredBifurcation;
-use super::orders::InletWays;
-use super::shape::cones;
-use super::vessel_lines::VesselLine;
-use crate::support::geometry::{Point, bounds, distance, lerp};
-use crate::support::statistics::median;
+use super::{MeasuredBifurcation, VesselLine, orders::InletWays, vessel_lines::cones};
+use crate::support::{Point, bounds, distance, lerp, median};
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
 const HALVINGS: [i32; 5] = [2, 3, 4, 5, 6];

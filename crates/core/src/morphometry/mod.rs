@@ -3,22 +3,18 @@
 //! Nodes at which only two vessels meet divide nothing: the pieces are one vessel, unless their labels differ. So a figure does not
 //! depend on how a file divides its lines.
 
-mod bifurcations;
 pub mod columns;
 mod figures;
 mod orders;
-mod shape;
 mod vessel_lines;
 
-pub use bifurcations::MeasuredBifurcation;
 pub use figures::{MeasureContext, NetworkFigures, Region, VesselTotals};
-pub use shape::{SMOOTHING, Smoothing, VesselShape};
-pub use vessel_lines::VesselLine;
+pub use orders::MeasuredBifurcation;
+pub use vessel_lines::{SMOOTHING, Smoothing, VesselLine, VesselShape};
 
 use crate::network::{Network, Role};
-use bifurcations::bifurcations;
 use figures::figures_of;
-use orders::{InletWays, Orders};
+use orders::{InletWays, bifurcations, generations, strahler};
 
 /// A vessel between two junctions or ends.
 #[derive(Debug, Clone)]
@@ -75,7 +71,7 @@ impl Morphometry {
         let ways = InletWays::of(network, role);
         let (bifurcations, territory) = (bifurcations(network, &ways), ways.territories(around.territory));
         let figures = figures_of(&ways, &bifurcations, &territory, around.region);
-        let orders = Orders::of(network, &ways);
+        let ((generation, probability), [strahler, diameter_strahler]) = (generations(network, &ways), strahler(&ways));
         let InletWays { lines, degree, from_inlet, .. } = ways;
         let mut ends: Vec<MeasuredEnd> = Vec::new();
         for (vessel, line) in lines.iter().enumerate() {
@@ -87,11 +83,11 @@ impl Morphometry {
         let measured = |(row, line): (usize, VesselLine)| MeasuredVessel {
             shape: VesselShape::of(&line, smoothing),
             degree: line.ends.map(|node| degree[node]),
-            generation: orders.generation[row],
-            strahler: orders.strahler[row],
-            diameter_strahler: orders.diameter_strahler[row],
+            generation: generation[row],
+            strahler: strahler[row],
+            diameter_strahler: diameter_strahler[row],
             from_inlet: from_inlet[line.ends[0]],
-            probability: orders.probability[row],
+            probability: probability[row],
             territory: territory[row],
             line,
         };

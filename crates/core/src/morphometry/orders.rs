@@ -1,9 +1,9 @@
-//! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter.
+//! Which way vessels lead from the inlets, and their orders: generation, Strahler's, and Strahler's by diameter. Bifurcations: angles,
+//! asymmetry, and Murray's exponent.
 
-use super::vessel_lines::{VesselLine, vessel_lines};
-use crate::network::paths::{ShortestPaths, lengths_at};
-use crate::network::{Network, Role, Vessel};
-use crate::support::numbered::counted;
+use super::{VesselLine, vessel_lines::vessel_lines};
+use crate::network::{Network, Role, ShortestPaths, Vessel, lengths_at};
+use crate::support::{Point, counted, cross, dot, grouped, norm_squared, sub, unit};
 
 /// So often orders by diameter are found again at most.
 const MOST_PASSES: usize = 100;
@@ -69,48 +69,22 @@ impl InletWays {
         }
         marks
     }
-
-    /// The lines that a line leads to.
-    fn children(&self, row: usize) -> &[usize] {
-        let end = self.lines[row].ends[1];
-        if self.arrives_by[end] == Some(row) { &self.leaving[end] } else { &[] }
-    }
-
-    /// The lines that ways take, the farthest first.
-    fn back(&self) -> impl Iterator<Item = usize> {
-        self.reached.iter().rev().flat_map(|node| self.leaving[*node].iter().copied())
-    }
 }
 
-/// What follows from the ways; by line, none where no inlet leads.
-pub struct Orders {
-    /// How many bifurcations lie before it.
-    pub generation: Vec<Option<usize>>,
-    /// Strahler's order.
-    pub strahler: Vec<Option<usize>>,
-    /// The same by diameter.
-    pub diameter_strahler: Vec<Option<usize>>,
-    /// The product of the probabilities of all connections on the way to its end.
-    pub probability: Vec<f64>,
-}
-
-impl Orders {
-    /// The orders of lines by the ways to them.
-    pub fn of(network: &Network, ways: &InletWays) -> Self {
-        let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
-        let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
-        for node in &ways.reached {
-            let before = ways.arrives_by[*node];
-            let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
-            for row in &ways.leaving[*node] {
-                generation[*row] = Some(here);
-                probability[*row] *= before.map_or(1.0, |row| probability[row]);
-            }
+/// By line how many bifurcations lie before it, none where no inlet leads, and the product of the probabilities of all connections on the
+/// way to its end.
+pub fn generations(network: &Network, ways: &InletWays) -> (Vec<Option<usize>>, Vec<f64>) {
+    let mut generation: Vec<Option<usize>> = vec![None; ways.lines.len()];
+    let mut probability: Vec<f64> = ways.lines.iter().map(|line| probability_within(network, line)).collect();
+    for node in &ways.reached {
+        let before = ways.arrives_by[*node];
+        let here = before.map_or(0, |row| generation[row].unwrap_or(0) + usize::from(ways.degree[*node] > 2));
+        for row in &ways.leaving[*node] {
+            generation[*row] = Some(here);
+            probability[*row] *= before.map_or(1.0, |row| probability[row]);
         }
-        let strahler = raised(ways, |_, _| true);
-        let diameter_strahler = by_diameter(ways, &strahler);
-        Self { generation, strahler, diameter_strahler, probability }
     }
+    (generation, probability)
 }
 
 /// The product of the probabilities of the connections within a line.
@@ -123,8 +97,11 @@ fn probability_within(network: &Network, line: &VesselLine) -> f64 {
 /// `rises` says so of the line and that order.
 fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<usize>> {
     let mut order: Vec<Option<usize>> = vec![None; ways.lines.len()];
-    for row in ways.back() {
-        let of: Vec<usize> = ways.children(row).iter().filter_map(|child| order[*child]).collect();
+    // The farthest first.
+    for row in ways.reached.iter().rev().flat_map(|node| ways.leaving[*node].iter().copied()) {
+        let end = ways.lines[row].ends[1];
+        let children = ways.leaving[end].iter().filter(|_| ways.arrives_by[end] == Some(row));
+        let of: Vec<usize> = children.filter_map(|child| order[*child]).collect();
         let most = of.iter().copied().max();
         order[row] = Some(most.map_or(1, |most| {
             let several = of.iter().filter(|order| **order == most).count() > 1;
@@ -134,11 +111,14 @@ fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<
     order
 }
 
-/// Orders that rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
+/// By line Strahler's order, and the same by diameter; none where no inlet leads.
+///
+/// By diameter orders rise only where the vessel is wider than its children by more than chance: than halfway from the mean and one standard
 /// deviation of their order to the mean less one of the next (Jiang, Kassab and Fung 1994, doi:10.1152/jappl.1994.76.2.882).
-fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize>> {
+pub fn strahler(ways: &InletWays) -> [Vec<Option<usize>>; 2] {
+    let strahler = raised(ways, |_, _| true);
     let radius: Vec<f64> = ways.lines.iter().map(VesselLine::radius).collect();
-    let mut order = strahler.to_vec();
+    let mut order = strahler.clone();
     for _ in 0..MOST_PASSES {
         let spread = |of: usize| {
             let values: Vec<f64> = order.iter().zip(&radius).filter(|(order, _)| **order == Some(of)).map(|(_, r)| *r).collect();
@@ -159,5 +139,113 @@ fn by_diameter(ways: &InletWays, strahler: &[Option<usize>]) -> Vec<Option<usize
         }
         order = again;
     }
-    order
+    [strahler, order]
+}
+
+/// The direction and the width of a vessel are those between so many and so many radii of the widest vessel there.
+const STRETCH: [f64; 2] = [2.0, 6.0];
+/// Murray's exponent is looked for up to here.
+const MOST_EXPONENT: f64 = 1e3;
+
+/// A node where three or more vessels meet. Figures are missing where nobody knows them: directions without positions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredBifurcation {
+    /// The row of its node.
+    pub node: usize,
+    /// How many vessel ends meet.
+    pub degree: usize,
+    /// The vessel by which blood comes from the nearest inlet; without an inlet the widest.
+    pub parent: usize,
+    /// The other vessels, the widest first.
+    pub children: Vec<usize>,
+    /// Of the parent and the two widest children, m.
+    pub radii: [f64; 3],
+    /// Between the two widest children, rad.
+    pub angle: f64,
+    /// From the direction of the parent to that of each of them, rad; zero goes straight on.
+    pub bends: [f64; 2],
+    /// The narrower of the two by the wider.
+    pub asymmetry: f64,
+    /// The sum of the children's cross-sections over the parent's.
+    pub area_ratio: f64,
+    /// k in r^k = Σ r_child^k; none where a child is as wide as the parent, since no k fulfils it then.
+    pub murray: Option<f64>,
+    /// Between the direction of the parent and the plane of the two children, rad; zero is flat.
+    pub elevation: f64,
+}
+
+/// A vessel end at a bifurcation.
+struct Leg {
+    line: usize,
+    radius: f64,
+    direction: Option<Point>,
+}
+
+/// The bifurcations of a network, by node.
+pub fn bifurcations(network: &Network, ways: &InletWays) -> Vec<MeasuredBifurcation> {
+    let lines = &ways.lines;
+    let ends = lines.iter().enumerate().flat_map(|(row, line)| [(line.ends[0], (row, false)), (line.ends[1], (row, true))]);
+    let ends = grouped(network.node_count(), ends);
+    let measured = |node: usize| {
+        let widest = ends[node].iter().map(|(line, _)| lines[*line].radius()).fold(0.0, f64::max);
+        let position = network.node(node).position;
+        let legs = ends[node].iter().map(|(line, last)| leg(&lines[*line], *line, *last, widest, position)).collect();
+        bifurcation(node, legs, ways.arrives_by[node])
+    };
+    (0..network.node_count()).filter(|node| ways.degree[*node] > 2).map(measured).collect()
+}
+
+fn bifurcation(node: usize, mut legs: Vec<Leg>, arrives_by: Option<usize>) -> MeasuredBifurcation {
+    let degree = legs.len();
+    legs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
+    let first = arrives_by.and_then(|row| legs.iter().position(|leg| leg.line == row)).unwrap_or(0);
+    let parent = legs.remove(first);
+    let ratios: Vec<f64> = legs.iter().map(|leg| leg.radius / parent.radius).collect();
+    let angle = |a: Option<Point>, b: Option<Point>| a.zip(b).map_or(f64::NAN, |(a, b)| dot(a, b).clamp(-1.0, 1.0).acos());
+    let onwards = parent.direction.map(|d| d.map(|x| -x));
+    let flat = legs[0].direction.zip(legs[1].direction).map(|(a, b)| cross(a, b)).filter(|n| norm_squared(*n) > 1e-12);
+    MeasuredBifurcation {
+        node,
+        degree,
+        parent: parent.line,
+        radii: [parent.radius, legs[0].radius, legs[1].radius],
+        angle: angle(legs[0].direction, legs[1].direction),
+        bends: [0, 1].map(|child| angle(onwards, legs[child].direction)),
+        asymmetry: legs[1].radius / legs[0].radius,
+        area_ratio: ratios.iter().map(|ratio| ratio * ratio).sum(),
+        murray: murray(&ratios),
+        elevation: flat.zip(onwards).map_or(f64::NAN, |(n, d)| dot(unit(n), d).abs().min(1.0).asin()),
+        children: legs.into_iter().map(|leg| leg.line).collect(),
+    }
+}
+
+fn leg(line: &VesselLine, row: usize, last: bool, widest: f64, position: Option<Point>) -> Leg {
+    let [near, far] = STRETCH.map(|radii| (radii * widest).min(line.length));
+    // A short vessel has the direction and the width of all of it.
+    let near = if far - near > 0.25 * (STRETCH[1] - STRETCH[0]) * widest { near } else { 0.0 };
+    let radius = if last { line.radius_between(line.length - far, line.length - near) } else { line.radius_between(near, far) };
+    let from = if near > 0.0 { line.place(near, last) } else { position };
+    let direction = from.zip(line.place(far, last)).map(|(a, b)| sub(b, a)).filter(|d| norm_squared(*d) > 0.0).map(unit);
+    Leg { line: row, radius, direction }
+}
+
+/// The k > 0 at which the k-th powers of the ratios add up to 1, by bisection. Their sum falls with k if every ratio is below 1, from more than
+/// 1 to 0, so there is just one; else there is none.
+fn murray(ratios: &[f64]) -> Option<f64> {
+    if ratios.iter().any(|ratio| !(*ratio > 0.0 && *ratio < 1.0)) {
+        return None;
+    }
+    let sum = |k: f64| ratios.iter().map(|ratio| ratio.powf(k)).sum::<f64>();
+    let [mut low, mut high] = [0.0, MOST_EXPONENT];
+    if sum(high) > 1.0 {
+        return None;
+    }
+    while high - low > 1e-12 * high {
+        let middle = f64::midpoint(low, high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if sum(middle) > 1.0 { low = middle } else { high = middle }
+    }
+    Some(high)
 }

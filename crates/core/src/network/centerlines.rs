@@ -1,9 +1,17 @@
-//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel.
+//! Centerlines as read from a file: points with radii, linked into polylines, before anything is a vessel. Coincident points of different
+//! polylines are merged.
+//!
+//! Centerlines are contracted to vessels: maximal runs of points between points whose degree is not two. The root of a tracing is where its
+//! blood comes from, if it is the widest end of one tree that gets narrower from there.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
-use super::frame::Frame;
-use crate::support::geometry::Point;
+use petgraph::unionfind::UnionFind;
+
+use super::walks::{Walk, edges_at, other_end, runs_by_node, vessels_at};
+use super::{Frame, Network, Node, Origin, PathPoint, Vessel, path_places::length_of};
+use crate::error::Fault;
+use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, distance};
 
 /// Points with radii and the links between consecutive ones. Lengths in m.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -97,4 +105,378 @@ impl Labels {
             Some(row) => &self.names[*row as usize - 1],
         }
     }
+}
+
+/// Points of different polylines coincide within this fraction of the diagonal of the bounding box.
+pub const WELD_TOLERANCE: f64 = 1e-6;
+
+impl Centerlines {
+    /// Merges coincident points: those of different polylines, the two ends of a closed polyline's only
+    /// link run, and linked points without a distance between them. Returns how many points were removed.
+    ///
+    /// `tolerance` is a fraction of the diagonal of the bounding box, as [`WELD_TOLERANCE`].
+    pub fn weld(&mut self, tolerance: f64) -> usize {
+        let n = self.points.len();
+        let reach = tolerance * box_diagonal(self.points.iter().copied());
+        let degree = counted(n, self.links.iter().flatten().map(|end| *end as usize));
+        let mut places = DistinctPositions::of(&self.points, &self.strand);
+        places.unite_crowds(reach);
+        // Besides the points, two elements for each place: one for the free ends there, which are always merged, and one for
+        // its other points, once they are merged.
+        let [ends, others] = [0, 1].map(|which| move |place: usize| n + 2 * place + which);
+        let mut same = UnionFind::<usize>::new(n + 2 * places.at.len());
+        let mut is_one = vec![false; places.at.len()];
+        let mut has_end = vec![false; places.at.len()];
+        for (point, place) in places.of.iter().enumerate().filter(|(point, _)| degree[*point] == 1) {
+            has_end[*place] = true;
+            same.union(point, ends(*place));
+        }
+        for link in &self.links {
+            let (a, b) = (link[0] as usize, link[1] as usize);
+            if distance(self.points[a], self.points[b]) <= reach {
+                same.union(a, b);
+            }
+        }
+        let mut meet = |a: usize, b: usize| {
+            if places.strand[a].is_none() || places.strand[a] != places.strand[b] {
+                (is_one[a], is_one[b]) = (true, true);
+                for element in [others(a), ends(b), others(b)] {
+                    same.union(ends(a), element);
+                }
+            } else if has_end[a] && has_end[b] {
+                same.union(ends(a), ends(b));
+            }
+        };
+        (0..places.at.len()).filter(|place| places.strand[*place].is_none()).for_each(|place| meet(place, place));
+        pairs_within(&places.at, reach, &mut meet);
+        for (point, place) in places.of.iter().enumerate().filter(|(_, place)| is_one[**place]) {
+            same.union(point, others(*place));
+        }
+        let mut class = same.into_labeling();
+        class.truncate(n);
+        self.merge(&class)
+    }
+
+    /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
+    /// double.
+    fn merge(&mut self, class: &[usize]) -> usize {
+        let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
+        let mut new_index = vec![0_u32; class.len()];
+        let mut kept = Vec::new();
+        for (point, label) in class.iter().enumerate() {
+            new_index[point] = *first_of[*label].get_or_insert_with(|| {
+                kept.push(point);
+                kept.len() as u32 - 1
+            });
+            let first = kept[new_index[point] as usize];
+            // The widest, whatever the order of the points.
+            let (standing, other) = (self.radii[first], self.radii[point]);
+            if is_radius(other) && (!is_radius(standing) || other > standing) {
+                self.radii[first] = other;
+            }
+        }
+        let gone = class.len() - kept.len();
+        self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
+        let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
+        self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
+        let mut seen = std::collections::HashSet::new();
+        let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
+        for (row, link) in links.into_iter().enumerate() {
+            let [a, b] = link.map(|p| new_index[p as usize]);
+            if a != b && seen.insert([a.min(b), a.max(b)]) {
+                self.add_link([a, b], labels.of(row));
+            }
+        }
+        self.points = kept.iter().map(|p| self.points[*p]).collect();
+        self.radii = kept.iter().map(|p| self.radii[*p]).collect();
+        self.ids = kept.iter().map(|p| self.ids[*p]).collect();
+        self.strand = kept.iter().map(|p| self.strand[*p]).collect();
+        gone
+    }
+}
+
+/// The distinct positions of points; any number of points may share one.
+struct DistinctPositions {
+    at: Vec<Point>,
+    /// The strand of the points there; none if they belong to several.
+    strand: Vec<Option<u32>>,
+    /// The place of each point.
+    of: Vec<usize>,
+}
+
+impl DistinctPositions {
+    fn of(points: &[Point], strands: &[u32]) -> Self {
+        let mut places = Self { at: Vec::new(), strand: Vec::new(), of: Vec::with_capacity(points.len()) };
+        let mut number_of = HashMap::with_capacity(points.len());
+        for (point, strand) in points.iter().zip(strands) {
+            // The sum makes one zero of both.
+            let place = *number_of.entry(point.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
+                places.at.push(*point);
+                places.strand.push(Some(*strand));
+                places.at.len() - 1
+            });
+            if places.strand[place] != Some(*strand) {
+                places.strand[place] = None;
+            }
+            places.of.push(place);
+        }
+        places
+    }
+
+    /// Merges places that crowd in a cube of half the reach, where each is within reach of all others. Without
+    /// that, one distant coordinate makes the reach so wide that every two points are a pair.
+    fn unite_crowds(&mut self, reach: f64) {
+        const CROWD: usize = 16;
+        if self.at.len() <= CROWD || reach <= 0.0 {
+            return;
+        }
+        let cell = |p: &Point| p.map(|x| (x / (0.5 * reach)).floor() as i64);
+        let mut in_cell: HashMap<[i64; 3], usize> = HashMap::with_capacity(self.at.len());
+        self.at.iter().for_each(|p| *in_cell.entry(cell(p)).or_default() += 1);
+        in_cell.retain(|_, places| *places > CROWD);
+        if in_cell.is_empty() {
+            return;
+        }
+        let mut first_in: HashMap<[i64; 3], usize> = HashMap::new();
+        let (mut at, mut strand) = (Vec::new(), Vec::new());
+        let number: Vec<usize> = (0..self.at.len())
+            .map(|place| {
+                let p = self.at[place];
+                let crowd = in_cell.contains_key(&cell(&p));
+                let new = if crowd { *first_in.entry(cell(&p)).or_insert(at.len()) } else { at.len() };
+                if new == at.len() {
+                    at.push(p);
+                    strand.push(if crowd { None } else { self.strand[place] });
+                }
+                new
+            })
+            .collect();
+        self.of.iter_mut().for_each(|place| *place = number[*place]);
+        (self.at, self.strand) = (at, strand);
+    }
+}
+
+/// Calls `meet` for all pairs (a < b) of points at most `reach` apart.
+///
+/// A grid of cells several times as wide is searched: few points lie so close to a side that the next cell matters too.
+pub fn pairs_within(points: &[Point], reach: f64, meet: &mut impl FnMut(usize, usize)) {
+    const WIDTH: f64 = 8.0;
+    const NONE: u32 = u32::MAX;
+    // A little more than the reach, for coordinates that are rounded.
+    let margin = 1.125 * reach;
+    let cell = |x: f64| if reach > 0.0 { (x / (WIDTH * reach)).floor() as i64 } else { (x + 0.0).to_bits() as i64 };
+    let mut last_in: HashMap<[i64; 3], u32> = HashMap::with_capacity(points.len());
+    let mut before = vec![NONE; points.len()];
+    for (b, p) in points.iter().enumerate() {
+        let (low, high) = (p.map(|x| cell(x - margin)), p.map(|x| cell(x + margin)));
+        for corner in 0..8 {
+            let side = |axis: usize| corner >> axis & 1 == 1;
+            if (0..3).any(|axis| side(axis) && low[axis] == high[axis]) {
+                continue;
+            }
+            let mut at =
+                last_in.get(&[0, 1, 2].map(|axis| if side(axis) { high[axis] } else { low[axis] })).copied().unwrap_or(NONE);
+            while at != NONE {
+                if distance(points[at as usize], *p) <= reach {
+                    meet(at as usize, b);
+                }
+                at = before[at as usize];
+            }
+        }
+        before[b] = last_in.insert(p.map(cell), b as u32).unwrap_or(NONE);
+    }
+}
+
+/// Which single radius a vessel gets from the radii along it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RadiusRule {
+    /// The mean over arc length, r = (1/l) ∫ r dz (Moriconi et al. 2019, eq. 1), by the trapezoid rule.
+    #[default]
+    Mean,
+    /// (l / ∫ dz/r⁴)^¼: keeps the series resistance of a tapering vessel, exactly for radii linear between points.
+    Effective,
+}
+
+/// A network made of centerlines, and what had to be repaired.
+#[derive(Debug, Clone, Default)]
+pub struct Contraction {
+    /// The network; every vessel is observed.
+    pub network: Network,
+    /// Points whose radius was missing, zero or not finite and was interpolated.
+    pub repaired_radii: usize,
+    /// Vessels that had no radius at all and took the default.
+    pub default_radii: usize,
+    /// Vessels whose links have different labels.
+    pub mixed_labels: usize,
+}
+
+impl RadiusRule {
+    /// The word on the command line and in files.
+    pub fn name(self) -> &'static str {
+        ["mean", "effective"][self as usize]
+    }
+
+    /// The single radius (m) of a vessel with these points.
+    pub fn radius(self, path: &[PathPoint]) -> f64 {
+        let (mut length, mut sum) = (0.0, 0.0);
+        for pair in path.windows(2) {
+            let (p, q, dz) = (pair[0].radius, pair[1].radius, distance(pair[0].position, pair[1].position));
+            length += dz;
+            sum += dz * if self == Self::Mean { 0.5 * (p + q) } else { (p * p + p * q + q * q) / (3.0 * (p * q).powi(3)) };
+        }
+        match self {
+            _ if length <= 0.0 => path.first().map_or(0.0, |p| p.radius),
+            Self::Mean => sum / length,
+            Self::Effective => (length / sum).powf(0.25),
+        }
+    }
+}
+
+impl Vessel {
+    /// An observed vessel along a centerline.
+    pub fn along(path: Vec<PathPoint>, rule: RadiusRule) -> Self {
+        let (length, radius) = (length_of(&path), rule.radius(&path));
+        Self { path, ..Self::new(length, radius, Origin::Observed) }
+    }
+}
+
+/// Contracts centerlines to a network of observed vessels.
+///
+/// Nodes are the points of degree other than two, in point order, and the first point of every pure ring. Missing
+/// radii are interpolated linearly over arc length along their vessel. A vessel has the label of its longest part.
+///
+/// # Errors
+///
+/// A vessel without any valid radius when `default_radius` (m) is `None`, or without length.
+pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f64>) -> Result<Contraction, Fault> {
+    let ends = |link: usize| lines.links[link].map(|point| point as usize);
+    let at = edges_at(lines.points.len(), (0..lines.links.len()).map(|link| (link, ends(link))));
+    let mut is_node: Vec<bool> = at.iter().map(|links| links.len() != 2).collect();
+    let runs = runs_by_node(&at, ends);
+    for run in &runs {
+        is_node[run.nodes[0]] = true;
+    }
+    let mut out = Contraction::default();
+    out.network.frame = lines.frame;
+    let mut row_of = vec![usize::MAX; lines.points.len()];
+    for point in (0..lines.points.len()).filter(|p| is_node[*p]) {
+        row_of[point] = out.network.add_node(Node {
+            id: lines.ids[point].to_string(),
+            position: Some(lines.points[point]),
+            radius: Some(lines.radii[point]).filter(|r| is_radius(*r)),
+            at_border: lines.at_border.contains(&lines.ids[point]),
+            is_source: lines.sources.contains(&lines.ids[point]),
+            ..Node::default()
+        });
+    }
+    for (id, point) in &lines.merged {
+        if let Some(row) = row_of.get(*point as usize).filter(|row| **row != usize::MAX) {
+            let node = out.network.node_mut(*row);
+            node.also.push(id.to_string());
+            node.is_source |= lines.sources.contains(id);
+        }
+    }
+    let mut interpolated = vec![false; lines.points.len()];
+    for run in runs {
+        let (points, ends) = (&run.nodes, run.ends().map(|point| row_of[point]));
+        let name = || format!("vessel from point {} to point {}", lines.ids[points[0]], lines.ids[points[points.len() - 1]]);
+        let radii = if let Some(radii) = radii_along(points, lines) {
+            points.iter().filter(|point| !is_radius(lines.radii[**point])).for_each(|point| interpolated[*point] = true);
+            radii
+        } else {
+            out.default_radii += 1;
+            let found = format!("no valid radius on any of its {} points", points.len());
+            let accepted = "expected a positive radius, or give `default_radius`";
+            vec![default_radius.ok_or_else(|| Fault::item(name(), found, accepted))?; points.len()]
+        };
+        let path = points.iter().zip(&radii);
+        let path = path.map(|(p, r)| PathPoint { position: lines.points[*p], radius: *r, id: Some(lines.ids[*p]) }).collect();
+        let (label, mixed) = label(lines, &run);
+        out.mixed_labels += usize::from(mixed);
+        let vessel = Vessel { label, ..Vessel::along(path, rule) };
+        if vessel.length <= 0.0 {
+            return Err(Fault::item(name(), "length 0", "expected points at different positions"));
+        }
+        for (end, radius) in [(ends[0], radii[0]), (ends[1], radii[radii.len() - 1])] {
+            out.network.node_mut(end).radius.get_or_insert(radius);
+        }
+        out.network.add_vessel(ends, vessel);
+    }
+    let is_root = |point: &usize| is_node[*point] && lines.root == Some(lines.ids[*point]);
+    if let Some(root) = (0..lines.points.len()).find(is_root).map(|point| row_of[point]) {
+        out.network.node_mut(root).is_source |= falls_from(&out.network, root);
+    }
+    out.repaired_radii = interpolated.iter().filter(|point| **point).count();
+    Ok(out)
+}
+
+/// The label of the longest part of a run, and whether there are others.
+fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
+    let mut lengths: Vec<(&str, f64)> = Vec::new();
+    for (ends, link) in run.nodes.windows(2).zip(&run.edges) {
+        let (name, length) = (lines.labels.of(*link), distance(lines.points[ends[0]], lines.points[ends[1]]));
+        match lengths.iter_mut().find(|(known, _)| *known == name) {
+            Some((_, sum)) => *sum += length,
+            None => lengths.push((name, length)),
+        }
+    }
+    let longest = lengths.iter().fold(("", -1.0), |best, this| if this.1 > best.1 { *this } else { best });
+    (longest.0.to_owned(), lengths.len() > 1)
+}
+
+/// The radii along some points: missing ones linear over arc length between valid neighbours, level beyond the outermost; `None`
+/// when there is no valid one.
+fn radii_along(points: &[usize], lines: &Centerlines) -> Option<Vec<f64>> {
+    let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
+    let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
+    let (first, last) = (*valid.first()?, *valid.last()?);
+    let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
+    let (head, tail) = (radii[first], radii[last]);
+    radii[..first].fill(head);
+    radii[last..].fill(tail);
+    for pair in valid.windows(2) {
+        let (a, b) = (pair[0], pair[1]);
+        let (ra, rb, span) = (radii[a], radii[b], arc[b] - arc[a]);
+        for i in a + 1..b {
+            let share = if span > 0.0 { (arc[i] - arc[a]) / span } else { 0.5 };
+            radii[i] = ra + share * (rb - ra);
+        }
+    }
+    Some(radii)
+}
+
+/// The other free ends have at most this share of the radius of the root.
+const MOST_WIDTH: f64 = 0.95;
+/// No vessel is wider than this many times the narrowest one between it and the root. In a circle of arteries one comes from a carotid by
+/// narrow vessels to the next carotid.
+const MOST_RISE: f64 = 1.2;
+
+/// Whether the network is one tree, `root` a free end of it and the widest of all, and vessels get narrower from there.
+fn falls_from(network: &Network, root: usize) -> bool {
+    if network.vessel_count() + 1 != network.node_count() {
+        return false;
+    }
+    let vessels_at = vessels_at(network, |_| true);
+    let [first] = vessels_at[root][..] else { return false };
+    let end_radius = |row: usize, node: usize| network.vessel(row).end_radius(network.ends(row)[1] == node);
+    let most = MOST_WIDTH * end_radius(first, root);
+    // The nodes reached, each with the vessel that leads to it and the narrowest radius up to there.
+    let (mut open, mut reached) = (vec![(root, first, f64::INFINITY)], 1);
+    while let Some((node, from, narrowest)) = open.pop() {
+        for row in vessels_at[node].iter().copied().filter(|row| node == root || *row != from) {
+            let (next, vessel) = (other_end(network, row, node), network.vessel(row));
+            let is_end = vessels_at[next].len() == 1;
+            // A ring leads back; it leaves other nodes unreached.
+            if next == node || vessel.radius > MOST_RISE * narrowest || (is_end && end_radius(row, next) > most) {
+                return false;
+            }
+            reached += 1;
+            if reached > network.node_count() {
+                return false;
+            }
+            open.push((next, row, narrowest.min(vessel.radius)));
+        }
+    }
+    reached == network.node_count()
 }

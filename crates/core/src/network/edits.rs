@@ -1,17 +1,18 @@
-//! Edits made on a graph.
+//! What a person changes of a graph by places in mm: two places joined, vessels that meet parted, a vessel deleted; and these edits made on
+//! a graph.
 //!
 //! Rows stay: a vessel that is divided keeps the part at its first node, the other part and all that is new come last, and what is deleted
 //! is a candidate with P = 0 from then on.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
 
-use super::edit::{Edit, MmPoint, text_of};
+use serde::{Deserialize, Serialize};
+
 use super::path_places::length_of;
-use super::paths::{ShortestPaths, lengths_at};
-use super::units::millimetres;
-use super::{Evidence, Network, Node, Origin, PathPoint, Vessel};
+use super::{Evidence, Frame, LengthsAt, Network, Node, Origin, PathPoint, ShortestPaths, Vessel, lengths_at, millimetres};
 use crate::error::in_few_digits;
-use crate::support::geometry::{Point, distance, dot, lerp, norm_squared, sub};
+use crate::support::{Point, distance, dot, lerp, norm_squared, sub};
 
 /// A place further from every vessel, and outside its lumen, means none, m.
 const REACH: f64 = 0.002;
@@ -33,7 +34,7 @@ type NearestVessel = (usize, (usize, f64));
 
 /// A graph that is being edited.
 pub struct GraphEditor {
-    graph: Network,
+    frame: Frame,
     nodes: Vec<Node>,
     vessels: Vec<([usize; 2], Vessel)>,
     ids: BTreeSet<String>,
@@ -56,24 +57,17 @@ struct GroupPart {
 impl GraphEditor {
     /// The editor of a graph.
     pub fn new(graph: Network) -> Self {
-        let frame = graph.frame;
         let has_evidence = graph.vessels().any(|(_, vessel)| vessel.evidence.is_some());
+        let ids = graph.nodes().map(|node| node.id.clone()).collect();
+        let frame = graph.frame;
         let (nodes, vessels) = graph.into_parts();
-        let (nodes, vessels): (Vec<Node>, Vec<_>) = (nodes.collect(), vessels.collect());
-        let ids = nodes.iter().map(|node| node.id.clone()).collect();
-        let graph = Network { frame, ..Network::default() };
-        Self { graph, nodes, vessels, ids, has_evidence, joined: Vec::new(), divided: Vec::new() }
+        let (nodes, vessels) = (nodes.collect(), vessels.collect());
+        Self { frame, nodes, vessels, ids, has_evidence, joined: Vec::new(), divided: Vec::new() }
     }
 
     /// The graph as it is now.
-    pub fn finish(mut self) -> Network {
-        for node in self.nodes {
-            self.graph.add_node(node);
-        }
-        for (ends, vessel) in self.vessels {
-            self.graph.add_vessel(ends, vessel);
-        }
-        self.graph
+    pub fn finish(self) -> Network {
+        Network::of(self.frame, self.nodes, self.vessels)
     }
 
     /// Makes an edit.
@@ -303,7 +297,7 @@ impl GraphEditor {
     }
 
     /// The edges at a node, of the vessels that `counts` admits.
-    fn edges(&self, counts: impl Fn(usize) -> bool) -> Vec<Vec<(usize, usize, f64)>> {
+    fn edges(&self, counts: impl Fn(usize) -> bool) -> LengthsAt {
         let counted = self.vessels.iter().enumerate().filter(|(row, _)| counts(*row));
         lengths_at(self.nodes.len(), counted.map(|(row, (ends, vessel))| (row, *ends, vessel.length)))
     }
@@ -354,13 +348,7 @@ impl GraphEditor {
     /// The shortest ways that join the nodes of a group, each to the nearest node of those before it, no further off than twice the ball
     /// around all places, and through places of other groups only where there is no other. Where there is none but by a [`DETOUR`], a
     /// straight vessel. A vessel counts `factor` times its length.
-    fn tree(
-        &self,
-        own: &[usize],
-        places: &BTreeSet<usize>,
-        edges: &[Vec<(usize, usize, f64)>],
-        factor: impl Fn(usize) -> f64,
-    ) -> GroupPart {
+    fn tree(&self, own: &[usize], places: &BTreeSet<usize>, edges: &LengthsAt, factor: impl Fn(usize) -> f64) -> GroupPart {
         let (centre, ball) = self.ball(places);
         let mut tree = GroupPart { nodes: BTreeSet::from([own[0]]), ..GroupPart::default() };
         let mut paths = ShortestPaths::new(self.nodes.len());
@@ -393,21 +381,15 @@ impl GraphEditor {
     }
 
     /// Deletes what joins two groups within the ball around the places, and between the places of each: of a way a contact, or else the
-    /// vessel nearest to the centre.
-    fn cut(
-        &mut self,
-        trees: &[GroupPart],
-        group_of: &BTreeMap<usize, usize>,
-        places: &BTreeSet<usize>,
-        beyond: &BTreeSet<usize>,
-    ) {
+    /// vessel nearest to the centre. At the `outer` nodes vessels may meet.
+    fn cut(&mut self, trees: &[GroupPart], group_of: &BTreeMap<usize, usize>, places: &BTreeSet<usize>, outer: &BTreeSet<usize>) {
         let (centre, ball) = self.ball(places);
         let inside = |node: usize| distance(centre, self.at(node)) <= ball;
         let is_core = |row: usize| trees.iter().any(|tree| tree.vessels.contains(&row));
         let within = |(ends, vessel): &([usize; 2], Vessel)| vessel.prior > 0.0 && ends.iter().all(|node| inside(*node));
         let mut open: BTreeSet<usize> =
             (0..self.vessels.len()).filter(|row| !is_core(*row) && within(&self.vessels[*row])).collect();
-        let group_at = |node: usize| group_of.get(&node).filter(|_| !beyond.contains(&node));
+        let group_at = |node: usize| group_of.get(&node).filter(|_| !outer.contains(&node));
         let between = |ends: &[usize; 2]| matches!(ends.map(group_at), [Some(a), Some(b)] if a != b);
         for row in open.iter().copied().filter(|row| between(&self.vessels[*row].0)).collect::<Vec<usize>>() {
             open.remove(&row);
@@ -420,7 +402,7 @@ impl GraphEditor {
             loop {
                 let edges = self.edges(|row| open.contains(&row));
                 let mut other = None;
-                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| !beyond.contains(to));
+                let next = |node: usize| edges[node].iter().copied().filter(|(_, to, _)| !outer.contains(to));
                 paths.search(&own, f64::INFINITY, next, |_, node| {
                     other = group_at(node).filter(|of| **of != group).map(|_| node);
                     other.is_none()
@@ -476,4 +458,99 @@ fn onto(at: Point, from: Point, to: Point) -> (f64, f64) {
     let square = norm_squared(along);
     let share = if square > 0.0 { (dot(along, sub(at, from)) / square).clamp(0.0, 1.0) } else { 0.0 };
     (share, distance(at, lerp(from, to, share)))
+}
+
+/// A place in mm, not m.
+type MmPoint = [f64; 3];
+
+/// A change of a graph, by places in mm; as text `join 1 2 3 + 4 5 6`, `part 1 2 3 + 4 5 6 | 7 8 9 + 10 11 12`, `delete 1 2 3`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "String", into = "String")]
+pub enum Edit {
+    /// A vessel goes from the first place to the last, straight or by the places between.
+    Join(Vec<MmPoint>),
+    /// The vessels at the places of a group go together, and those of different groups do not meet within the ball around all places, but
+    /// beyond them. What two groups share is doubled, what joins them and is of none is deleted, candidates too, and where no vessel leads
+    /// from a place to the others of its group, a straight one does. Groups of one place cut a vessel off; those that have a place in
+    /// common meet there.
+    Part(Vec<Vec<MmPoint>>),
+    /// The vessel at the place is none.
+    Delete(MmPoint),
+}
+
+impl Edit {
+    /// The words of the edits.
+    pub const WORDS: [&'static str; 3] = ["join", "part", "delete"];
+
+    /// An edit by its word and its places: `+` between places, `|` between groups.
+    ///
+    /// # Errors
+    ///
+    /// Another word, or other places than it takes: what is expected.
+    pub fn parse(word: &str, places: &str) -> Result<Self, &'static str> {
+        const POINT: &str = "expected places of three finite numbers of mm, with + between places and | between groups";
+        // The sign of a power of ten separates nothing: 1.5e+01.
+        let places = places.replace("e+", "e").replace("E+", "E");
+        let group = |text: &str| text.split('+').map(place).collect::<Option<Vec<MmPoint>>>();
+        let groups: Vec<Vec<MmPoint>> = places.split('|').map(group).collect::<Option<_>>().ok_or(POINT)?;
+        match (word, &groups[..]) {
+            ("join", [way]) if way.len() > 1 => Ok(Self::Join(way.clone())),
+            ("join", _) => Err("expected two places to join, or those of the way between too"),
+            ("delete", [one]) if one.len() == 1 => Ok(Self::Delete(one[0])),
+            ("delete", _) => Err("expected one place on the vessel to delete"),
+            ("part", [_, _, ..]) => Ok(Self::Part(groups)),
+            ("part", _) => Err("expected two or more groups of places, with | between them"),
+            _ => Err("expected join, part or delete"),
+        }
+    }
+
+    /// Its word.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Join(_) => "join",
+            Self::Part(_) => "part",
+            Self::Delete(_) => "delete",
+        }
+    }
+
+    /// Its places as text.
+    pub fn places(&self) -> String {
+        match self {
+            Self::Join(way) => text_of(way),
+            Self::Part(groups) => groups.iter().map(|group| text_of(group)).collect::<Vec<String>>().join(" | "),
+            Self::Delete(place) => text_of(&[*place]),
+        }
+    }
+}
+
+/// Three finite numbers.
+fn place(text: &str) -> Option<MmPoint> {
+    let numbers: Vec<f64> =
+        text.split_whitespace().map(|word| word.parse().ok().filter(|x: &f64| x.is_finite())).collect::<Option<_>>()?;
+    numbers.try_into().ok()
+}
+
+fn text_of(places: &[MmPoint]) -> String {
+    places.iter().map(|place| place.map(|x| in_few_digits(x.to_string())).join(" ")).collect::<Vec<String>>().join(" + ")
+}
+
+impl fmt::Display for Edit {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.word(), self.places())
+    }
+}
+
+impl From<Edit> for String {
+    fn from(edit: Edit) -> Self {
+        edit.to_string()
+    }
+}
+
+impl TryFrom<String> for Edit {
+    type Error = &'static str;
+
+    fn try_from(text: String) -> Result<Self, Self::Error> {
+        let (word, places) = text.split_once(' ').unwrap_or((&text, ""));
+        Self::parse(word, places)
+    }
 }

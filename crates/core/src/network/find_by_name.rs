@@ -1,10 +1,8 @@
 //! Finds a node by its id, its label or a position, and vessels by their label or row.
 
-use super::Network;
-use super::node::Node;
-use super::units::{metres, millimetres};
-use crate::support::geometry::{Point, distance};
+use super::{Network, Node, metres, millimetres};
 use crate::support::suggestions::{did_you_mean, nearest};
+use crate::support::{Point, distance};
 
 /// A position finds no node that is further away, m.
 pub const REACH: f64 = 0.02;

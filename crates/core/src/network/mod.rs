@@ -1,49 +1,33 @@
 //! The vascular network: junctions and free ends as nodes, vessels as edges, observed or candidate.
 
 pub mod centerlines;
-pub mod coincident_points;
-pub mod dependents;
-pub mod edit;
 pub mod edits;
 pub mod find_by_name;
-mod frame;
-mod merged_vessels;
-mod node;
 pub mod path_places;
 pub mod paths;
 pub mod quantity;
-mod tapering_root;
 pub mod units;
 mod vessel;
-mod vessels_from_centerlines;
 pub mod walks;
 pub mod waveform;
 
-pub use centerlines::{Centerlines, Labels, is_radius};
-pub use coincident_points::WELD_TOLERANCE;
-pub use dependents::{dependents, if_parted, weakest_of_loops};
-pub use edit::Edit;
-pub use edits::GraphEditor;
+pub use centerlines::{Centerlines, Labels, RadiusRule, WELD_TOLERANCE, contract, is_radius};
+pub use edits::{Edit, GraphEditor};
 pub use find_by_name::{FoundBy, NearestNode, REACH, locate, nearest_node, parse_position, vessels_called};
-pub use frame::Frame;
-pub use merged_vessels::{Merged, merge};
-pub use node::{Condition, INLET_PRESSURE, Node, Role, Windkessel};
-pub use units::{LengthUnit, Scale, metres, millimetres};
-pub use vessel::{END_ODDS, Evidence, MOST_ODDS, Origin, PathPoint, Vessel, Wall};
-pub use vessels_from_centerlines::{RadiusRule, contract};
+pub use paths::{LengthsAt, ShortestPaths, dependents, if_parted, lengths_at, weakest_of_loops};
+pub use units::{Frame, LengthUnit, Scale, metres, millimetres};
+pub use vessel::{
+    Condition, END_ODDS, Evidence, INLET_PRESSURE, MOST_ODDS, Node, Origin, PathPoint, Role, Vessel, Wall, Windkessel,
+};
+pub use walks::{Merged, merge};
 
-use std::borrow::Cow;
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 
 use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use crate::support::arc_lengths::in_direction;
-use crate::support::geometry::{Point, lerp};
-use crate::support::numbered::{counted, marked};
-use crate::support::ties::steady;
+use crate::support::{Point, arc_lengths::in_direction, counted, lerp, marked, ties::steady};
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed. A copy, or a part, shares those that it does not
 /// change.
@@ -58,6 +42,18 @@ impl Network {
     /// An empty network.
     pub fn new() -> Self {
         Self::default()
+    }
+
+    /// A network of some nodes, and of vessels between the rows of two of them.
+    pub fn of(frame: Frame, nodes: Vec<Node>, vessels: Vec<([usize; 2], Vessel)>) -> Self {
+        let mut network = Self { frame, ..Self::default() };
+        for node in nodes {
+            network.add_node(node);
+        }
+        for (ends, vessel) in vessels {
+            network.add_vessel(ends, vessel);
+        }
+        network
     }
 
     /// The middle point of the path of a vessel, or the middle between its two nodes where no point lies between them, m.
@@ -311,26 +307,17 @@ struct NetworkRows<N, V> {
 
 impl Serialize for Network {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let (nodes, vessels) = (self.nodes().collect(), self.vessels().collect());
-        let rows: NetworkRows<&Node, &Vessel> =
-            NetworkRows { frame: Some(self.frame).filter(|frame| frame.is_known()), nodes, vessels };
-        rows.serialize(serializer)
+        let (frame, nodes) = (Some(self.frame).filter(|frame| frame.is_known()), self.nodes().collect());
+        NetworkRows::<&Node, &Vessel> { frame, nodes, vessels: self.vessels().collect() }.serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Network {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let rows: NetworkRows<Node, Vessel> = NetworkRows::deserialize(deserializer)?;
-        let mut network = Self { frame: rows.frame.unwrap_or_default(), ..Self::default() };
-        for node in rows.nodes {
-            network.add_node(node);
+        if let Some(([a, b], _)) = rows.vessels.iter().find(|([a, b], _)| *a.max(b) >= rows.nodes.len()) {
+            return Err(D::Error::custom(format!("a vessel between nodes {a} and {b}, which do not both exist")));
         }
-        for ([a, b], vessel) in rows.vessels {
-            if a.max(b) >= network.node_count() {
-                return Err(D::Error::custom(format!("a vessel between nodes {a} and {b}, which do not both exist")));
-            }
-            network.add_vessel([a, b], vessel);
-        }
-        Ok(network)
+        Ok(Self::of(rows.frame.unwrap_or_default(), rows.nodes, rows.vessels))
     }
 }

@@ -1,8 +1,7 @@
 //! Places along a path, between its points too, and paths at even steps.
 
 use super::PathPoint;
-use crate::support::arc_lengths::arc_lengths;
-use crate::support::geometry::distance;
+use crate::support::{arc_lengths::arc_lengths, distance};
 
 /// A place on a path: a share of the way from one of its points to the next.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]

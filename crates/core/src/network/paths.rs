@@ -1,13 +1,20 @@
-//! Shortest paths: Dijkstra's algorithm, in memory that is used again.
+//! Shortest paths: Dijkstra's algorithm, in memory that is used again. And what hangs on a vessel of a network, and which one of a loop is the
+//! weakest.
 
 use std::cmp::Reverse;
-use std::collections::BinaryHeap;
+use std::collections::{BinaryHeap, VecDeque};
 
-use super::walks::Walk;
-use crate::support::numbered::grouped;
+use petgraph::unionfind::UnionFind;
 
-/// The edges at each of so many nodes, as a search takes them: number, node at the other end, length (m). They are given with their two nodes.
-pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> Vec<Vec<(usize, usize, f64)>> {
+use super::Network;
+use super::walks::{Walk, other_end, vessels_at};
+use crate::support::grouped;
+
+/// The edges at each node, as a search takes them: number, node at the other end, length (m).
+pub type LengthsAt = Vec<Vec<(usize, usize, f64)>>;
+
+/// The edges at each of so many nodes. They are given with their two nodes.
+pub fn lengths_at(nodes: usize, edges: impl Iterator<Item = (usize, [usize; 2], f64)>) -> LengthsAt {
     grouped(nodes, edges.flat_map(|(edge, [a, b], length)| [(a, (edge, b, length)), (b, (edge, a, length))]))
 }
 
@@ -101,4 +108,122 @@ impl ShortestPaths {
         edges.reverse();
         Walk { nodes, edges }
     }
+}
+
+/// Per vessel the length of vessels that hangs on it, m: of the vessels `kept` the shorter side if it were cut, 0 where that cuts
+/// nothing off; of others the shorter of the two parts that it would join, 0 where they are one.
+///
+/// In O(m α): a spanning forest, whose edges are bridges unless another vessel passes them by (Tarjan 1974, by union-find).
+pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
+    let nodes = network.node_count();
+    let at = vessels_at(network, |row| kept[row]);
+    // By node the vessel up to its parent, how deep it lies, and the root of its part; nodes in breadth-first order.
+    let (mut up, mut depth, mut root) = (vec![usize::MAX; nodes], vec![0_usize; nodes], vec![usize::MAX; nodes]);
+    let mut order = Vec::with_capacity(nodes);
+    for start in 0..nodes {
+        if root[start] != usize::MAX {
+            continue;
+        }
+        root[start] = start;
+        let mut next = VecDeque::from([start]);
+        while let Some(node) = next.pop_front() {
+            order.push(node);
+            for row in &at[node] {
+                let other = other_end(network, *row, node);
+                if root[other] == usize::MAX {
+                    (root[other], up[other], depth[other]) = (start, *row, depth[node] + 1);
+                    next.push_back(other);
+                }
+            }
+        }
+    }
+    let parent = |node: usize| other_end(network, up[node], node);
+    // The length below each node, and of each part. What closes a loop takes the way round it off the bridges.
+    let (mut below, mut is_bridge) = (vec![0.0; nodes], vec![true; nodes]);
+    let mut climbed = UnionFind::<usize>::new(nodes);
+    let mut top: Vec<usize> = (0..nodes).collect();
+    for (row, ([a, b], vessel)) in network.vessels().enumerate().filter(|(row, _)| kept[*row]) {
+        if up[a] == row || up[b] == row {
+            continue;
+        }
+        below[a] += vessel.length;
+        let (mut a, mut b) = (top[climbed.find(a)], top[climbed.find(b)]);
+        while a != b {
+            let deeper = if depth[a] >= depth[b] { &mut a } else { &mut b };
+            is_bridge[*deeper] = false;
+            let to = top[climbed.find(parent(*deeper))];
+            climbed.union(*deeper, to);
+            top[climbed.find(to)] = to;
+            *deeper = to;
+        }
+    }
+    for node in order.iter().rev().filter(|node| up[**node] != usize::MAX) {
+        below[parent(*node)] += below[*node] + network.vessel(up[*node]).length;
+    }
+    let mut found = vec![0.0; network.vessel_count()];
+    for node in (0..nodes).filter(|node| up[*node] != usize::MAX && is_bridge[*node]) {
+        let rest = below[root[node]] - below[node] - network.vessel(up[node]).length;
+        found[up[node]] = below[node].min(rest);
+    }
+    for (row, ([a, b], _)) in network.vessels().enumerate().filter(|(row, _)| !kept[*row]) {
+        if root[a] != root[b] {
+            found[row] = below[root[a]].min(below[root[b]]);
+        }
+    }
+    found
+}
+
+/// Of each independent loop of the vessels `kept` the least probable one that is not given, with the length of the way round it, m: what a spanning forest
+/// of the most probable vessels leaves over (Kruskal's algorithm).
+pub fn weakest_of_loops(network: &Network, kept: &[bool]) -> Vec<(usize, f64)> {
+    let chance = |row: usize| network.vessel(row).evidence().map_or(1.0, |evidence| evidence.probability);
+    let mut rows: Vec<usize> = (0..network.vessel_count()).filter(|row| kept[*row]).collect();
+    rows.sort_by(|a, b| chance(*b).total_cmp(&chance(*a)).then(a.cmp(b)));
+    let mut at: Vec<Vec<(usize, usize, f64)>> = vec![Vec::new(); network.node_count()];
+    let mut forest = UnionFind::<usize>::new(network.node_count());
+    let mut paths = ShortestPaths::new(network.node_count());
+    let mut found = Vec::new();
+    for row in rows {
+        let ([a, b], length) = (network.ends(row), network.vessel(row).length);
+        if !forest.union(a, b) && chance(row) < 1.0 {
+            paths.search(&[a], f64::INFINITY, |node| at[node].iter().copied(), |_, node| node != b);
+            found.push((row, paths.lengths()[b]));
+        }
+        at[a].push((row, b, length));
+        at[b].push((row, a, length));
+    }
+    found
+}
+
+/// What depends on whether vessels that meet at a place are one: were they taken apart in blocks, the shorter side that this sets apart or, where a block
+/// stays connected by another way, the way round, m; the longest of the blocks. `ends` are the vessels, each with its node there and its block.
+pub fn if_parted(network: &Network, kept: &[bool], ends: &[(usize, usize, usize)]) -> f64 {
+    let nodes = network.node_count();
+    let blocks = ends.iter().map(|(.., block)| block + 1).max().unwrap_or_default();
+    let is_here = |node: usize| ends.iter().any(|(_, at, _)| *at == node);
+    let block_of =
+        |row: usize, node: usize| ends.iter().find(|(of, at, _)| (*of, *at) == (row, node)).map(|(.., block)| nodes + block);
+    // A node for each block, in place of those where the vessels meet.
+    let edges = network.vessels().enumerate().filter(|(row, _)| kept[*row]).filter_map(|(row, (pair, vessel))| {
+        let [a, b] = pair.map(|node| if is_here(node) { block_of(row, node) } else { Some(node) });
+        Some((row, [a?, b?], vessel.length))
+    });
+    let at = lengths_at(nodes + blocks, edges);
+    let next = |node: usize| at[node].iter().copied();
+    let mut paths = ShortestPaths::new(nodes + blocks);
+    let mut whole = 0.0;
+    let mut sides = Vec::with_capacity(blocks);
+    for block in nodes..nodes + blocks {
+        let mut side = 0.0;
+        paths.search(&[block], f64::INFINITY, next, |_, node| {
+            side += at[node].iter().map(|(.., length)| 0.5 * length).sum::<f64>();
+            true
+        });
+        let lengths = &paths.lengths()[nodes..];
+        let round = (0..blocks).filter(|other| nodes + other != block).map(|other| lengths[other]).fold(f64::INFINITY, f64::min);
+        // Each part counts once, for its first block.
+        whole += if lengths[..block - nodes].iter().all(|length| length.is_infinite()) { side } else { 0.0 };
+        sides.push((side, round));
+    }
+    sides.into_iter().map(|(side, round)| if round.is_finite() { round } else { side.min(whole - side) }).fold(0.0, f64::max)
 }

@@ -1,8 +1,8 @@
 //! Reads quantities with a unit, such as `12mm`, `100 mmHg` or `3.5cP`; a bare number has the customary unit.
 
+use super::metres;
 use super::units::{
-    cubic_metres_per_pascal, cubic_metres_per_second, megapascals, metres, pascal_seconds, pascal_seconds_per_cubic_metre,
-    pascals,
+    cubic_metres_per_pascal, cubic_metres_per_second, megapascals, pascal_seconds, pascal_seconds_per_cubic_metre, pascals,
 };
 use crate::support::suggestions::did_you_mean;
 

@@ -2,6 +2,13 @@
 //!
 //! Each pair multiplies in one direction and divides in the other, so that a number written and read again gives the same SI
 //! value to the last bit.
+//!
+//! And which way the axes of coordinates point in the patient, as far as a file says so.
+
+use serde::{Deserialize, Serialize};
+
+use crate::error::{Error, Result};
+use crate::support::Point;
 
 /// Pascal in one millimetre of mercury, exactly as conventionally defined.
 pub const PASCAL_PER_MMHG: f64 = 133.322_387_415;
@@ -151,23 +158,12 @@ impl LengthUnit {
 
     /// The unit's usual abbreviation.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Self::Millimetre => "mm",
-            Self::Micrometre => "um",
-            Self::Centimetre => "cm",
-            Self::Metre => "m",
-            Self::Voxel => "voxel",
-        }
+        ["mm", "um", "cm", "m", "voxel"][self as usize]
     }
 
     /// Its length, mm; of a voxel 1.
     pub fn mm(self) -> f64 {
-        match self {
-            Self::Millimetre | Self::Voxel => 1.0,
-            Self::Micrometre => 1e-3,
-            Self::Centimetre => 10.0,
-            Self::Metre => 1e3,
-        }
+        [1.0, 1e-3, 10.0, 1e3, 1.0][self as usize]
     }
 }
 
@@ -177,8 +173,7 @@ impl Scale {
     /// # Errors
     ///
     /// Names the option, its value and what is accepted.
-    pub fn validate(&self) -> crate::error::Result<()> {
-        use crate::error::Error;
+    pub fn validate(&self) -> Result<()> {
         let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
@@ -204,11 +199,9 @@ impl Scale {
     /// # Errors
     ///
     /// Names the option and what it goes with.
-    pub fn check_coordinates(&self) -> crate::error::Result<()> {
-        match (self.unit, self.spacing) {
-            (LengthUnit::Voxel, _) | (_, None) => Ok(()),
-            (_, Some(spacing)) => Err(crate::error::Error::parameter("spacing", words(spacing), self.needs_voxels())),
-        }
+    pub fn check_coordinates(&self) -> Result<()> {
+        let Some(spacing) = self.spacing.filter(|_| self.unit != LengthUnit::Voxel) else { return Ok(()) };
+        Err(Error::parameter("spacing", words(spacing), self.needs_voxels()))
     }
 
     /// mm along each axis for one unit of the file.
@@ -229,5 +222,57 @@ impl Scale {
     pub fn length(&self, x: f64) -> f64 {
         let s = self.axes();
         metres(x * s[0].min(s[1]).min(s[2]))
+    }
+}
+
+/// The anatomical frame of coordinates.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub enum Frame {
+    /// The input states none.
+    #[default]
+    Unknown,
+    /// x to the patient's right, y anterior, z superior: NIfTI, and masks in general.
+    Ras,
+    /// x to the patient's left, y posterior, z superior: DICOM, ITK, the files of 3D Slicer.
+    Lps,
+}
+
+impl Frame {
+    /// The word for it; `None` where it is unknown.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Self::Unknown => None,
+            Self::Ras => Some("RAS"),
+            Self::Lps => Some("LPS"),
+        }
+    }
+
+    /// The frame that a word of a file means; unknown for any other word.
+    pub fn of_word(word: &str) -> Self {
+        match word.trim() {
+            "RAS" => Self::Ras,
+            "LPS" => Self::Lps,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// The frame that a header of text states as `SPACE=RAS` or `SPACE=LPS`, as 3D Slicer writes it.
+    pub fn of_header(text: &str) -> Self {
+        text.split_once("SPACE=").map_or(Self::Unknown, |(_, word)| Self::of_word(word.get(..3).unwrap_or_default()))
+    }
+
+    /// Whether it is known.
+    pub fn is_known(self) -> bool {
+        self != Self::Unknown
+    }
+
+    /// A position of this frame in another one; as it is where one of the two is not known.
+    pub fn turn(self, to: Self, at: Point) -> Point {
+        if self == to || !self.is_known() || !to.is_known() {
+            return at;
+        }
+        // No negative zero.
+        [0.0 - at[0], 0.0 - at[1], at[2]]
     }
 }

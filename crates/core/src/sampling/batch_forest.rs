@@ -7,7 +7,7 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::coins::Coins;
+use super::Coins;
 use crate::support::elimination::Elimination;
 use crate::support::simd::{Lanes, Simd, zip};
 

@@ -1,7 +1,6 @@
 //! Which solver, forest algorithm and group width a run uses, and why.
 
-use super::batch_forest::ForestProgram;
-use super::options::Solver;
+use super::{ForestProgram, Solver};
 use crate::error::{Error, Result};
 use crate::flow::{BatchSolver, Circuit};
 

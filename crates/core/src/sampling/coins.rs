@@ -1,11 +1,13 @@
-//! What decides between vessels of equal resilience: the keys by which forests sort vessels, with a coin for those that tie.
+//! What decides between vessels of equal resilience: the keys by which forests sort vessels, with a coin for those that tie. And a block of
+//! samples that are taken together, with one figure for each of them: how many vessels are open, whether blood flows, sums.
 
 #![expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
+#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use rand::Rng;
 
-use super::per_sample::PerSample;
-use crate::support::random::{self, stream};
+use crate::support::random;
+use crate::support::random::{BLOCK, stream};
 use crate::support::simd::{Lanes, Scalar, Simd};
 
 /// The bits of a double that are left out when ρ is rounded.
@@ -122,4 +124,68 @@ impl Coins {
 /// A figure from 1 to 2.
 fn figure(random: u64) -> f64 {
     f64::from_bits(1.0_f64.to_bits() | random >> 12)
+}
+
+/// Sums are kept in so many lanes, whatever the width of a group: no bit depends on the width.
+pub const SUM_LANES: usize = 8;
+/// One figure for each sample of a block.
+pub type PerSample = Lanes<{ BLOCK as usize }>;
+
+/// The sum of `values` over the samples, each times its probability where there is one.
+pub fn expectation(values: &PerSample, probability: Option<&[f64; BLOCK as usize]>) -> f64 {
+    let mut lanes = [0.0; SUM_LANES];
+    for (sample, value) in values.iter().enumerate() {
+        lanes[sample % SUM_LANES] += value * probability.map_or(1.0, |p| p[sample]);
+    }
+    pairwise(&lanes)
+}
+
+/// One of each sample with a `global` resilience above zero: blood flows in it.
+pub fn perfused(global: &PerSample) -> PerSample {
+    let mut flows = PerSample::ZERO;
+    for (flows, global) in flows.iter_mut().zip(global.iter()) {
+        *flows = if *global > 0.0 { 1.0 } else { 0.0 };
+    }
+    flows
+}
+
+/// The next figures of a group or block.
+#[inline(always)]
+pub fn part<const N: usize>(values: &[f64], first: usize) -> Lanes<N> {
+    let mut out = Lanes::ZERO;
+    out.copy_from_slice(&values[first..first + N]);
+    out
+}
+
+/// The sum of the lanes, pairwise.
+pub fn pairwise(lanes: &[f64; SUM_LANES]) -> f64 {
+    let [a, b, c, d, e, f, g, h] = lanes;
+    ((a + e) + (c + g)) + ((b + f) + (d + h))
+}
+
+/// The number of words in which the bit of each sample is set.
+#[inline(always)]
+pub fn open_vessels(masks: &[u64]) -> PerSample {
+    let mut open = PerSample::ZERO;
+    // One shift for all words at a time, which any processor does for several of them at once.
+    for (sample, open) in open.iter_mut().enumerate() {
+        *open = masks.iter().map(|mask| mask >> sample & 1).sum::<u64>() as f64;
+    }
+    open
+}
+
+/// Samples that are taken together.
+#[derive(Debug)]
+pub struct Block<'a> {
+    /// Per vessel the samples in which it is open, then per terminal of the circuit those in which it holds; no bit beyond `samples`. May be
+    /// overwritten.
+    pub masks: &'a mut [u64],
+    /// What each sample counts, for an enumeration; one without.
+    pub probability: Option<&'a [f64; BLOCK as usize]>,
+    /// What decides between vessels of equal resilience in a sample that is drawn.
+    pub coins: &'a Coins,
+    /// The figures of the samples for that.
+    pub coin: &'a PerSample,
+    /// How many samples, at most 64.
+    pub samples: usize,
 }

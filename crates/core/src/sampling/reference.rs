@@ -12,26 +12,17 @@
 
 use std::cmp::Reverse;
 
-use faer::linalg::solvers::Solve;
 use faer::sparse::{SparseColMat, Triplet};
-use faer::{Col, Side};
-use petgraph::algo::min_spanning_tree;
-use petgraph::data::Element;
-use petgraph::graph::UnGraph;
+use faer::{Col, Side, linalg::solvers::Solve};
+use petgraph::{algo::min_spanning_tree, data::Element, graph::UnGraph};
 
-use super::block::Block;
-use super::choose_solver::Method;
-use super::expected_forest::{ExpectedForest, ForestEdge};
-use super::likelihood::Sums;
-use super::options::Weight;
+use super::forest::{ExpectedForest, ForestEdge};
 use super::ties::{Ties, TiesWorkspace};
+use super::{Method, Sums, Weight, coins::Block};
 use crate::error::{Error, Result};
-use crate::flow::Circuit;
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::flow::drops::{Drops, DropsWorkspace};
-use crate::flow::floating_components::{grounded, stranded};
-use crate::flow::residual::Check;
-use crate::flow::resilience::{MOST_RESILIENCE, is_diffused, resilience};
+use crate::flow::{Circuit, MOST_RESILIENCE, grounded, is_diffused, pressures::Check, resilience, stranded};
 use crate::network::Network;
 
 /// Conductances further apart than this leave a factorisation without a right digit behind the weakest.
@@ -81,8 +72,7 @@ impl Reference {
             let probability = block.probability.map_or(1.0, |p| p[sample]);
             sums.network_resilience += probability * global;
             sums.perfused += if global > 0.0 { probability } else { 0.0 };
-            let mut add =
-                |vessel: usize, probability: f64| sums.add(vessel, self.weight.of(resilience[vessel], global), probability);
+            let mut add = |vessel: usize, times: f64| sums.add(vessel, self.weight.of(resilience[vessel], global), times);
             if block.probability.is_some() {
                 let mut diffused = diffused(&circuit.ends, &resilience);
                 let add = |vessel: usize, share: f64| add(vessel, probability * share);
@@ -95,8 +85,7 @@ impl Reference {
             }
             if sample == 0 {
                 let stranded = stranded(&circuit, block.masks, 1);
-                let residual =
-                    Check::default().residual(&circuit, circuit.if_open(block.masks), &stranded, |node| pressure[node]);
+                let residual = Check::default().residual(&circuit, circuit.if_open(block.masks), &stranded, |n| pressure[n]);
                 sums.residual = residual.relative;
             }
         }
@@ -107,8 +96,7 @@ impl Reference {
     /// radii tie exactly.
     fn resiliences(&self, open: impl Fn(usize) -> bool, pressure: &[f64]) -> Vec<f64> {
         let Circuit { ends, conductance, level, .. } = &self.circuit;
-        let of_drop =
-            |vessel: usize, drop: f64| resilience(drop, conductance[vessel] * drop, self.volume[vessel]).min(MOST_RESILIENCE);
+        let of_drop = |row: usize, drop: f64| resilience(drop, conductance[row] * drop, self.volume[row]).min(MOST_RESILIENCE);
         let of_vessel = |vessel: usize| {
             let [a, b] = ends[vessel].map(|node| pressure[node]);
             let flows = open(vessel) && is_diffused(a - b, a + level, b + level);

@@ -1,4 +1,7 @@
 //! The sampling run: worker threads compute fixed blocks of samples, which are summed over the dyadic tree of block indices.
+//!
+//! It finds block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its
+//! first block; only an enumeration of equal vessels does.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -6,16 +9,13 @@ use std::time::{Duration, Instant};
 
 use rayon::prelude::*;
 
-use super::choose_solver::Method;
-use super::coins::MAX_VESSELS;
-use super::dyadic_sums::DyadicSums;
-use super::likelihood::{Likelihood, Sums};
-use super::options::SamplingOptions;
-use super::partial_run::PartialRun;
-use super::sampler::Sampler;
+use super::choose_solver::{FULL_GRAPH_LANES, REDUCED_GRAPH_LANES};
+use super::coins::{Block, MAX_VESSELS};
+use super::{Coins, DyadicSums, Likelihood, Method, PartialRun, SamplingOptions, Solver, Sums, options::Patterns};
+use super::{reference::Reference, sampled_graph::SampledGraph};
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::network::Network;
+use crate::flow::{Boundary, Circuit, Tube};
+use crate::{network::Network, support::random::BLOCK};
 
 /// The fewest samples of a run until stable.
 pub const FIRST_STABLE: u64 = 1 << 10;
@@ -65,7 +65,9 @@ pub fn infer(
 /// A run that is prepared, and can be stopped and resumed.
 #[derive(Debug)]
 pub struct Sampling {
-    sampler: Sampler,
+    patterns: Patterns,
+    coins: Coins,
+    plan: SamplingPlan,
     uncertain: Vec<bool>,
     samples: u64,
     /// In an enumeration, the number of samples that L is scaled to.
@@ -77,21 +79,50 @@ impl Sampling {
     ///
     /// # Errors
     ///
-    /// A parameter or vessel out of its range.
+    /// A parameter or vessel out of its range, such as one whose conductance or resilience no double can hold; a mesh beyond what indices
+    /// can count.
     pub fn new(network: &Network, boundary: &Boundary, params: &SamplingOptions) -> Result<Self> {
         params.validate()?;
         if network.vessel_count() >= MAX_VESSELS {
             return Err(Error::parameter("vessels", network.vessel_count(), format!("expected fewer than {MAX_VESSELS}")));
         }
-        let sampler = Sampler::new(network, boundary, params)?;
-        let samples = sampler.samples(params.samples);
-        let uncertain = params.uncertain.vessels(network);
-        Ok(Self { sampler, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
+        let keep = params.keep_probabilities(network);
+        let certain: Vec<bool> = keep.iter().map(|p| *p >= 1.0).collect();
+        let provisional = params.provisional(network, boundary);
+        let circuit = Circuit::with(network, boundary, &provisional, &Tube::at_rest(network, params.viscosity))?;
+        // What is asked for, or what is predicted to be the fastest.
+        let plan = if params.solver == Solver::Reference {
+            SamplingPlan::Reference(Box::new(Reference::new(network, circuit, params.weight)))
+        } else {
+            let full = SampledGraph::full(network, &circuit, &certain, params)?;
+            let reduced = || SampledGraph::reduced(network, &circuit, &certain, params);
+            SamplingPlan::Graph(Box::new(full.map_or_else(reduced, Ok)?))
+        };
+        let (patterns, coins) = (Patterns::new(network, &provisional, params)?, Coins::new(network.vessel_count(), params.seed));
+        let (samples, uncertain) = (patterns.samples(params.samples), params.uncertain.vessels(network));
+        Ok(Self { patterns, coins, plan, uncertain, samples, scaled_to: params.exact.then_some(params.samples) })
     }
 
     /// How the samples are computed.
     pub fn method(&self) -> Method {
-        self.sampler.method()
+        match &self.plan {
+            SamplingPlan::Graph(graph) => graph.method(),
+            SamplingPlan::Reference(reference) => reference.method(),
+        }
+    }
+
+    /// A worker.
+    pub fn workspace(&self) -> SamplingWorkspace<'_> {
+        SamplingWorkspace {
+            sampling: self,
+            masks: Vec::new(),
+            probability: [0.0; BLOCK as usize],
+            sums_of: match &self.plan {
+                SamplingPlan::Graph(graph) if graph.is_reduced => side_by_side::<REDUCED_GRAPH_LANES>(graph),
+                SamplingPlan::Graph(graph) => side_by_side::<FULL_GRAPH_LANES>(graph),
+                SamplingPlan::Reference(reference) => Box::new(|block, sums| reference.block(&block, sums)),
+            },
+        }
     }
 
     /// Samples of the whole run.
@@ -130,7 +161,7 @@ impl Sampling {
             while !stop.load(Ordering::Relaxed) {
                 let Some(unit) = locked(&units).next() else { break };
                 // One that finds nothing to do has no need of any.
-                let work = memory.get_or_insert_with(|| self.sampler.workspace());
+                let work = memory.get_or_insert_with(|| self.workspace());
                 let (mut sum, mut fresh, mut reported) = (DyadicSums::default(), 0, Instant::now());
                 for block in unit {
                     let mut sums = spare.pop().unwrap_or_else(|| Sums::zero(self.uncertain.len()));
@@ -207,4 +238,50 @@ struct SharedRun<'a, P: ?Sized> {
 /// The content of a lock. A panic elsewhere leaves it usable: it only holds sums and counts.
 fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Replaces sums by those of a block, in memory of its own.
+type SumsOfBlock<'a> = Box<dyn FnMut(Block<'_>, &mut Sums) -> Result<()> + 'a>;
+
+/// One worker and its memory.
+pub struct SamplingWorkspace<'a> {
+    sampling: &'a Sampling,
+    masks: Vec<u64>,
+    probability: [f64; BLOCK as usize],
+    sums_of: SumsOfBlock<'a>,
+}
+
+/// A graph made ready for the way in which its samples are computed.
+#[derive(Debug)]
+enum SamplingPlan {
+    /// Vessel by vessel, or reduced first to what samples can change.
+    Graph(Box<SampledGraph>),
+    /// By the book.
+    Reference(Box<Reference>),
+}
+
+impl SamplingWorkspace<'_> {
+    /// Replaces `sums` by those of the first `samples` (at most 64) samples of a block.
+    ///
+    /// # Errors
+    ///
+    /// The solver breaks down.
+    pub fn block(&mut self, block: u64, samples: u64, sums: &mut Sums) -> Result<()> {
+        let Sampling { patterns, coins, .. } = self.sampling;
+        let samples = samples.min(BLOCK);
+        let probability = patterns.fill(block, &mut self.masks, &mut self.probability).then_some(&self.probability);
+        let valid = u64::MAX >> (BLOCK - samples);
+        for mask in &mut self.masks {
+            *mask &= valid;
+        }
+        let coin = &coins.of_block(block);
+        let block = Block { masks: &mut self.masks, probability, coins, coin, samples: samples as usize };
+        (self.sums_of)(block, sums)
+    }
+}
+
+/// A worker that computes so many samples side by side.
+fn side_by_side<const B: usize>(graph: &SampledGraph) -> SumsOfBlock<'_> {
+    let mut work = graph.workspace::<B>();
+    Box::new(move |block, sums| graph.block(block, &mut work, sums))
 }

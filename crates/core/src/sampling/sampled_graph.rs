@@ -6,26 +6,16 @@
 
 use std::ops::Range;
 
-use super::batch_forest::{ForestProgram, IN_FOREST, InForest, wider};
-use super::block::Block;
-use super::choose_solver::Method;
-use super::coins::Coins;
-use super::expected_forest::{ExpectedForest, ForestEdge};
-use super::forest::Kruskal;
-use super::likelihood::Sums;
-use super::options::Weight;
-use super::per_sample::{PerSample, SUM_LANES, expectation, open_vessels, pairwise, part, perfused};
+use super::coins::{Block, PerSample, SUM_LANES, expectation, open_vessels, pairwise, part, perfused};
+use super::forest::{ExpectedForest, ForestEdge};
 use super::ties::{Ties, TiesWorkspace};
+use super::{Coins, ForestProgram, InForest, Kruskal, Method, Sums, Weight, batch_forest::IN_FOREST, wider};
 use crate::error::{Error, Result};
-use crate::flow::batch::solver::BatchWorkspace;
 use crate::flow::drops::{Drops, DropsWorkspace};
-use crate::flow::floating_components::stranded;
-use crate::flow::pressures::MOST_BACKWARD;
-use crate::flow::residual::{Check, Residual};
-use crate::flow::resilience::{MOST_RESILIENCE, diffused_resilience};
-use crate::flow::{BatchSolver, Circuit};
-use crate::support::random::BLOCK;
+use crate::flow::pressures::{Check, MOST_BACKWARD, Residual};
+use crate::flow::{BatchSolver, Circuit, MOST_RESILIENCE, batch::solver::BatchWorkspace, stranded};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, positive, product, splat, zip};
+use crate::{flow::resilience::diffused_resilience, support::random::BLOCK};
 
 /// A graph with all that its samples share.
 #[derive(Debug)]

@@ -1,17 +1,13 @@
-//! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened.
+//! Forward simulation: the flow in a network, and the flow after vessels are narrowed, occluded or lengthened; and what each closed vessel
+//! does: the flow again without each vessel in turn.
 
-pub mod closures;
 pub mod pulse;
 pub mod transport;
 
 use crate::error::{Error, Result};
-use crate::flow::floating_components::drives_flow;
-use crate::flow::poiseuille::check_viscosity;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Factors, Tube};
-use crate::network::Network;
-use crate::network::units::millimetres;
-use crate::perturbation::stenosis::Stenosis;
+use crate::flow::{Boundary, Factors, Tube, check_viscosity, drives_flow, state::State};
+use crate::network::{Network, Role, millimetres};
+use crate::{perturbation::Stenosis, support::in_order};
 
 /// How the names of columns of the perturbed network end.
 pub const PERTURBED: &str = "_perturbed";
@@ -69,10 +65,9 @@ pub fn simulate(network: &Network, boundary: &Boundary, viscosity: f64, perturba
     let changed = perturbed(network, &at_rest, perturbations)?;
     drives_flow(network, boundary)?;
     let solve = |tubes: &[Tube]| State::solve(network, boundary, tubes, viscosity);
-    Ok(Simulation {
-        unperturbed: solve(&at_rest)?,
-        perturbed: if perturbations.is_empty() { None } else { Some(solve(&changed)?) },
-    })
+    let unperturbed = solve(&at_rest)?;
+    let perturbed = if perturbations.is_empty() { None } else { Some(solve(&changed)?) };
+    Ok(Simulation { unperturbed, perturbed })
 }
 
 /// The vessels `at_rest` with the perturbations.
@@ -94,7 +89,8 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
                 return Err(Error::parameter("tortuosity", factor, "expected a factor of length of at least 1"));
             }
             lengths[*vessel] *= factor;
-            tubes[*vessel] = tubes[*vessel].times(&Factors::of_length(*factor));
+            let longer = Factors { resistance: *factor, volume: *factor, length: *factor, ..Factors::ONE };
+            tubes[*vessel] = tubes[*vessel].times(&longer);
         }
     }
     for Perturbation { vessel, change } in perturbations {
@@ -103,28 +99,22 @@ pub fn perturbed(network: &Network, at_rest: &[Tube], perturbations: &[Perturbat
             Change::Tortuosity(_) => {}
             Change::Occlusion => tube.resistance = f64::INFINITY,
             Change::Stenosis(stenosis) => {
-                check(network, *vessel, stenosis, lengths[*vessel])?;
-                *tube = tube.times(&stenosis.factors(lengths[*vessel]));
+                let (open, length) = (stenosis.open_diameter, lengths[*vessel]);
+                if !(open > 0.0 && open <= 1.0) {
+                    let reduction = format!("{}%", 100.0 * (1.0 - open));
+                    let accepted = "expected a reduction from 0% to below 100%; 100% is an occlusion";
+                    return Err(Error::parameter("stenosis", reduction, accepted));
+                }
+                if let Some(stretch) = stenosis.stretch.filter(|stretch| !(*stretch > 0.0 && *stretch <= length)) {
+                    let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(*vessel));
+                    let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
+                    return Err(Error::parameter("stenosis", found, accepted));
+                }
+                *tube = tube.times(&stenosis.factors(length));
             }
         }
     }
     Ok(tubes)
-}
-
-fn check(network: &Network, vessel: usize, stenosis: &Stenosis, length: f64) -> Result<()> {
-    let open = stenosis.open_diameter;
-    if !(open > 0.0 && open <= 1.0) {
-        let reduction = format!("{}%", 100.0 * (1.0 - open));
-        return Err(Error::parameter("stenosis", reduction, "expected a reduction from 0% to below 100%; 100% is an occlusion"));
-    }
-    match stenosis.stretch {
-        Some(stretch) if !(stretch > 0.0 && stretch <= length) => {
-            let found = format!("over {} mm of {}", millimetres(stretch), network.vessel_name(vessel));
-            let accepted = format!("expected a positive length of at most the vessel's, {} mm", millimetres(length));
-            Err(Error::parameter("stenosis", found, accepted))
-        }
-        _ => Ok(()),
-    }
 }
 
 /// Flows and gains up to this share of the total inflow count as rounding.
@@ -182,4 +172,71 @@ fn untouched(before: &State, after: &State, perturbations: &[Perturbation]) -> i
     let pairs = before.vessels.iter().zip(&after.vessels).enumerate();
     let others = pairs.filter(|(row, _)| perturbations.iter().all(|p| p.vessel != *row));
     others.map(|(vessel, (b, a))| FlowChange { vessel, before: b.flow, after: a.flow })
+}
+
+/// What becomes of the flow without a vessel.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClosedVessel {
+    /// The total inflow, m³/s.
+    pub inflow: f64,
+    /// What outlets get less than before, all those together that do, m³/s.
+    pub lost: f64,
+    /// That over what all outlets got.
+    pub lost_share: f64,
+    /// Outlets that got blood and get none any more.
+    pub unfed: usize,
+    /// The node of the outlet that keeps the least share of its flow, and that share.
+    pub worst: Option<(usize, f64)>,
+    /// The vessel whose flow grows most.
+    pub takes_over: Option<FlowChange>,
+    /// Vessels whose flow turns round.
+    pub reversed: usize,
+    /// ρ_G, W/m³.
+    pub network_resilience: f64,
+}
+
+/// Closes each vessel of a network in turn; `before` is its state with all open. `viscosity` in Pa s.
+///
+/// # Errors
+///
+/// A conductance that no double can hold; a breakdown of the solver.
+pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before: &State) -> Result<Vec<ClosedVessel>> {
+    let at_rest = Tube::at_rest(network, viscosity);
+    let outlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet).collect();
+    let had = delivered(network, before, &outlets);
+    let all: f64 = had.iter().sum();
+    let rows: Vec<usize> = (0..network.vessel_count()).collect();
+    let close = |_: usize, vessel: &usize| {
+        let closed = [Perturbation { vessel: *vessel, change: Change::Occlusion }];
+        let after = State::solve(network, boundary, &perturbed(network, &at_rest, &closed)?, viscosity)?;
+        let cut = rounding(before, &after);
+        let both = outlets.iter().zip(&had).zip(delivered(network, &after, &outlets));
+        let pairs: Vec<(usize, f64, f64)> = both.map(|((node, before), after)| (*node, *before, after)).collect();
+        let fed = || pairs.iter().filter(|(_, before, _)| *before > cut);
+        let lost: f64 = pairs.iter().map(|(_, before, after)| before - after).filter(|less| *less > cut).sum();
+        let share = |(node, before, after): &(usize, f64, f64)| (*node, if *after > cut { after / before } else { 0.0 });
+        // In single precision, so that rounding does not choose between equal outlets.
+        let worst = fed().map(share).min_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)));
+        Ok(ClosedVessel {
+            inflow: after.inflow,
+            lost,
+            lost_share: if all > 0.0 { lost / all } else { f64::NAN },
+            unfed: fed().filter(|(_, _, after)| *after <= cut).count(),
+            worst: worst.filter(|_| lost > 0.0),
+            takes_over: gains(before, &after, &closed).first().copied(),
+            reversed: reversals(before, &after, &closed).len(),
+            network_resilience: after.network_resilience,
+        })
+    };
+    in_order(&rows, close).into_iter().collect()
+}
+
+/// What leaves through each outlet, m³/s; nothing where blood comes in.
+fn delivered(network: &Network, state: &State, outlets: &[usize]) -> Vec<f64> {
+    let mut arrives = vec![0.0; network.node_count()];
+    for (([a, b], _), vessel) in network.vessels().zip(&state.vessels) {
+        arrives[a] -= vessel.flow;
+        arrives[b] += vessel.flow;
+    }
+    outlets.iter().map(|node| f64::max(arrives[*node], 0.0)).collect()
 }

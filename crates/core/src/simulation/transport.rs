@@ -7,13 +7,10 @@
 
 use std::collections::BTreeSet;
 
-use super::{Perturbation, Simulation, perturbed};
-use crate::error::Result;
-use crate::flow::state::State;
-use crate::flow::{Boundary, Tube};
-use crate::network::Network;
-use crate::network::walks::other;
-use crate::support::numbered::{grouped, marked};
+use super::Simulation;
+use crate::flow::{Boundary, state::State};
+use crate::network::{Network, walks::other};
+use crate::support::{grouped, marked};
 
 /// A flow is no source or exit where it is less than this share of what passes its node.
 const ROUNDING: f64 = 1e-9;
@@ -104,28 +101,15 @@ pub struct Transports {
 
 impl Transports {
     /// Follows the blood of both states of a simulation.
-    ///
-    /// # Errors
-    ///
-    /// Perturbations that [`super::simulate`] refuses.
-    pub fn of(
-        network: &Network,
-        boundary: &Boundary,
-        viscosity: f64,
-        perturbations: &[Perturbation],
-        simulation: &Simulation,
-    ) -> Result<Self> {
-        let at_rest = Tube::at_rest(network, viscosity);
-        let changed = perturbed(network, &at_rest, perturbations)?;
+    pub fn of(network: &Network, boundary: &Boundary, simulation: &Simulation) -> Self {
         let ends: Vec<[usize; 2]> = network.vessels().map(|(ends, _)| ends).collect();
         let is_open = marked(network.node_count(), boundary.conditions.iter().map(|(node, _)| *node));
-        let through = |state: &State, tubes: &[Tube]| {
+        let through = |state: &State| {
             let flow: Vec<f64> = state.vessels.iter().map(|vessel| vessel.flow).collect();
-            let volume: Vec<f64> = tubes.iter().map(|tube| tube.volume).collect();
+            let volume: Vec<f64> = state.vessels.iter().map(|vessel| vessel.volume).collect();
             transport(&ends, &flow, &volume, &is_open)
         };
-        let perturbed = simulation.perturbed.as_ref().map(|state| through(state, &changed));
-        Ok(Self { unperturbed: through(&simulation.unperturbed, &at_rest), perturbed })
+        Self { unperturbed: through(&simulation.unperturbed), perturbed: simulation.perturbed.as_ref().map(through) }
     }
 
     /// Each state with how the names of its columns end.

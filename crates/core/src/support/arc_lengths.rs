@@ -1,6 +1,6 @@
 //! A line by the length up to each of its points, walks along it, and its direction.
 
-use super::geometry::{Point, distance};
+use super::{Point, distance};
 
 /// The length of a line up to each of its points, which are one at least.
 pub fn arc_lengths(points: impl IntoIterator<Item = Point>) -> Vec<f64> {

@@ -1,12 +1,9 @@
 //! Boosted trees as a table: a tree is a line of splits and leaves, and its value is a few comparisons and one number.
 
-use std::str::FromStr;
-
 use ndarray::{Array2, Axis};
 use serde::{Deserialize, Serialize};
 
-use super::suggestions::did_you_mean;
-use super::toml_text::finite;
+use super::{suggestions::did_you_mean, toml_text::finite};
 use crate::error::Fault;
 
 /// A sum of trees.
@@ -34,7 +31,8 @@ impl Boosted {
     ///
     /// A column beyond the last.
     pub fn check(&self, place: &str, columns: usize) -> Result<(), Fault> {
-        let beyond = |tree: &RegressionTree| tree.last_column().filter(|column| *column >= columns);
+        let column = |node: &TreeNode| if let TreeNode::Split { column, .. } = node { Some(*column) } else { None };
+        let beyond = |tree: &RegressionTree| tree.nodes.iter().filter_map(column).max().filter(|column| *column >= columns);
         let wrong = self.trees.iter().enumerate().find_map(|(at, tree)| Some((at, beyond(tree)?)));
         wrong.map_or(Ok(()), |(at, column)| {
             let (place, accepted) = (format!("{place} tree {}", at + 1), format!("expected features 0 to {}", columns - 1));
@@ -103,12 +101,6 @@ impl RegressionTree {
         (end == nodes.len()).then_some(Self { nodes })
     }
 
-    /// The largest column it looks at.
-    pub fn last_column(&self) -> Option<usize> {
-        let column = |node: &TreeNode| if let TreeNode::Split { column, .. } = node { Some(*column) } else { None };
-        self.nodes.iter().filter_map(column).max()
-    }
-
     /// Its value for a row.
     pub fn value(&self, row: &[f32]) -> f64 {
         let mut at = 0;
@@ -148,14 +140,7 @@ impl TryFrom<String> for RegressionTree {
     type Error = String;
 
     fn try_from(text: String) -> Result<Self, String> {
-        text.parse().map_err(|found| format!("{found}; expected splits and leaves, as in `3<0.25 -0.1 0.2`"))
-    }
-}
-
-impl FromStr for RegressionTree {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
+        let refused = |found: String| format!("{found}; expected splits and leaves, as in `3<0.25 -0.1 0.2`");
         let number = |word: &str| word.parse::<f32>().ok().filter(|x| x.is_finite());
         let node = |word: &str| {
             let split = |(column, least_right)| TreeNode::Split { column, least_right, right: 0 };
@@ -163,9 +148,9 @@ impl FromStr for RegressionTree {
                 Some((column, least)) => column.parse().ok().zip(number(least)).map(split),
                 None => number(word).map(TreeNode::Leaf),
             };
-            read.ok_or_else(|| format!("\"{word}\" in a tree"))
+            read.ok_or_else(|| refused(format!("\"{word}\" in a tree")))
         };
         let nodes = text.split_whitespace().map(node).collect::<Result<_, _>>()?;
-        Self::new(nodes).ok_or_else(|| "a tree whose splits and leaves do not match".to_owned())
+        Self::new(nodes).ok_or_else(|| refused("a tree whose splits and leaves do not match".to_owned()))
     }
 }

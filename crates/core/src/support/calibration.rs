@@ -1,6 +1,6 @@
 //! From the probability that a model states to the share of such cases that is right.
 
-use super::statistics::sigmoid;
+use super::sigmoid;
 
 /// The least probability, and the least doubt, whose log-odds are distinguished.
 const LEAST: f64 = 1e-12;

@@ -1,7 +1,6 @@
 //! What the system lets a process have: memory, and the size of a file. Linux says so; elsewhere nothing is known and nothing is refused.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
 /// Memory that this process can still get, bytes: the least of what is free, of what its group may have and of its address space.
 pub fn memory() -> Option<u64> {

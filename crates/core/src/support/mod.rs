@@ -9,12 +9,10 @@ pub mod elimination;
 pub mod endings;
 pub mod gamma;
 pub mod geometry;
-pub mod kappa;
 pub mod limits;
 pub mod model_provenance;
 pub mod normal_equations;
 pub mod numbered;
-pub mod parallel;
 pub mod printable;
 pub mod random;
 pub mod simd;
@@ -23,5 +21,21 @@ pub mod suggestions;
 pub mod ties;
 pub mod toml_text;
 
-pub use parallel::{in_chunks, in_order};
-pub use statistics::Distribution;
+pub use geometry::{
+    Point, area_of, bounds, box_diagonal, centroid, cross, distance, dot, lerp, norm, norm_squared, radius_of, smooth,
+    straightest, sub, unit,
+};
+pub use numbered::{counted, grouped, marked, placed};
+pub use statistics::{Distribution, median, otsu, quantile, quantile_of_sorted, sigmoid, weighted_quantile};
+
+use rayon::prelude::*;
+
+/// The result of `work` for each item, in their order at any number of threads.
+pub fn in_order<'t, T: Sync, R: Send>(items: &'t [T], work: impl Fn(usize, &'t T) -> R + Sync) -> Vec<R> {
+    items.par_iter().enumerate().map(|(number, item)| work(number, item)).collect()
+}
+
+/// Works on chunks of so many items at their place, in parallel; the last may have fewer.
+pub fn in_chunks<T: Send>(items: &mut [T], size: usize, work: impl Fn(usize, &mut [T]) + Sync + Send) {
+    items.par_chunks_mut(size).enumerate().for_each(|(number, chunk)| work(number, chunk));
+}

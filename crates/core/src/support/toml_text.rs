@@ -1,7 +1,6 @@
 //! Reads and writes TOML.
 
-use std::fmt::Debug;
-use std::io::{self, Write};
+use std::{fmt::Debug, io, io::Write};
 
 use serde::de::{DeserializeOwned, Error};
 use serde::{Deserialize, Deserializer, Serialize};

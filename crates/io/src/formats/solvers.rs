@@ -7,7 +7,7 @@ use std::{borrow::Cow, f64::consts::PI, iter::successors};
 use serde_json::{Value, json};
 
 use crate::formats::{Network, Node, other_end, plural, vessels_at};
-use willis_core::flow::{Tube, WallLaw, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY, unfed::fed};
+use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 
 /// What a simulation adds to a network for a solver in time.

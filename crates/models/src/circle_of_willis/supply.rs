@@ -5,7 +5,7 @@ use super::circle::Circle;
 use willis_core::flow::{Boundary, state::State};
 use willis_core::network::{Network, Role};
 use willis_core::simulation::{Change, Perturbation, rounding, simulate, transport::Transports};
-use willis_core::{error::Result, support::parallel::in_order};
+use willis_core::{error::Result, support::in_order};
 
 /// Of more topologies so many are followed, drawn by their weights, ...
 pub const MOST_TOPOLOGIES: usize = 1000;
@@ -68,7 +68,7 @@ pub fn supplies(
         let boundary = &boundary.held(network, |row| kept[row]);
         let (network, arteries) = &circle.arteries_in(network, |row| kept[row]);
         let simulation = simulate(network, boundary, viscosity, &[]).ok()?;
-        let transport = Transports::of(network, boundary, viscosity, &[], &simulation).ok()?.unperturbed;
+        let transport = Transports::of(network, boundary, &simulation).unperturbed;
         let mut marks = vec![None; network.vessel_count()];
         for (feeder, vessels) in arteries.feeders.iter().enumerate() {
             for vessel in vessels {

@@ -78,7 +78,7 @@ impl SimulationRun<'_> {
         let names = picture_names(network);
         let real = |name, of: &dyn Fn(usize) -> f64| Column::real(name, (0..closures.len()).map(of));
         let gain = |row: usize| closures[row].takes_over.map_or(0.0, |change| change.gain());
-        let text = |name, of: &dyn Fn(&willis_core::simulation::closures::ClosedVessel) -> Option<String>| {
+        let text = |name, of: &dyn Fn(&willis_core::simulation::ClosedVessel) -> Option<String>| {
             Column::text(name, closures.iter().map(|closure| of(closure).unwrap_or_default()))
         };
         Some(vec![

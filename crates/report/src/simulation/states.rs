@@ -11,8 +11,8 @@ use crate::figures::{
 use willis_core::flow::{Boundary, FoundOutlets};
 use willis_core::network::units::{milliseconds, ml_per_min, mmhg};
 use willis_core::network::{Network, RadiusRule, Vessel};
+use willis_core::simulation::pulse::fourier::Indices;
 use willis_core::simulation::pulse::fourier::samples;
-use willis_core::simulation::pulse::indices::Indices;
 use willis_core::simulation::pulse::womersley::{TubeSegment, womersley_number};
 use willis_core::simulation::pulse::{Pulse, Pulses};
 use willis_core::simulation::transport::{Blood, Transport, Transports};
@@ -41,7 +41,7 @@ pub struct SimulationRun<'a> {
     /// Where the blood comes from and when, if it was asked for.
     pub transports: Option<Transports>,
     /// What each closed vessel does, if that was asked for.
-    pub closures: Option<Vec<willis_core::simulation::closures::ClosedVessel>>,
+    pub closures: Option<Vec<willis_core::simulation::ClosedVessel>>,
     /// The pulse, if it was asked for, and its record.
     pub pulses: Option<(Pulses, serde_json::Value)>,
 }

@@ -4,11 +4,9 @@ use std::cell::Cell;
 
 use num_complex::Complex64;
 
-use super::fourier::{at, derivative, samples};
-use super::indices::behind;
-use super::setting::{Drive, Setting};
-use crate::network::paths::ShortestPaths;
-use crate::support::numbered::marked;
+use super::fourier::{at, behind, derivative, samples};
+use super::{Drive, Setting};
+use crate::{network::ShortestPaths, support::marked};
 
 /// Even times of a period among which rises are looked for.
 const TIMES: usize = 1000;
@@ -89,19 +87,14 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
-    /// Follows the wave from each drive with the speed c₀ of the vessels between `ends`, over pressures of nodes and of the middles of vessels.
+    /// Follows the wave from each drive with the speed c₀ of the vessels between `ends`, over pressures of nodes and, after them, of the middles of vessels.
     ///
     /// A signal may have several rises: its own, those of other inlets, and those that come back. The foot is that which lies nearest to where
     /// the wave from upstream is expected, and not before the one upstream; upstream is where the wave comes from first.
-    pub fn follow(
-        ends: &[[usize; 2]],
-        setting: &Setting<'_>,
-        pressure: &[Option<Vec<Complex64>>],
-        middle: &[Option<&[Complex64]>],
-    ) -> Self {
-        let (period, nodes) = (setting.period, pressure.len());
-        let signal = |place: usize| if place < nodes { pressure[place].as_deref() } else { middle[place - nodes] };
-        let places = nodes + middle.len();
+    pub fn follow(ends: &[[usize; 2]], setting: &Setting<'_>, pressure: &[Option<&[Complex64]>]) -> Self {
+        let (period, places) = (setting.period, pressure.len());
+        let nodes = places - ends.len();
+        let signal = |place: usize| pressure[place];
         let amplitude = |signal: &[Complex64]| signal[1..].iter().map(|c| c.norm()).fold(0.0, f64::max);
         let largest = (0..places).filter_map(signal).map(amplitude).fold(0.0, f64::max);
         let moves = |place: usize| signal(place).filter(|signal| amplitude(signal) > ROUNDING * largest);
@@ -122,7 +115,7 @@ impl Arrivals {
         let is_start = marked(places, starts.iter().map(|(node, _)| *node));
 
         let mut steps: Vec<Vec<(usize, f64)>> = vec![Vec::new(); places];
-        for (row, [a, b]) in ends.iter().enumerate().filter(|(row, _)| middle[*row].is_some()) {
+        for (row, [a, b]) in ends.iter().enumerate().filter(|(row, _)| pressure[nodes + row].is_some()) {
             for (node, half) in [*a, *b].into_iter().zip(&setting.vessels[row].halves) {
                 let time = half.iter().map(|segment| segment.length / segment.wave_speed(setting.fluid)).sum();
                 steps[node].push((nodes + row, time));

@@ -18,14 +18,6 @@ pub struct Equations<'a> {
     injected: Vec<Complex64>,
 }
 
-/// The factors of the equations.
-struct Factorisation<'a> {
-    elimination: &'a Elimination,
-    /// One over the pivots.
-    inverse: Vec<Complex64>,
-    rays: Vec<Complex64>,
-}
-
 impl<'a> Equations<'a> {
     /// Without any admittance.
     pub fn new(elimination: &'a Elimination) -> Self {
@@ -60,10 +52,10 @@ impl<'a> Equations<'a> {
     /// The pressures by place, with one step of refinement: nothing is pivoted, since the real part of the equations is positive definite
     /// where every vessel is passive.
     pub fn solve(&self) -> Vec<Complex64> {
-        let factors = self.factors();
+        let (inverse, rays) = self.factors();
         let mut solution = vec![Complex64::ZERO; self.ground.len()];
         for _ in 0..2 {
-            let correction = factors.solve(self.left(&solution));
+            let correction = self.substitute(&inverse, &rays, self.left(&solution));
             solution.iter_mut().zip(correction).for_each(|(x, dx)| *x += dx);
         }
         solution
@@ -87,7 +79,8 @@ impl<'a> Equations<'a> {
         left
     }
 
-    fn factors(&self) -> Factorisation<'a> {
+    /// The factors of the equations: one over the pivots, and the rays.
+    fn factors(&self) -> (Vec<Complex64>, Vec<Complex64>) {
         let elimination = self.elimination;
         let (mut diagonal, mut rays) = (self.ground.clone(), self.rays.clone());
         for (k, ray) in (0..diagonal.len()).flat_map(|k| elimination.star(k).map(move |ray| (k, ray))) {
@@ -113,24 +106,23 @@ impl<'a> Equations<'a> {
                 }
             }
         }
-        Factorisation { elimination, inverse, rays }
+        (inverse, rays)
     }
-}
 
-impl Factorisation<'_> {
-    fn solve(&self, mut right: Vec<Complex64>) -> Vec<Complex64> {
+    /// Forward and back substitution.
+    fn substitute(&self, inverse: &[Complex64], rays: &[Complex64], mut right: Vec<Complex64>) -> Vec<Complex64> {
         for k in 0..right.len() {
-            let passed = right[k] * self.inverse[k];
+            let passed = right[k] * inverse[k];
             for ray in self.elimination.star(k) {
-                right[self.elimination.ray_to()[ray] as usize] += self.rays[ray] * passed;
+                right[self.elimination.ray_to()[ray] as usize] += rays[ray] * passed;
             }
         }
         for k in (0..right.len()).rev() {
             let mut sum = right[k];
             for ray in self.elimination.star(k) {
-                sum += self.rays[ray] * right[self.elimination.ray_to()[ray] as usize];
+                sum += rays[ray] * right[self.elimination.ray_to()[ray] as usize];
             }
-            right[k] = sum * self.inverse[k];
+            right[k] = sum * inverse[k];
         }
         right
     }

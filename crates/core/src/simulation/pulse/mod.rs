@@ -6,35 +6,25 @@
 pub mod arrival;
 pub mod elimination;
 pub mod fourier;
-pub mod indices;
-pub mod two_port;
 pub mod typical;
 pub mod womersley;
 
 mod setting;
-mod terminal;
-mod vessels;
 
 use std::f64::consts::TAU;
 
 use num_complex::Complex64;
 
 use crate::error::{Error, Result};
-use crate::flow::Boundary;
-use crate::flow::state::State;
-use crate::network::waveform::Quantity;
-use crate::network::{Condition, Network};
-use crate::support::elimination::Elimination;
-use crate::support::parallel::in_order;
+use crate::flow::{Boundary, state::State};
+use crate::network::{Condition, Network, waveform::Quantity};
+use crate::support::{elimination::Elimination, in_order};
 use arrival::Arrivals;
 use elimination::Equations;
-use indices::{Indices, behind};
-use two_port::Halved;
-use womersley::{Fluid, TubeSegment};
+use fourier::{Indices, behind};
+use womersley::{Fluid, Halved, TubeSegment};
 
-pub use setting::{Drive, Setting};
-pub use terminal::{TerminalImpedance, terminals};
-pub use vessels::{Walled, walled};
+pub use setting::{Drive, Setting, TerminalImpedance, Walled, terminals, walled};
 pub use womersley::Friction;
 
 /// The most joins of an elimination.
@@ -118,8 +108,8 @@ impl Pulse {
         };
         let pressure: Vec<Option<Vec<Complex64>>> = pressure.collect();
         let vessels: Vec<VesselPulse> = (0..ends.len()).map(vessel).collect();
-        let middle: Vec<Option<&[Complex64]>> = vessels.iter().map(|vessel| vessel.pressure.as_deref()).collect();
-        let arrivals = Arrivals::follow(&ends, setting, &pressure, &middle);
+        let places = pressure.iter().chain(vessels.iter().map(|vessel| &vessel.pressure));
+        let arrivals = Arrivals::follow(&ends, setting, &places.map(Option::as_deref).collect::<Vec<_>>());
         let (period, harmonics, walls) = (setting.period, setting.harmonics, setting.vessels.to_vec());
         Ok(Self { period, harmonics, pressure, vessels, walls, arrivals })
     }

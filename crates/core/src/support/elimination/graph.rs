@@ -1,6 +1,6 @@
 //! A graph whose nodes are removed one after another; the neighbours of a removed node are joined to one another.
 
-use crate::support::numbered::grouped;
+use crate::support::grouped;
 
 /// The graph of the nodes that remain.
 pub trait Remaining {

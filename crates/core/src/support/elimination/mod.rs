@@ -9,7 +9,7 @@ pub mod order;
 
 use std::ops::Deref;
 
-use super::numbered::{grouped, marked, placed};
+use super::{grouped, marked, placed};
 
 pub use order::{Star, least_degree};
 

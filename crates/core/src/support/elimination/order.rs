@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use super::graph::{BitMatrix, Lists, Remaining};
-use crate::support::numbered::{marked, placed};
+use crate::support::{marked, placed};
 
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
@@ -101,8 +101,7 @@ pub fn reverse_cuthill_mckee(neighbours: &[Vec<usize>], among: impl Fn(usize) ->
 /// The stars of [`least_degree`] and [`low_degrees`].
 pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: usize) -> Option<Vec<Star>> {
     let mut degree: Vec<usize> = (0..nodes).map(|node| graph.degree(node)).collect();
-    let mut queue: BTreeSet<(usize, usize)> =
-        degree.iter().copied().zip(0..nodes).filter(|(degree, _)| *degree <= most).collect();
+    let mut queue: BTreeSet<(usize, usize)> = degree.iter().copied().zip(0..nodes).filter(|(of, _)| *of <= most).collect();
     let mut stars = Vec::with_capacity(nodes);
     let mut pairs = 0;
     while let Some((least, center)) = queue.pop_first() {
