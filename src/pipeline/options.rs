@@ -76,7 +76,7 @@ impl InferOptions {
         let boundary = BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() };
         let sampling = SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() };
         let (preset, prior, keep, cut) = (Preset::Paper, Some(Prior::Uniform), Some(Keep::Median), Cut::Never);
-        Self { preset, candidates, prior, boundary, sampling, keep, cut, ..Self::default() }
+        Self { preset, candidates, prior, cut, boundary, sampling, keep, ..Self::default() }
     }
 
     /// Checks every field that can be checked without an input.

@@ -52,8 +52,11 @@ impl CohortRow {
     }
 }
 
-/// The columns that every cohort has, and the text of a row in each.
-const OF_EVERY_ROW: [(&str, fn(&CohortRow) -> &str); 5] = [
+/// A column that every cohort has, and its text of a row.
+type KnownColumn = (&'static str, fn(&CohortRow) -> &str);
+
+/// The columns that every cohort has.
+const OF_EVERY_ROW: [KnownColumn; 5] = [
     ("subject", |row| &row.subject),
     ("input", |row| &row.input),
     ("sha256", |row| &row.sha256),

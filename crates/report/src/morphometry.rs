@@ -246,6 +246,9 @@ pub fn reader_columns(read: &[TwiceRead]) -> Vec<Column> {
     columns
 }
 
+/// A column that both readers have: its name, and its text of one of them.
+type ReaderColumn = (&'static str, fn(&ReadBy) -> String);
+
 /// The columns of differences.csv: the connections that both decided otherwise, or only one.
 pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
     let rows: Vec<&TwiceRead> = read.iter().filter(|row| row.answers().is_none_or(|[a, b]| a != b)).collect();
@@ -259,7 +262,7 @@ pub fn difference_columns(read: &[TwiceRead]) -> Vec<Column> {
     ];
     columns.extend(coordinate_columns(POSITION_COLUMNS, || rows.iter().map(|row| row.middle)));
     columns.push(Column::real("probability", rows.iter().map(|row| row.probability)));
-    let of_reader: [(&str, fn(&ReadBy) -> String); 3] = [
+    let of_reader: [ReaderColumn; 3] = [
         ("decision", |read| ANSWERS[read.answer()].1.to_owned()),
         ("who", |read| read.who.clone()),
         ("comment", |read| read.comment.clone()),

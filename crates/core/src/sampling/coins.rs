@@ -2,7 +2,6 @@
 //! samples that are taken together, with one figure for each of them: how many vessels are open, whether blood flows, sums.
 
 #![expect(clippy::inline_always, reason = "compiled into the caller's instruction set")]
-#![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use rand::Rng;
 
