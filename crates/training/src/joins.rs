@@ -12,8 +12,10 @@ use super::{boosting::boost, minimise::calibrate};
 use willis_core::decision::{BEST_FIRST, best_first};
 use willis_core::error::{Error, Result};
 use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::ModelProvenance, statistics::sigmoid};
-use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores, image_feature_names};
-use willis_models::candidates::joins::{JoinTable, ShapeScores, features::join_feature_names, image::InImage};
+use willis_models::candidates::joins::model::{ImagePass, JoinKind, JoinModel, JoinScores};
+use willis_models::candidates::joins::{
+    JoinTable, ShapeScores, features::join_feature_names, image::InImage, image::features::image_feature_names,
+};
 use willis_models::candidates::{features::Extraction, search::Pairs, search::SearchOptions};
 
 /// Inner folds, by subject: the second pass and the calibration see only scores of trees that never saw their subject.

@@ -1,6 +1,5 @@
 //! The features of a candidate on an automatic skeleton: those of a tracing, and more of the course of a vessel from a free end inwards, rivals and
-//! surroundings. Rivals, which want the same
-//! places, are compared by cost before any model, by probability after the first pass.
+//! surroundings. Rivals, which want the same places, are compared by cost before any model, by probability after the first pass.
 //!
 //! d is the gap, h the spacing, r the radius of a free end. All are dimensionless.
 
@@ -9,7 +8,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use ndarray::Array2;
 
 use crate::candidates::features::{
-    Extraction, FEATURES, Feature, MeasuredCandidate, angle, log_detour, mean_log, measured, slenderness,
+    Extraction, FEATURES, Feature, Fragment, MeasuredCandidate, angle, log_detour, mean_log, measured, slenderness,
 };
 use crate::candidates::search::{EndCandidate, Pairs, PointIndex, rows_by_end, unordered};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
@@ -21,14 +20,66 @@ use willis_core::support::ties::steady;
 /// Features of tracings that say nothing of a skeleton, or depend on what a user clicked.
 const LEFT_OUT: [&str; 2] = ["fed_parent", "share_parent"];
 
-/// The names of the features that only skeletons have.
-const MORE_FEATURES: &str = "\
-    log_gap gap_spacings bend_3 bend_6 bend_12 bend_24 parent_bend_3 parent_bend_6 parent_bend_12 parent_bend_24 least_bend \
-    least_parent_bend least_bends tip_bend parent_tip_bend miss parent_miss energy_3 energy_6 energy_12 torsion facing width_child \
-    width_parent run_child run_parent spur_child spur_parent tip_child tip_parent taper_child taper_parent far_step far_ratio \
-    slim_child slim_least ends_child ends_parent gap_over_length tiny detour wiggle_child wiggle_parent course_child course_parent \
-    cost_rank cost_margin cost_mutual site_rank site_margin pair_rank ends_in_cone crowd ends_around_child ends_around_parent \
-    points_around ends_per_length ends_facing usual_width fragments";
+/// A candidate on a skeleton.
+struct Join<'a> {
+    measured: &'a MeasuredCandidate<'a>,
+    /// The course of the child.
+    child: &'a EndCourse,
+    /// The course of the parent's free end, where it is met there.
+    parent: Option<&'a EndCourse>,
+}
+
+/// A feature of a candidate on a skeleton.
+type JoinFeature = fn(&Join) -> f64;
+
+/// The features that only skeletons have, by name; those of [`rivals`] and of [`surroundings`] follow.
+const MORE_FEATURES: &[(&str, JoinFeature)] = &[
+    ("log_gap", |j| (j.measured.gap / j.measured.width()).ln()),
+    ("gap_spacings", |j| (j.measured.gap / h(j)).ln()),
+    ("bend_3", |j| bend(j, 0)),
+    ("bend_6", |j| bend(j, 1)),
+    ("bend_12", |j| bend(j, 2)),
+    ("bend_24", |j| bend(j, 3)),
+    ("parent_bend_3", |j| parent_bend(j, 0)),
+    ("parent_bend_6", |j| parent_bend(j, 1)),
+    ("parent_bend_12", |j| parent_bend(j, 2)),
+    ("parent_bend_24", |j| parent_bend(j, 3)),
+    ("least_bend", least_bend),
+    ("least_parent_bend", least_parent_bend),
+    ("least_bends", |j| least_bend(j) + least_parent_bend(j)),
+    ("tip_bend", |j| angle(j.child.tip_direction, j.measured.across)),
+    ("parent_tip_bend", |j| j.parent.map_or(0.0, |p| angle(p.tip_direction, reversed(j.measured.across)))),
+    ("miss", |j| miss(j, j.child, j.measured.across)),
+    ("parent_miss", |j| j.parent.map_or(0.0, |p| miss(j, p, reversed(j.measured.across)))),
+    ("energy_3", |j| bending(j, 0)[0]),
+    ("energy_6", |j| bending(j, 1)[0]),
+    ("energy_12", |j| bending(j, 2)[0]),
+    ("torsion", |j| if j.parent.is_some() { bending(j, 1)[1] } else { 0.0 }),
+    ("facing", |j| j.parent.map_or(0.0, |p| angle(j.child.directions[1], reversed(p.directions[1])))),
+    ("width_child", |j| (j.measured.child.radius / h(j)).ln()),
+    ("width_parent", |j| (j.measured.parent_radius / h(j)).ln()),
+    ("run_child", |j| (j.child.first_run / j.measured.width() + 0.1).ln()),
+    ("run_parent", |j| j.parent.map_or(0.0, |p| (p.first_run / j.measured.parent_width() + 0.1).ln())),
+    ("spur_child", |j| spur(j, j.child)),
+    ("spur_parent", |j| j.parent.map_or(0.0, |p| spur(j, p))),
+    ("tip_child", |j| (j.child.tip_radius / j.measured.child.radius).ln()),
+    ("tip_parent", |j| j.parent.map_or(0.0, |p| (p.tip_radius / j.measured.parent_radius).ln())),
+    ("taper_child", |j| (j.child.far_radius / j.measured.child.radius).ln()),
+    ("taper_parent", |j| j.parent.map_or(0.0, |p| (p.far_radius / j.measured.parent_radius).ln())),
+    ("far_step", |j| j.parent.map_or(0.0, |p| (j.child.far_radius / p.far_radius).ln().abs())),
+    ("far_ratio", |j| (j.child.far_radius / j.parent.map_or(j.measured.parent_radius, |p| p.far_radius)).ln()),
+    ("slim_child", |j| slim(j)[0]),
+    ("slim_least", |j| slim(j)[0].min(slim(j)[1])),
+    ("ends_child", |j| free_ends(j)[0]),
+    ("ends_parent", |j| free_ends(j)[1]),
+    ("gap_over_length", |j| ((j.measured.gap + h(j)) / (lengths(j)[0].min(lengths(j)[1]) + h(j))).ln()),
+    ("tiny", |j| if lengths(j)[0].max(lengths(j)[1]) < 8.0 * h(j) { 1.0 } else { 0.0 }),
+    ("detour", |j| log_detour(j.measured)),
+    ("wiggle_child", |j| j.child.wiggle.min(3.0)),
+    ("wiggle_parent", |j| j.parent.map_or(0.0, |p| p.wiggle.min(3.0))),
+    ("course_child", |j| (j.child.length / j.measured.width() + 0.2).ln()),
+    ("course_parent", |j| j.parent.map_or(0.0, |p| (p.length / j.measured.parent_width() + 0.2).ln())),
+];
 
 /// The features of a tracing that a skeleton has too.
 fn shared_features() -> impl Iterator<Item = &'static (&'static str, Feature)> {
@@ -37,7 +88,8 @@ fn shared_features() -> impl Iterator<Item = &'static (&'static str, Feature)> {
 
 /// The names of all features, in the order of their columns.
 pub fn join_feature_names() -> Vec<&'static str> {
-    shared_features().map(|(name, _)| *name).chain(MORE_FEATURES.split(' ')).collect()
+    let own = shared_features().map(|(name, _)| *name).chain(MORE_FEATURES.iter().map(|(name, _)| *name));
+    own.chain(RIVALS).chain(SURROUNDINGS).collect()
 }
 
 /// The features of the candidates of one search: a row a candidate, a column a feature of [`join_feature_names`].
@@ -58,7 +110,8 @@ pub fn join_features(extraction: &Extraction, courses: &[EndCourse], candidates:
     let shared: Vec<Feature> = shared_features().map(|(_, feature)| *feature).collect();
     let rows = in_order(candidates, |row, candidate| {
         let m = &measured[row];
-        let more = more_features(m, &courses[candidate.end], course_at(m.point));
+        let join = Join { measured: m, child: &courses[candidate.end], parent: course_at(m.point) };
+        let more = MORE_FEATURES.iter().map(|(_, feature)| feature(&join));
         shared.iter().map(|feature| feature(m)).chain(more).chain(rivals[row]).chain(around[row]).collect::<Vec<f64>>()
     });
     Array2::from_shape_fn((rows.len(), join_feature_names().len()), |(row, column)| rows[row][column])
@@ -68,62 +121,68 @@ fn reversed(a: Point) -> Point {
     a.map(|x| -x)
 }
 
-/// What [`MORE_FEATURES`] names of a candidate, up to what is around it, given the course of the child and that of the parent's free end where it
-/// is met there.
-fn more_features(c: &MeasuredCandidate, child: &EndCourse, parent: Option<&EndCourse>) -> Vec<f64> {
-    let (e, h, d, u) = (c.extraction, c.extraction.spacing, c.gap, c.across);
-    // Of the child, and of the parent's free end, by course, radius, width, and direction to the other place; 0 without such an end.
-    let both = |of: &dyn Fn(&EndCourse, f64, f64, Point) -> f64| {
-        let there = parent.map_or(0.0, |p| of(p, c.parent_radius, c.parent_width(), reversed(u)));
-        [of(child, c.child.radius, c.width(), u), there]
+fn h(j: &Join) -> f64 {
+    j.measured.extraction.spacing
+}
+
+fn bend(j: &Join, scale: usize) -> f64 {
+    angle(j.child.directions[scale], j.measured.across)
+}
+
+fn parent_bend(j: &Join, scale: usize) -> f64 {
+    j.parent.map_or(0.0, |p| angle(p.directions[scale], reversed(j.measured.across)))
+}
+
+fn least_bend(j: &Join) -> f64 {
+    (0..4).map(|scale| bend(j, scale)).fold(f64::INFINITY, f64::min)
+}
+
+fn least_parent_bend(j: &Join) -> f64 {
+    (0..4).map(|scale| parent_bend(j, scale)).fold(f64::INFINITY, f64::min)
+}
+
+/// How far from the other place a course ends that is continued with its curvature over the gap, in gaps, at most 3.
+fn miss(j: &Join, course: &EndCourse, across: Point) -> f64 {
+    let d = j.measured.gap;
+    let curved = d.min(12.0 * h(j) + 4.0 * j.measured.child.radius).powi(2);
+    let off = [0, 1, 2].map(|k| course.tip_direction[k] * d + course.curvature[k] * curved - across[k] * d);
+    (norm_squared(off).sqrt() / d).min(3.0)
+}
+
+/// The bending of a cubic across the gap that leaves and arrives in the directions of a scale, and the product of its two bends.
+fn bending(j: &Join, scale: usize) -> [f64; 2] {
+    let u = j.measured.across;
+    let bends = |direction: Point| {
+        let along = dot(direction, u);
+        let sideways = unit([0, 1, 2].map(|k| direction[k] - along * u[k]));
+        sideways.map(|x| x * angle(direction, u))
     };
-    let bends = [0, 1, 2, 3].map(|scale| both(&|course, _, _, across| angle(course.directions[scale], across)));
-    let [child_bends, parent_bends] = [0, 1].map(|side| bends.map(|both| both[side]));
-    let [least, parent_least] = [child_bends, parent_bends].map(|bends| bends.into_iter().fold(f64::INFINITY, f64::min));
-    // How far from the other place a course ends that is continued with its curvature over the gap, in gaps, at most 3.
-    let curved = d.min(12.0 * h + 4.0 * c.child.radius).powi(2);
-    let miss = |course: &EndCourse, _: f64, _: f64, across: Point| {
-        let off = [0, 1, 2].map(|k| course.tip_direction[k] * d + course.curvature[k] * curved - across[k] * d);
-        (norm_squared(off).sqrt() / d).min(3.0)
-    };
-    // The bending of a cubic across the gap that leaves and arrives in the directions of a scale, and the product of its two bends.
-    let bending = |scale: usize| {
-        let [a, b] = [child.directions[scale], parent.map_or(u, |p| reversed(p.directions[scale]))].map(|direction| {
-            let along = dot(direction, u);
-            let sideways = unit([0, 1, 2].map(|k| direction[k] - along * u[k]));
-            sideways.map(|x| x * angle(direction, u))
-        });
-        [(norm_squared(a) + dot(a, b) + norm_squared(b)).max(0.0).sqrt(), dot(a, b)]
-    };
-    let bendings = [0, 1, 2].map(bending);
-    // What is shorter than wide is a spur.
-    let spur = |course: &EndCourse, _: f64, _: f64, _: Point| ((course.first_run + 0.5 * h) / (course.junction_radius + h)).ln();
-    let fragments = [c.child.point, c.point].map(|point| &e.fragments[e.fragment[point]]);
-    let [slim, other_slim] = fragments.map(|fragment| slenderness(e, fragment));
-    let [length, other_length] = fragments.map(|fragment| fragment.length);
-    let mut out = vec![(d / c.width()).ln(), (d / h).ln()];
-    out.extend([child_bends, parent_bends].concat());
-    out.extend([least, parent_least, least + parent_least]);
-    out.extend(both(&|course, _, _, across| angle(course.tip_direction, across)));
-    out.extend(both(&miss));
-    out.extend(bendings.map(|[energy, _]| energy));
-    out.push(if parent.is_some() { bendings[1][1] } else { 0.0 });
-    out.push(parent.map_or(0.0, |p| angle(child.directions[1], reversed(p.directions[1]))));
-    out.extend([c.child.radius, c.parent_radius].map(|radius| (radius / h).ln()));
-    out.extend(both(&|course, _, width, _| (course.first_run / width + 0.1).ln()));
-    out.extend(both(&spur));
-    out.extend(both(&|course, radius, _, _| (course.tip_radius / radius).ln()));
-    out.extend(both(&|course, radius, _, _| (course.far_radius / radius).ln()));
-    out.push(parent.map_or(0.0, |p| (child.far_radius / p.far_radius).ln().abs()));
-    out.push((child.far_radius / parent.map_or(c.parent_radius, |p| p.far_radius)).ln());
-    out.extend([slim, slim.min(other_slim)]);
-    out.extend(fragments.map(|fragment| (fragment.free_ends as f64).ln_1p()));
-    out.push(((d + h) / (length.min(other_length) + h)).ln());
-    out.push(if length.max(other_length) < 8.0 * h { 1.0 } else { 0.0 });
-    out.push(log_detour(c));
-    out.extend(both(&|course, _, _, _| course.wiggle.min(3.0)));
-    out.extend(both(&|course, _, width, _| (course.length / width + 0.2).ln()));
-    out
+    let a = bends(j.child.directions[scale]);
+    let c = bends(j.parent.map_or(u, |p| reversed(p.directions[scale])));
+    [(norm_squared(a) + dot(a, c) + norm_squared(c)).max(0.0).sqrt(), dot(a, c)]
+}
+
+/// ln of the first run over the radius at its junction: what is shorter than wide is a spur.
+fn spur(j: &Join, course: &EndCourse) -> f64 {
+    ((course.first_run + 0.5 * h(j)) / (course.junction_radius + h(j))).ln()
+}
+
+/// The fragments of the child and of the parent.
+fn fragments<'a>(j: &Join<'a>) -> [&'a Fragment; 2] {
+    let e = j.measured.extraction;
+    [j.measured.child.point, j.measured.point].map(|point| &e.fragments[e.fragment[point]])
+}
+
+fn slim(j: &Join) -> [f64; 2] {
+    fragments(j).map(|fragment| slenderness(j.measured.extraction, fragment))
+}
+
+fn free_ends(j: &Join) -> [f64; 2] {
+    fragments(j).map(|fragment| (fragment.free_ends as f64).ln_1p())
+}
+
+fn lengths(j: &Join) -> [f64; 2] {
+    fragments(j).map(|fragment| fragment.length)
 }
 
 /// Free ends are counted over so many spacings around a free end, ...
@@ -134,11 +193,23 @@ const NEARBY: f64 = 25.0;
 const FACING_WIDTHS: f64 = 4.0;
 const FACING_COS: f64 = 0.825;
 
+/// The features of [`surroundings`].
+const SURROUNDINGS: [&str; 8] = [
+    "crowd",
+    "ends_around_child",
+    "ends_around_parent",
+    "points_around",
+    "ends_per_length",
+    "ends_facing",
+    "usual_width",
+    "fragments",
+];
+
 /// What lies around a candidate, and what the whole extraction is like: ln(1 + free ends within 12 spacings of the child); ln of free ends per
 /// twenty points within 25 spacings of the child and of the parent; ln of the points within 25 spacings of the child; of the
 /// extraction ln of free ends per hundred spacings of length, ln of the share of free ends that face another, the median of ln r/h, and ln of the
 /// number of fragments.
-fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<[f64; 8]> {
+fn surroundings(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]) -> Vec<[f64; SURROUNDINGS.len()]> {
     let is_end = |point: &usize| e.end_at[*point].is_some();
     let h = e.spacing;
     let ends_within = |point: usize, reach: f64| {
@@ -188,13 +259,16 @@ fn site(e: &Extraction, point: usize) -> f64 {
     SITE_SPACINGS * e.spacing + e.radius_at(point)
 }
 
+/// The features of [`rivals`].
+const RIVALS: [&str; 7] = ["cost_rank", "cost_margin", "cost_mutual", "site_rank", "site_margin", "pair_rank", "ends_in_cone"];
+
 /// Of each candidate of one search what the others for the same places cost: how many branches cost less from the child; cost less that of the best other branch, in
 /// [-2, 2]; whether both free ends prefer each other's branch; the fragments with a cheaper candidate to the same place; cost less that of the
 /// best of them, in [-2, 2]; cheaper pairs of points between the same two fragments; and free ends of other fragments that are nearer and no further
 /// off the course. Numbers are at most 8, and beyond the first 6.
-pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<[f64; 7]> {
+pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate], costs: &[f64]) -> Vec<[f64; RIVALS.len()]> {
     let costs: Vec<f64> = costs.iter().map(|c| steady(*c)).collect();
-    let mut out = vec![[0.0; 7]; candidates.len()];
+    let mut out = vec![[0.0; RIVALS.len()]; candidates.len()];
     let few = |count: usize| (count as f64).min(6.0);
     let of_end = rows_by_end(e, candidates);
     // Per free end the branches that are cheapest from it.

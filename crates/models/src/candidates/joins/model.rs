@@ -6,6 +6,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use super::features::{SECOND_FEATURES, join_feature_names};
+use super::image::features::image_feature_names;
 use willis_core::error::Fault;
 use willis_core::support::boosted_trees::{Boosted, check_features};
 use willis_core::support::calibration::Calibration;
@@ -22,19 +23,6 @@ const HEADING: &str = "\
 # figures: cross-validated by subject: average precision over all right connections (mean over cases), precision and
 # recall of what is kept, calibration error, sum of P against right pairs.
 ";
-
-/// What the image stage sees, by name in one text; `score` is that of the second pass.
-const IMAGE_FEATURES: &str = "\
-    score score_margin_near score_margin_far log_gap_spacings log_gap_widths noise typical_contrast dimmer_end step_of_ends \
-    line_least line_quarter line_mean line_noise_mean line_ring_least line_ring_mean line_inside path_cost path_cost_least \
-    path_least path_quarter path_mean path_noise_least path_noise_quarter path_noise_mean path_ring_least path_ring_quarter \
-    path_ring_mean path_ring_noise path_tortuosity path_inside path_widest_dip met_rank met_cost met_margin cost_margin_near \
-    cost_margin_far contrast_margin_near contrast_margin_far";
-
-/// The names of what the image stage sees, in their order.
-pub fn image_feature_names() -> Vec<&'static str> {
-    IMAGE_FEATURES.split(' ').collect()
-}
 
 /// What tells the file of a join model from that of another one.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]

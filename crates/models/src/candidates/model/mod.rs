@@ -151,9 +151,10 @@ impl CandidateTable {
             let mut gaps: Vec<f64> = across().map(|c| c.gap(extraction)).collect();
             gaps.sort_unstable_by(f64::total_cmp);
             let most = willis_core::network::units::millimetres(gaps[gaps.len() / 2]);
-            let pairs = format!("{} pairs may be joined", links.len());
-            let given =
-                format!("{count}, of which {pairs}: by way of others, more than {MOST_PAIRS} pairs depend on one another");
+            let given = format!(
+                "{count}, of which {} pairs may be joined: by way of others, more than {MOST_PAIRS} pairs depend on one another",
+                links.len()
+            );
             let fewer = format!("give `max_gap` below {most:.3} mm, which half of the candidates are, or `prior=none`");
             return Err(Error::parameter("fragments", given, format!("evidence takes fewer: {fewer}")));
         }
