@@ -53,9 +53,18 @@ impl<'a> Follower<'a> {
 
     /// Keeps what is finished in the folder where the output is being made.
     pub fn keeping(terminal: TextTerminal, interval: Interval, folder: &'a StagedFolder, command: &str) -> Self {
-        let (file, command, start) = (PathBuf::new(), command.to_owned(), Instant::now());
-        let (last, cost, kept, failed) = (None, Duration::ZERO, 0, false);
-        let keeper = Keeper { interval, terminal, folder, file, command, start, last, cost, kept, failed };
+        let keeper = Keeper {
+            interval,
+            terminal,
+            folder,
+            file: PathBuf::new(),
+            command: command.to_owned(),
+            start: Instant::now(),
+            last: None,
+            cost: Duration::ZERO,
+            kept: 0,
+            failed: false,
+        };
         Self { keeper: Some(keeper), ..Self::new(terminal) }
     }
 

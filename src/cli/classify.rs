@@ -70,7 +70,9 @@ impl ClassifyArgs {
         let folder = StagedFolder::new(&self.output, force)?;
         phenotype.write(&folder.path(), &name_of(&input))?;
         folder.commit()?;
-        self.json.then(|| print_json(&phenotype.json)).transpose()?;
+        if self.json {
+            print_json(&phenotype.json)?;
+        }
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }

@@ -114,7 +114,9 @@ fn file_of(subject: &Subject) -> PathBuf {
 pub fn check_files(subject: &Subject, others: Vec<PathBuf>) -> Result<()> {
     let input = file_of(subject);
     // A folder without a graph is no run, which is said when it is read.
-    (is_there(&input) || !subject.input.is_dir()).then(|| open_regular(&input)).transpose()?;
+    if is_there(&input) || !subject.input.is_dir() {
+        open_regular(&input)?;
+    }
     companion_files(&input).into_iter().chain(others).try_for_each(|path| open_regular(&path).map(drop))
 }
 

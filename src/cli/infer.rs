@@ -163,7 +163,9 @@ impl InferArgs {
         };
         StagedFolder::check(&self.output, force)?;
         let records_failure = work.args.sampling.record_failure;
-        records_failure.then(|| work.args.reading.shared()).transpose()?;
+        if records_failure {
+            work.args.reading.shared()?;
+        }
         let records = match work.one(&input, &self.output, terminal, force) {
             Err(error) if records_failure && Failure::is_of_input(&error) => {
                 let error = with_flags(&error);
@@ -172,7 +174,9 @@ impl InferArgs {
             }
             made => made?,
         };
-        work.args.json.then(|| records.iter().try_for_each(print_json)).transpose()?;
+        if work.args.json {
+            records.iter().try_for_each(print_json)?;
+        }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }

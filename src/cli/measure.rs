@@ -114,7 +114,9 @@ impl MeasureArgs {
             terminal.say("readers", format!("{} of {} alike, {kappa}", found.alike, plural(found.count, "decision")));
         }
         self.write(&rows, measured.iter().flatten(), comparison, read.as_deref(), force)?;
-        self.json.then(|| row_records(&rows).iter().try_for_each(print_json)).transpose()?;
+        if self.json {
+            row_records(&rows).iter().try_for_each(print_json)?;
+        }
         terminal.say("written", format!("{}: {}", self.output.display(), plural(rows.len(), "subject")));
         failed(rows.iter().filter(|row| row.figures.is_err()).count(), rows.len())
     }

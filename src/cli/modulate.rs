@@ -93,7 +93,9 @@ impl ModulateArgs {
             return Err(Error::Stopped { done: total, total });
         }
         folder.commit()?;
-        self.json.then(|| print_json(&run.record())).transpose()?;
+        if self.json {
+            print_json(&run.record())?;
+        }
         terminal.say("written", self.output.display().to_string());
         Ok(())
     }

@@ -82,7 +82,9 @@ impl SimulateArgs {
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
         say_simulated(terminal, &run);
         terminal.notes(&run.save(&self.output, force, &save)?);
-        self.json.then(|| print_json(&run.record())).transpose()?;
+        if self.json {
+            print_json(&run.record())?;
+        }
         terminal.say("written", format!("{} in {:.1} s", self.output.display(), start.elapsed().as_secs_f64()));
         Ok(())
     }

@@ -116,6 +116,10 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
     let unequal = options.scale.spacing.filter(|[x, y, z]| !format.is_mask() && (x != y || y != z));
     notes.extend(unequal.map(|[x, y, z]| format!("unequal spacing {x}, {y}, {z} mm: radii are scaled by the smallest")));
     let mut made = content.into_network(options.radius_rule, options.default_radius).map_err(|fault| fault.in_file(file))?;
+    if let Some(run) = run.as_ref().filter(|run| !run.fits(&made.network)) {
+        let found = "arteries, or nodes with conditions, that are not of the graph that was sampled";
+        return Err(Fault::file(found, "expected it unedited").in_file(&run.graph.with_file_name(RECORD)));
+    }
     notes.append(&mut made.notes);
     let is_graph = contents == Contents::Graph;
     // Edges that a run pruned, as the table of its edges says by `kept`, are left out.
@@ -208,9 +212,19 @@ impl Input {
     pub fn from_network(network: Network) -> Self {
         let is_fragments = network.vessels().all(|(_, vessel)| vessel.origin == Origin::Observed);
         let contents = if is_fragments { Contents::Vessels } else { Contents::Graph };
-        let (provenance, options, started) = (Provenance::default(), ReadOptions::default(), Instant::now());
-        let (format, run, lines, lumen, is_topcow) = (None, None, None, None, false);
-        Self { network, contents, format, is_fragments, provenance, options, run, started, lines, lumen, is_topcow }
+        Self {
+            network,
+            contents,
+            format: None,
+            is_fragments,
+            provenance: Provenance::default(),
+            options: ReadOptions::default(),
+            run: None,
+            started: Instant::now(),
+            lines: None,
+            lumen: None,
+            is_topcow: false,
+        }
     }
 
     /// The same, with the command line that repeats its run.
@@ -302,6 +316,12 @@ impl StoredRun {
         let landmarks = text(&record["parameters"]["landmarks"]["sha256"]);
         let (graph, input_sha256) = (folder.join(GRAPH), text(&record["input"]["sha256"]).unwrap_or_default());
         Ok(Self { graph, options, samples, given, landmarks, named, input_sha256, sha256 })
+    }
+
+    /// Whether its arteries and conditions may be those of a graph, by the numbers of its vessels and nodes.
+    fn fits(&self, graph: &Network) -> bool {
+        self.named.as_ref().is_none_or(|found| found.circle.fits(graph))
+            && self.given.iter().all(|node| *node < graph.node_count())
     }
 
     /// Per vessel of the graph whether the run kept it.

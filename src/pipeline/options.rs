@@ -75,8 +75,16 @@ impl InferOptions {
         let candidates = CandidateOptions { attach: Attach::Ends, radius: CandidateRadius::Mean, ..CandidateOptions::default() };
         let boundary = BoundaryOptions { found_outlets: Some(FoundOutlets::Ground), ..BoundaryOptions::default() };
         let sampling = SamplingOptions { uncertain: Uncertain::All, ..SamplingOptions::default() };
-        let (preset, prior, keep, cut) = (Preset::Paper, Some(Prior::Uniform), Some(Keep::Median), Cut::Never);
-        Self { preset, candidates, prior, cut, boundary, sampling, keep, ..Self::default() }
+        Self {
+            preset: Preset::Paper,
+            candidates,
+            prior: Some(Prior::Uniform),
+            boundary,
+            sampling,
+            keep: Some(Keep::Median),
+            cut: Cut::Never,
+            ..Self::default()
+        }
     }
 
     /// Checks every field that can be checked without an input.
@@ -211,9 +219,18 @@ pub enum PulseMean {
 
 impl Default for PulseOptions {
     fn default() -> Self {
-        let (waveforms, period, mean, wall, wall_viscosity) = (Vec::new(), None, None, None, 0.0);
-        let (time_constant, friction, density) = (Some(Windkessel::TIME_CONSTANT), Friction::default(), BLOOD_DENSITY);
-        Self { waveforms, period, mean, harmonics: 40, wall, wall_viscosity, time_constant, friction, density, times: 100 }
+        Self {
+            waveforms: Vec::new(),
+            period: None,
+            mean: None,
+            harmonics: 40,
+            wall: None,
+            wall_viscosity: 0.0,
+            time_constant: Some(Windkessel::TIME_CONSTANT),
+            friction: Friction::default(),
+            density: BLOOD_DENSITY,
+            times: 100,
+        }
     }
 }
 
@@ -320,7 +337,9 @@ impl PhenotypeOptions {
     ///
     /// A file that cannot be read, or is not what it should be.
     pub(crate) fn check_files(&self) -> Result<()> {
-        self.frequencies.is_some().then(|| self.prior()).transpose()?;
+        if self.frequencies.is_some() {
+            self.prior()?;
+        }
         self.arteries.is_some().then(|| self.models()).transpose().map(drop)
     }
 

@@ -224,7 +224,9 @@ pub fn nothing_built(graph: &Network, options: &CandidateOptions) -> Option<&'st
 ///
 /// Names the option, its value and what it goes with; a named file that cannot be read.
 fn refuse_unused(input: &Input, options: &InferOptions, cuts: Option<&Cuts>) -> Result<Vec<String>> {
-    (!input.is_fragments).then(|| refuse_on_ready_graph(options)).transpose()?;
+    if !input.is_fragments {
+        refuse_on_ready_graph(options)?;
+    }
     let is_cut = matches!(options.cut, Cut::Always | Cut::File(_));
     let can_be_cut = input.network.has_positions();
     require(!is_cut || can_be_cut, "cut", options.cut.to_string(), "goes with vessels whose nodes have positions")?;

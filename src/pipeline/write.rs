@@ -66,7 +66,9 @@ pub fn stage_target(network: &Network, target: &Target, staged: &mut StagedFiles
         Error::Write { source, .. } if source.kind() == io::ErrorKind::InvalidInput => refusal(target, &source),
         other => other,
     })?;
-    (!written.loops.is_empty()).then(|| staged.write(&target.loops(), |out| write_loops(out, &written.loops))).transpose()?;
+    if !written.loops.is_empty() {
+        staged.write(&target.loops(), |out| write_loops(out, &written.loops))?;
+    }
     for (number, id) in written.inlets.iter().enumerate() {
         if let Some(wave) = target.setting.courses.get(id) {
             staged

@@ -271,3 +271,23 @@ fn in_the_files_of_a_topology_every_vessel_is_kept() {
         assert!(network.vessels().all(|(_, vessel)| vessel.kept == Some(true)), "{file}");
     }
 }
+
+/// Arteries that an edited record states are checked: they were looked up in the graph as they stood.
+#[test]
+fn arteries_of_another_graph_in_a_record_are_refused() {
+    let here = folder();
+    let run = willis(here.path(), &["infer", &data("scan.nii.gz"), "--landmarks", "auto", "-n", "64", "-o", "run", "-q"]);
+    assert!(run.status.success(), "{}", stderr(&run));
+    let path = here.path().join("run/run.json");
+    let mut record = json(&path);
+    let node = &mut record["named"]["circle"]["location"]["Nodes"]["a2"][0];
+    assert!(node.is_u64(), "{node}");
+    *node = 99_999.into();
+    fs::write(&path, record.to_string()).expect("written");
+    for command in ["classify", "measure"] {
+        let refused = willis(here.path(), &[command, "run", "-o", "out"]);
+        assert_eq!(refused.status.code(), Some(2), "{}", stderr(&refused));
+        assert!(stderr(&refused).contains("run.json: arteries"), "{}", stderr(&refused));
+        assert!(!here.path().join("out").exists());
+    }
+}

@@ -331,6 +331,30 @@ fn a_wide_pcomm_makes_a_fetal_artery() {
     assert_eq!(words, "complete circle, right fetal-type PCA, partial (PComm wider than P1)");
 }
 
+/// Where one P1 is absent the other one is measured all the same, on either side: the radius is that of the drawing.
+#[test]
+fn a_p1_is_measured_where_the_other_is_absent() {
+    for (absent, other) in [("L-P1", "R-P1"), ("R-P1", "L-P1")] {
+        for (radius, fetal) in [(0.8, true), (2.0, false)] {
+            let edges: Vec<Edge> = without(&[absent]);
+            let network = network(&with_radii(&edges, &[(other, radius), ("L-PComm", 1.0), ("R-PComm", 1.0)]));
+            let found = marked(&landmarks(&ENDS)).expect("landmarks");
+            let circle = Circle::at(&network, &found).expect("a circle").0;
+            let diameters = segment_diameters(&circle, &network, |_| true);
+            let of = |name: &str| diameters[RING.iter().position(|segment| segment.to_string() == name).expect("a segment")];
+            assert_eq!(of(absent), None);
+            assert!(
+                of(other).is_some_and(|diameter| (diameter - metres(2.0 * radius)).abs() < 1e-12),
+                "{other}: {:?}",
+                of(other)
+            );
+            // Of the absent one PComm is all that feeds P2.
+            let expected = if absent == "L-P1" { [true, fetal] } else { [fetal, true] };
+            assert_eq!(circle.variant(&network, |_| true).fetal, expected, "{other} {radius}");
+        }
+    }
+}
+
 #[test]
 fn two_channels_are_a_fenestration_and_the_ring_is_none() {
     let row = |label: &str| ["L-A1", "AComm", "R-A1", "L-P1", "R-P1"].iter().position(|name| *name == label).expect("a segment");

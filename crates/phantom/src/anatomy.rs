@@ -45,6 +45,7 @@ impl Anatomy {
 
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["circle-of-willis", "cerebral", "tree", "arterial", "capillary"][self as usize]
     }
 

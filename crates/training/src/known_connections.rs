@@ -190,6 +190,7 @@ pub fn found(right: impl IntoIterator<Item = Match>) -> usize {
     right.into_iter().filter(joiner()).count()
 }
 
+/// The true connections as JSON: links between pieces as `gapbench` writes them, or the breaks of `willis phantom --break`.
 #[derive(Deserialize)]
 struct TruthFile {
     subject: Option<String>,

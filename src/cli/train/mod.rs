@@ -47,7 +47,9 @@ impl TrainArgs {
         let terminal = output.terminal;
         let Cases { cases: all, notes } = read_cases(&self.cases, Model::Tracing)?;
         say_notes(terminal, &notes, "case");
-        (self.folds > 0).then(|| check_folds(&all, self.folds)).transpose()?;
+        if self.folds > 0 {
+            check_folds(&all, self.folds)?;
+        }
         let others = read_cases(&self.calibrate_with, Model::Tracing)?;
         say_notes(terminal, &others.notes, "case");
         let calibrating = CandidateExample::measure(others.cases.iter(), true)?;

@@ -35,7 +35,9 @@ pub(super) fn run<M: TreeModel>(args: &TrainArgs, output: &Output) -> Result<()>
     let Cases { cases, notes } = read_cases(&args.cases, M::Seen::KIND)?;
     say_notes(terminal, &notes, "case");
     let onto = args.images_onto.as_ref().map(|path| model_for_images::<M>(path, &cases)).transpose()?;
-    (args.folds > 0).then(|| check_folds(&cases, args.folds)).transpose()?;
+    if args.folds > 0 {
+        check_folds(&cases, args.folds)?;
+    }
     let examples = M::Seen::measure(&cases)?;
     for of_set in examples.chunk_by(|a, b| a.case().data_set == b.case().data_set) {
         let (data_set, held) = (&of_set[0].case().data_set, M::say_read(of_set));

@@ -347,6 +347,7 @@ impl fmt::Display for Class {
 impl Reading {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["increment", "conductance", "literal", "geometry"][self as usize]
     }
 

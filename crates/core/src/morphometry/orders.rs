@@ -100,8 +100,8 @@ fn raised(ways: &InletWays, rises: impl Fn(usize, usize) -> bool) -> Vec<Option<
     // The farthest first.
     for row in ways.reached.iter().rev().flat_map(|node| ways.leaving[*node].iter().copied()) {
         let end = ways.lines[row].ends[1];
-        let children = ways.leaving[end].iter().filter(|_| ways.arrives_by[end] == Some(row));
-        let of: Vec<usize> = children.filter_map(|child| order[*child]).collect();
+        let children: &[usize] = if ways.arrives_by[end] == Some(row) { &ways.leaving[end] } else { &[] };
+        let of: Vec<usize> = children.iter().filter_map(|child| order[*child]).collect();
         let most = of.iter().copied().max();
         order[row] = Some(most.map_or(1, |most| {
             let several = of.iter().filter(|order| **order == most).count() > 1;

@@ -314,6 +314,7 @@ pub struct Contraction {
 impl RadiusRule {
     /// The word on the command line and in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["mean", "effective"][self as usize]
     }
 

@@ -158,12 +158,18 @@ impl LengthUnit {
 
     /// The unit's usual abbreviation.
     pub fn symbol(self) -> &'static str {
+        // In the order of the variants.
         ["mm", "um", "cm", "m", "voxel"][self as usize]
     }
 
     /// Its length, mm; of a voxel 1.
     pub fn mm(self) -> f64 {
-        [1.0, 1e-3, 10.0, 1e3, 1.0][self as usize]
+        match self {
+            Self::Millimetre | Self::Voxel => 1.0,
+            Self::Micrometre => 1e-3,
+            Self::Centimetre => 10.0,
+            Self::Metre => 1e3,
+        }
     }
 }
 

@@ -71,6 +71,7 @@ pub enum Origin {
 impl Origin {
     /// The word in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["observed", "candidate", "contact"][self as usize]
     }
 }
@@ -306,6 +307,7 @@ pub enum Role {
 impl Role {
     /// The word in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["inlet", "outlet", "inner"][self as usize]
     }
 

@@ -28,6 +28,7 @@ impl Uncertain {
 
     /// The word in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["candidates", "all"][self as usize]
     }
 
@@ -56,6 +57,7 @@ impl Weight {
 
     /// The word in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["resilience", "count", "global"][self as usize]
     }
 

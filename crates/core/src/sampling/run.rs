@@ -1,7 +1,7 @@
 //! The sampling run: worker threads compute fixed blocks of samples, which are summed over the dyadic tree of block indices.
 //!
-//! It finds block by block which vessels are open, then flow, resilience and forest by the plan. It allocates nothing after its
-//! first block; only an enumeration of equal vessels does.
+//! A worker finds block by block which vessels are open, then flow, resilience and forest by the plan. For these it allocates nothing
+//! after its first block; only an enumeration of equal vessels does.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};

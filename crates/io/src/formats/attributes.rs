@@ -305,7 +305,7 @@ fn path(item: &Item, nodes: [&Node; 2]) -> Result<Vec<PathPoint>, Fault> {
     Ok(path)
 }
 
-/// The texts of all items under the names of their attributes.
+/// The texts of all items under the names of their attributes, in one buffer: a graph has millions of nodes and edges.
 #[derive(Default)]
 pub(crate) struct Records {
     /// The names of the attributes by number; none for those that are not read.

@@ -1,4 +1,5 @@
-//! Writes a network with its conditions for solvers in time: openBF (one-dimensional) and svZeroDSolver (lumped).
+//! Writes a network with its conditions for solvers in time: openBF (one-dimensional; YAML, each vessel as an elastic tube, in SI units) and
+//! svZeroDSolver (lumped; JSON, each vessel as a resistance, an inertance and a compliance, in cm, g and s).
 
 use std::collections::{BTreeMap, HashMap, VecDeque, hash_map::Entry};
 use std::io::{self, Write};
@@ -337,7 +338,7 @@ fn number_of(x: f64) -> String {
     format!("{digits}{point}e{sign}{exponent}")
 }
 
-/// Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
+/// The units of svZeroDSolver: Pa in dyn/cm², m³ in cm³, Pa s/m³ in dyn s/cm⁵, m³/Pa in cm⁵/dyn.
 const PRESSURE: f64 = 10.0;
 const VOLUME: f64 = 1e6;
 const RESISTANCE: f64 = 1e-5;

@@ -2,10 +2,10 @@
 
 use std::{collections::VecDeque, ops::Range};
 
+use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Serialize};
 
 use super::{Foreground, Mask, distances, indices_of};
-use willis_core::{network::Fragments, support::numbered::grouped};
 
 /// What is done with the cavities of a mask, and with its specks. Thinning keeps a cavity as a closed surface, of which the skeleton makes
 /// dozens of loops.
@@ -84,7 +84,7 @@ impl Mask {
             }
         }
         first_of_line.push(runs.len());
-        let mut touching = Vec::new();
+        let mut parts: UnionFind<usize> = UnionFind::new(runs.len());
         for line in 0..y * z {
             // The lines beside this one that came before.
             let beside = [(line % y > 0).then(|| line - 1), line.checked_sub(y)];
@@ -94,17 +94,26 @@ impl Mask {
                 while a < first_of_line[line + 1] && b < first_of_line[other + 1] {
                     let (here, there) = (&runs[a].voxels, &runs[b].voxels);
                     if here.start < there.end + apart && there.start + apart < here.end {
-                        touching.push([a, b]);
+                        parts.union(a, b);
                     }
                     if here.end <= there.end + apart { a += 1 } else { b += 1 }
                 }
             }
         }
-        let parts = Fragments::over(runs.len(), touching.into_iter());
-        let is_outside = parts.holding((0..runs.len()).filter(|run| runs[*run].is_outside));
-        let inside = runs.into_iter().zip(parts.of_node).zip(is_outside).filter(|(_, is_outside)| !is_outside);
-        let mut found = grouped(parts.count, inside.flat_map(|((run, part), _)| run.voxels.map(move |voxel| (part, voxel))));
-        found.retain(|cavity| !cavity.is_empty());
+        let labels = parts.into_labeling();
+        let mut is_outside = vec![false; runs.len()];
+        for (run, label) in runs.iter().zip(&labels) {
+            is_outside[*label] |= run.is_outside;
+        }
+        let mut row_of = vec![usize::MAX; runs.len()];
+        let mut found: Vec<Vec<usize>> = Vec::new();
+        for (run, label) in runs.iter().zip(&labels).filter(|(_, label)| !is_outside[**label]) {
+            if row_of[*label] == usize::MAX {
+                row_of[*label] = found.len();
+                found.push(Vec::new());
+            }
+            found[row_of[*label]].extend(run.voxels.clone());
+        }
         found
     }
 

@@ -229,7 +229,8 @@ impl StagedFiles {
     }
 }
 
-/// The files beside a main file that is not there yet.
+/// The files beside a main file that is not there yet, which a killed command put in their places: the same command replaces them without being
+/// told to.
 #[derive(Debug)]
 struct PartialSet {
     place: PathBuf,

@@ -44,9 +44,10 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
         };
         // With one name at most, and of the user of the folder.
         let is_of_one_user = |about: &Metadata| {
-            cfg!(not(unix)) || fs::symlink_metadata(folder).is_ok_and(|folder| facts(&folder)[2] == facts(about)[2])
+            cfg!(not(unix))
+                || fs::symlink_metadata(folder).is_ok_and(|folder| FileFacts::of(&folder).user == FileFacts::of(about).user)
         };
-        if !file.metadata().is_ok_and(|about| about.is_file() && facts(&about)[3] <= 1 && is_of_one_user(&about)) {
+        if !file.metadata().is_ok_and(|about| about.is_file() && FileFacts::of(&about).names <= 1 && is_of_one_user(&about)) {
             return Err(foreign(&path, target));
         }
         match file.try_lock() {
@@ -76,7 +77,8 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
 pub fn is_own_folder(path: &Path) -> bool {
     let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let probe = || tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
-    let is_own = |about: &Metadata| cfg!(not(unix)) || probe().is_ok_and(|probe| facts(&probe)[2] == facts(about)[2]);
+    let is_own =
+        |about: &Metadata| cfg!(not(unix)) || probe().is_ok_and(|probe| FileFacts::of(&probe).user == FileFacts::of(about).user);
     fs::symlink_metadata(path).is_ok_and(|about| about.is_dir() && is_own(&about))
 }
 
@@ -114,21 +116,29 @@ fn open(path: &Path) -> io::Result<File> {
 
 /// The device and the number of a file, which stay when it is renamed.
 pub fn identity(about: &Metadata) -> [u64; 2] {
-    let [device, number, ..] = facts(about);
-    [device, number]
+    FileFacts::of(about).identity
 }
 
-/// The device and the number of a file, the user that it belongs to, and how many names it has: under a second one it may be another user's or
-/// another program's; one that was just removed has none.
-#[cfg(unix)]
-fn facts(about: &Metadata) -> [u64; 4] {
-    use std::os::unix::fs::MetadataExt;
-    [about.dev(), about.ino(), about.uid().into(), about.nlink()]
+/// What a system says of a file.
+struct FileFacts {
+    /// Its device and its number; its size and its time, which stay too, where a system does not say.
+    identity: [u64; 2],
+    /// The user that it belongs to.
+    user: u64,
+    /// How many names it has: under a second one it may be another user's or another program's; one that was just removed has none.
+    names: u64,
 }
 
-/// Its size and its time, which stay too, and what other systems do not say.
-#[cfg(not(unix))]
-fn facts(about: &Metadata) -> [u64; 4] {
-    let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
-    [about.len(), time.map_or(0, |time| time.as_nanos() as u64), 0, 1]
+impl FileFacts {
+    #[cfg(unix)]
+    fn of(about: &Metadata) -> Self {
+        use std::os::unix::fs::MetadataExt;
+        Self { identity: [about.dev(), about.ino()], user: about.uid().into(), names: about.nlink() }
+    }
+
+    #[cfg(not(unix))]
+    fn of(about: &Metadata) -> Self {
+        let time = about.modified().ok().and_then(|time| time.duration_since(std::time::UNIX_EPOCH).ok());
+        Self { identity: [about.len(), time.map_or(0, |time| time.as_nanos() as u64)], user: 0, names: 1 }
+    }
 }

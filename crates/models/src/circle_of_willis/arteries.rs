@@ -253,6 +253,7 @@ pub enum Completeness {
 impl Completeness {
     /// Its name in files.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["complete", "anterior complete", "posterior complete", "incomplete"][self as usize]
     }
 }
@@ -308,6 +309,7 @@ impl Variant {
 
     /// Its description: `complete anterior part, left fetal-type PCA, R-PComm absent`.
     pub fn words(&self) -> String {
+        // In the order of the variants of `Completeness`; the last one has no part.
         let complete = ["circle", "anterior part", "posterior part"].get(self.completeness() as usize);
         let mut words: Vec<String> = complete.into_iter().map(|part| format!("complete {part}")).collect();
         for side in BodySide::BOTH {

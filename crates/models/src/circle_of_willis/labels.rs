@@ -77,6 +77,7 @@ const FILLERS: [&str; 22] = [
 impl LabelScheme {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
+        // In the order of the variants.
         ["names", "icafe", "topcow"][self as usize]
     }
 

@@ -236,7 +236,7 @@ fn spread(tables: &StateTables, state: AtlasState, shares: &[(isize, f64)], mut 
 
 /// Makes the sum one, but that of nothing.
 fn normalise(row: &mut [f64]) {
-    if row.iter().any(|p| *p > 0.0) {
+    if row.iter().sum::<f64>() > 0.0 {
         algebra::normalise(row);
     }
 }

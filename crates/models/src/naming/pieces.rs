@@ -36,6 +36,7 @@ pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64],
             features[nodes.piece[n]][column] += values(n) * length[n] / total[nodes.piece[n]];
         }
     };
+    // Position, direction and radius, each alone.
     for (k, parts) in UNIT.into_iter().enumerate() {
         let e = case.emission(pose, &atlas.position, parts);
         let ratio = |n: usize| {

@@ -92,8 +92,8 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
             let [x, y] = seen(p, view);
             [centre[0] + scale * (x - middle[0]), centre[1] - scale * (y - middle[1])]
         };
-        for (_, path, width, rgb) in pieces(&vessels, view, scale, place) {
-            sheet.stroke(path, LineStyle::Tube, width, rgb, 1.0);
+        for one in pieces(&vessels, view, scale, place) {
+            sheet.stroke(one.path, LineStyle::Tube, one.width, one.rgb, 1.0);
         }
         let centres: Vec<SheetPlace> = rings.iter().map(|Ring { place: [x, y, z], .. }| place(&[*x, *y, *z, 0.0])).collect();
         ringed(&mut sheet, &centres, rings);
@@ -114,8 +114,13 @@ pub fn summary(title: &str, words: [&str; 2], mut vessels: Vec<DrawnVessel>, rin
     Figure::new(willis_io::output::names::SUMMARY_PICTURE, PAGE, sheet)
 }
 
-/// A piece of a vessel on the page: how near it is, its course, its width and its colour.
-type DrawnPiece = (f64, Vec<SheetPlace>, f64, Rgb);
+/// A piece of a vessel on the page: how near it is, its course, and how it is drawn.
+struct DrawnPiece {
+    near: f64,
+    path: Vec<SheetPlace>,
+    width: f64,
+    rgb: Rgb,
+}
 
 /// Draws rings around places of the page, each with its number where fewest other rings and numbers are.
 fn ringed(sheet: &mut Sheet, centres: &[SheetPlace], rings: &[Ring]) {
@@ -183,10 +188,10 @@ fn pieces(vessels: &[DrawnVessel], view: &Projection, scale: f64, place: impl Fn
             let share_near = ((at - far) / (near - far).max(1e-9)).clamp(0.0, 1.0);
             let width = (2.0 * share * scale * mean(&|p| p[3])).max(thin);
             let rgb = if vessel.certain { mixed(DEPTHS[0], DEPTHS[1], share_near) } else { own };
-            (order + at, part.iter().map(&place).collect(), width, rgb)
+            DrawnPiece { near: order + at, path: part.iter().map(&place).collect(), width, rgb }
         }));
     }
-    all.sort_by(|a: &DrawnPiece, b| a.0.total_cmp(&b.0));
+    all.sort_by(|a, b| a.near.total_cmp(&b.near));
     all
 }
 

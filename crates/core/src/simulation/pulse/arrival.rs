@@ -87,7 +87,8 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
-    /// Follows the wave from each drive with the speed c₀ of the vessels between `ends`, over pressures of nodes and, after them, of the middles of vessels.
+    /// Follows the wave from each drive with the speed c₀ of the vessels between `ends`, over pressures of nodes and, after them, of the
+    /// middles of vessels.
     ///
     /// A signal may have several rises: its own, those of other inlets, and those that come back. The foot is that which lies nearest to where
     /// the wave from upstream is expected, and not before the one upstream; upstream is where the wave comes from first.

@@ -10,7 +10,7 @@ use super::womersley::{Fluid, TubeSegment};
 use crate::flow::{Boundary, Tube, WallLaw};
 use crate::network::{Condition, Network, Windkessel, waveform::Quantity};
 use crate::simulation::{Change, Perturbation};
-use crate::{error::Result, support::grouped};
+use crate::{error::Result, perturbation::StretchPlace, support::grouped};
 
 /// What drives a node at every harmonic but 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,8 +87,11 @@ pub fn walled(network: &Network, tubes: &[Tube], changes: &[Perturbation], law: 
             Some(stenosis) => {
                 let stretch = stenosis.stretch.unwrap_or(length).min(length);
                 let rest = length - stretch;
-                // At the start, in the middle, or at the end.
-                let before = rest * [0.0, 0.5, 1.0][stenosis.place as usize];
+                let before = match stenosis.place {
+                    StretchPlace::Start => 0.0,
+                    StretchPlace::Middle => rest / 2.0,
+                    StretchPlace::End => rest,
+                };
                 let all = [segment(before, 1.0)?, segment(stretch, stenosis.open_diameter)?, segment(rest - before, 1.0)?];
                 all.into_iter().filter(|segment| segment.length > 0.0).collect()
             }

@@ -96,7 +96,7 @@ impl MetaHeader {
         }
         let (_, word) = self.fields.needed("ElementType")?;
         let accepted = "expected MET_UCHAR, MET_SHORT, MET_FLOAT or another type of number";
-        let (kind, size) = number_type(|row| row.3.split('|').any(|known| known == word))
+        let (kind, size) = number_type(|(.., of_metaimage, _)| of_metaimage.split('|').any(|known| known == word))
             .ok_or_else(|| self.fields.wrong("ElementType", accepted))?;
         self.fields.needed("DimSize")?;
         let shape: Vec<usize> = self.fields.numbers("DimSize", axes, "whole numbers", |_| true)?.unwrap_or_default();

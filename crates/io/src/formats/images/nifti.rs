@@ -200,7 +200,7 @@ impl NiftiHeader<'_> {
         };
         let code = self.whole(layout.datatype, 2);
         let unknown = || Fault::file(format!("voxels of type {code}"), "expected whole or real numbers, one a voxel");
-        let (kind, size) = number_type(|row| row.2 == code).ok_or_else(unknown)?;
+        let (kind, size) = number_type(|(_, _, of_nifti, ..)| *of_nifti == code).ok_or_else(unknown)?;
         let slope = [self.real(layout.offset, 1), self.real(layout.offset, 2)];
         let scaled = slope[0].is_finite() && slope[0] != 0.0;
         let offset = if layout.wide { self.whole(layout.offset, 8) } else { self.real(layout.offset, 0) as i64 };

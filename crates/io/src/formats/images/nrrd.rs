@@ -146,7 +146,7 @@ impl NrrdHeader {
         let (_, word) = self.fields.needed("type")?;
         let wrong = || self.fields.wrong("type", "expected uchar, short, float or another type of number");
         let word = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
-        let (kind, size) = number_type(|row| row.4.split('|').any(|known| known == word)).ok_or_else(wrong)?;
+        let (kind, size) = number_type(|(.., of_nrrd)| of_nrrd.split('|').any(|known| known == word)).ok_or_else(wrong)?;
         let (of_space, sizes, layers) = self.axes()?;
         let (affine, shape) = (self.affine(of_space, sizes.len())?, of_space.map(|axis| sizes[axis]));
         let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };

@@ -151,7 +151,8 @@ struct SlicerSegment {
 /// Voxels of a piece.
 pub(super) const PIECE: usize = 1 << 12;
 
-/// A stream of bytes that are made piece by piece, so that no more than one piece is in memory. `next` puts the following piece into an empty buffer, and nothing at the end.
+/// A stream of bytes that are made piece by piece, so that no more than one piece is in memory. `next` puts the following piece into an empty
+/// buffer, and nothing at the end.
 pub(super) struct Pieces<F> {
     next: F,
     piece: Vec<u8>,

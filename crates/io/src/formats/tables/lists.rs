@@ -33,18 +33,22 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
     let of_end = |[x, y, z]: [&str; 3]| rows.columns([&[x], &[y], &[z]], "the ends of every correct candidate");
     let columns = [of_end(a)?, of_end(b)?];
     let (kept, origin) = (rows.find(&["kept"]), rows.find(&["origin"]));
-    // The column, its name, the word of the rows that count, and those of the others.
-    let words = [
-        (kept, "kept", "1", &["0"][..], "expected 1 or 0"),
-        (origin, "origin", "candidate", &["observed", "contact"], "expected observed, candidate or contact"),
-    ];
     let mut out = Vec::new();
-    'rows: while let Some(row) = rows.row()? {
-        for (column, name, counted, others, accepted) in words {
-            match column.map_or(counted, |column| row.text(column)) {
-                text if text == counted => {}
-                text if others.contains(&text) => continue 'rows,
-                other => return Err(Fault::line(row.line, format!("{name} \"{other}\""), accepted)),
+    while let Some(row) = rows.row()? {
+        if let Some(kept) = kept {
+            match row.text(kept) {
+                "1" => {}
+                "0" => continue,
+                other => return Err(Fault::line(row.line, format!("kept \"{other}\""), "expected 1 or 0")),
+            }
+        }
+        if let Some(origin) = origin {
+            match row.text(origin) {
+                "candidate" => {}
+                "observed" | "contact" => continue,
+                other => {
+                    return Err(Fault::line(row.line, format!("origin \"{other}\""), "expected observed, candidate or contact"));
+                }
             }
         }
         let ends = [row.position(columns[0])?, row.position(columns[1])?].map(|p| p.map(willis_core::network::metres));

@@ -242,10 +242,10 @@ impl Arrays<'_> {
         let count = self.words(&ahead.take(self.word)?)[0];
         let count = usize::try_from(count).map_or(limit, |count| count.min(limit));
         if source.is_separate(self.word) {
-            return ahead.take(count);
+            return ahead.take(count).map(Cow::into_owned);
         }
         // Header and data were encoded together.
-        let mut both = source.take(self.word + count)?;
+        let mut both = source.take(self.word + count)?.into_owned();
         both.drain(..self.word);
         Ok(both)
     }
@@ -291,14 +291,19 @@ impl Arrays<'_> {
 
 /// The type of an array's numbers and the bytes of each.
 fn number_type(array: &Element) -> Result<(NumberType, usize), Fault> {
-    const WIDTHS: [(&str, usize); 4] = [("8", 1), ("16", 2), ("32", 4), ("64", 8)];
-    let name = array.attribute("type");
-    let kinds = [("Int", NumberType::Signed, 0), ("UInt", NumberType::Unsigned, 0), ("Float", NumberType::Real, 2)];
-    let mut types = kinds.into_iter().filter_map(|(word, kind, first)| {
-        let bits = name.strip_prefix(word)?;
-        WIDTHS[first..].iter().find(|(width, _)| *width == bits).map(|(_, size)| (kind, *size))
-    });
-    types.next().ok_or_else(|| fault(array, format!("type \"{name}\""), TYPES))
+    Ok(match array.attribute("type") {
+        "Int8" => (NumberType::Signed, 1),
+        "Int16" => (NumberType::Signed, 2),
+        "Int32" => (NumberType::Signed, 4),
+        "Int64" => (NumberType::Signed, 8),
+        "UInt8" => (NumberType::Unsigned, 1),
+        "UInt16" => (NumberType::Unsigned, 2),
+        "UInt32" => (NumberType::Unsigned, 4),
+        "UInt64" => (NumberType::Unsigned, 8),
+        "Float32" => (NumberType::Real, 4),
+        "Float64" => (NumberType::Real, 8),
+        name => return Err(fault(array, format!("type \"{name}\""), TYPES)),
+    })
 }
 
 fn is_ascii(array: &Element) -> bool {
@@ -322,9 +327,9 @@ struct Source<'a> {
     is_base64: bool,
 }
 
-impl Source<'_> {
+impl<'a> Source<'a> {
     /// The next `count` bytes, which were encoded together.
-    fn take(&mut self, count: usize) -> Result<Vec<u8>, String> {
+    fn take(&mut self, count: usize) -> Result<Cow<'a, [u8]>, String> {
         let short = |has: usize| format!("{has} bytes where {count} should be");
         let (stored, has) = if self.is_base64 {
             (count.div_ceil(3).saturating_mul(4), self.bytes.len() / 4 * 3)
@@ -333,12 +338,15 @@ impl Source<'_> {
         };
         let (now, later) = self.bytes.split_at_checked(stored).ok_or_else(|| short(has))?;
         self.bytes = later;
-        let mut bytes = if self.is_base64 { BASE64.decode(now).map_err(|e| format!("not base64: {e}"))? } else { now.to_vec() };
+        if !self.is_base64 {
+            return Ok(Cow::Borrowed(now));
+        }
+        let mut bytes = BASE64.decode(now).map_err(|e| format!("not base64: {e}"))?;
         if bytes.len() < count {
             return Err(short(bytes.len()));
         }
         bytes.truncate(count);
-        Ok(bytes)
+        Ok(Cow::Owned(bytes))
     }
 
     /// Whether the first `count` bytes were encoded separately: base64 text is then padded within their characters.

@@ -286,8 +286,9 @@ pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]
             let own = best[&e.branch[candidates[*row].point]];
             let rank = in_order.iter().take_while(|(cost, _)| *cost < own).count();
             let other = if rank > 0 { Some(in_order[0].0) } else { in_order.get(1).map(|(cost, _)| *cost) };
-            out[*row][0] = (rank as f64).min(8.0);
-            out[*row][1] = (costs[*row] - other.unwrap_or(own + MOST_MARGIN)).clamp(-MOST_MARGIN, MOST_MARGIN);
+            let [cost_rank, cost_margin, ..] = &mut out[*row];
+            *cost_rank = (rank as f64).min(8.0);
+            *cost_margin = (costs[*row] - other.unwrap_or(own + MOST_MARGIN)).clamp(-MOST_MARGIN, MOST_MARGIN);
         }
     }
     let sites = PointIndex::new(candidates.iter().map(|c| e.position[c.point]).collect());
@@ -304,9 +305,10 @@ pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]
         let cheaper = rivals.iter().filter(|o| costs[**o] < costs[row]).map(|o| e.ends[candidates[*o].end].fragment);
         let site_rank = cheaper.collect::<BTreeSet<usize>>().len();
         let best = rivals.iter().map(|o| costs[*o]).fold(f64::INFINITY, f64::min);
-        let site_margin = (costs[row] - best).clamp(-MOST_MARGIN, MOST_MARGIN);
-        out[row][2..5].copy_from_slice(&[if mutual { 1.0 } else { 0.0 }, few(site_rank), site_margin]);
-        out[row][6] = few(in_cone(e, &courses[c.end], c));
+        let [_, _, cost_mutual, rank, margin, _, ends_in_cone] = &mut out[row];
+        *cost_mutual = if mutual { 1.0 } else { 0.0 };
+        (*rank, *margin) = (few(site_rank), (costs[row] - best).clamp(-MOST_MARGIN, MOST_MARGIN));
+        *ends_in_cone = few(in_cone(e, &courses[c.end], c));
     }
     let pairs = Pairs::new(e, candidates);
     for rows in by_fragments.values() {
@@ -317,7 +319,8 @@ pub fn rivals(e: &Extraction, courses: &[EndCourse], candidates: &[EndCandidate]
         }
         for row in rows {
             let cheaper = cheapest.iter().filter(|(pair, cost)| **pair != pairs.of[*row] && **cost < costs[*row]);
-            out[*row][5] = few(cheaper.count());
+            let [.., pair_rank, _] = &mut out[*row];
+            *pair_rank = few(cheaper.count());
         }
     }
     out

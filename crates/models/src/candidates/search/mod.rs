@@ -226,6 +226,14 @@ fn from_each_end(
     let places: Vec<(Point, f64)> = inner.map(|end| (extraction.position[end.point], reach(end))).collect();
     let spent = AtomicUsize::new(0);
     let is_spent = || spent.load(Ordering::Relaxed) > MOST_POINTS;
+    let check = || {
+        if !is_spent() {
+            return Ok(());
+        }
+        let each = MOST_POINTS / places.len().max(1);
+        let given = format!("{}, with more than {MOST_POINTS} points within their reach, or {each} each", places.len());
+        Err(Error::parameter("free ends", given, "candidates need vessels further apart than the points along them"))
+    };
     // Where they may be too many, they are counted before any is looked at.
     if places.len().saturating_mul(extraction.position.len()) > MOST_POINTS {
         in_order(&places, |_, (place, reach)| {
@@ -233,6 +241,7 @@ fn from_each_end(
                 spent.fetch_add(extraction.index.count(*place, *reach), Ordering::Relaxed);
             }
         });
+        check()?;
     }
     let parts: Vec<&[FreeEnd]> = extraction.ends.chunks(TOGETHER).collect();
     let found = in_order(&parts, |part, ends| {
@@ -253,11 +262,7 @@ fn from_each_end(
         }
         candidates
     });
-    if is_spent() {
-        let each = MOST_POINTS / places.len().max(1);
-        let given = format!("{}, with more than {MOST_POINTS} points within their reach, or {each} each", places.len());
-        return Err(Error::parameter("free ends", given, "candidates need vessels further apart than the points along them"));
-    }
+    check()?;
     Ok(found.concat())
 }
 

@@ -20,6 +20,7 @@ use willis_io::masks::Scene;
 
 /// Pairs with a lower score (log-odds) than this are judged without the image: they would have to be a thousand times as probable.
 const LEAST_SCORE: f64 = -7.0;
+
 /// The candidates of a skeleton in an image.
 pub struct InImage {
     /// Those of the table, then those that only the image shows.
