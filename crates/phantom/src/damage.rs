@@ -5,8 +5,8 @@ use rand_distr::{Distribution, Exp1, Poisson, StandardNormal, UnitSphere};
 
 use super::{check_length, check_pair, check_range};
 use willis_core::error::Result;
+use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::{Network, Role, metres};
-use willis_core::support::arc_lengths::{ArcWalk, arc_lengths};
 use willis_core::support::{Point, distance, grouped, unit};
 
 /// How an extraction differs from the complete network. The defaults give an extraction of average quality.
@@ -117,18 +117,10 @@ impl SampledVessel {
     pub fn at(network: &Network, row: usize, steps: impl FnOnce(f64) -> usize) -> Self {
         let vessel = network.vessel(row);
         let path = network.path_of(row);
-        let arc = arc_lengths(path.iter().map(|point| point.position));
-        let length = arc[arc.len() - 1];
+        let length = length_of(&path);
         let steps = steps(length);
-        let mut walk = ArcWalk::new(&arc);
-        let points: Vec<_> = (0..=steps)
-            .map(|i| {
-                let (at, share) = walk.to(length * i as f64 / steps as f64);
-                let to = path[at + 1];
-                let point = path[at].towards(to, if i == steps { 1.0 } else { share });
-                (if i == steps { to.position } else { point.position }, point.radius)
-            })
-            .collect();
+        let places = at_even_steps(&path, steps).into_iter().map(|place| place.on(&path));
+        let points = places.map(|point| (point.position, point.radius)).collect();
         Self { step: length / steps as f64, radius: vessel.radius, pieces: vec![[0, steps]], points }
     }
 

@@ -1,7 +1,10 @@
 //! Places along a path, between its points too, and paths at even steps.
 
 use super::PathPoint;
-use crate::support::{arc_lengths::arc_lengths, distance};
+use crate::support::{
+    arc_lengths::{ArcWalk, arc_lengths},
+    distance,
+};
 
 /// A place on a path: a share of the way from one of its points to the next.
 #[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
@@ -32,17 +35,13 @@ pub fn length_of(path: &[PathPoint]) -> f64 {
 pub fn at_even_steps(path: &[PathPoint], steps: usize) -> Vec<PathPlace> {
     let arc = arc_lengths(path.iter().map(|point| point.position));
     let length = arc[arc.len() - 1];
-    let mut at = 0;
+    let mut walk = ArcWalk::new(&arc);
     let place = |number: usize| {
         if number == steps {
             return PathPlace { point: path.len() - 1, share: 0.0 };
         }
-        let s = length * number as f64 / steps as f64;
-        while at + 2 < arc.len() && arc[at + 1] <= s {
-            at += 1;
-        }
-        let share = if arc[at + 1] > arc[at] { ((s - arc[at]) / (arc[at + 1] - arc[at])).clamp(0.0, 1.0) } else { 0.0 };
-        PathPlace { point: at, share }
+        let (point, share) = walk.to(length * number as f64 / steps as f64);
+        PathPlace { point, share }
     };
     (0..=steps).map(place).collect()
 }

@@ -32,9 +32,10 @@ impl<'a> ArcWalk<'a> {
         Self { arc, point: 0 }
     }
 
-    /// The last point before a length along the line, none being shorter than the one before, and the share of the way from there to the next point.
+    /// The last point no further along the line than a length, but not its end, and the share of the way from there to the next point. No length
+    /// is shorter than the one before.
     pub fn to(&mut self, length: f64) -> (usize, f64) {
-        while self.point + 2 < self.arc.len() && self.arc[self.point + 1] < length {
+        while self.point + 2 < self.arc.len() && self.arc[self.point + 1] <= length {
             self.point += 1;
         }
         let span = self.arc[self.point + 1] - self.arc[self.point];
