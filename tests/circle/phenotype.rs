@@ -338,7 +338,8 @@ fn a_p1_is_measured_where_the_other_is_absent() {
         for (radius, fetal) in [(0.8, true), (2.0, false)] {
             let edges: Vec<Edge> = without(&[absent]);
             let network = network(&with_radii(&edges, &[(other, radius), ("L-PComm", 1.0), ("R-PComm", 1.0)]));
-            let found = marked(&landmarks(&ENDS)).expect("landmarks");
+            // P1 begins at the basilar tip, where no vessel leaves on the absent side.
+            let found = marked(&landmarks(&[&ENDS[..], &[("BA tip", "b")]].concat())).expect("landmarks");
             let circle = Circle::at(&network, &found).expect("a circle").0;
             let diameters = segment_diameters(&circle, &network, |_| true);
             let of = |name: &str| diameters[RING.iter().position(|segment| segment.to_string() == name).expect("a segment")];
