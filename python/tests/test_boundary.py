@@ -99,7 +99,7 @@ any_array = arrays.arrays(
 )
 coordinates = arrays.arrays(np.float64, st.tuples(st.integers(0, 8), st.just(3)), elements=st.floats(-100, 100, width=32))
 rows = arrays.arrays(np.int64, st.tuples(st.integers(0, 10), st.just(2)), elements=st.integers(-2, 9))
-relaxed = settings(max_examples=3000, deadline=None, suppress_health_check=list(HealthCheck))
+relaxed = settings(max_examples=2500, deadline=None, suppress_health_check=list(HealthCheck))
 
 
 @relaxed

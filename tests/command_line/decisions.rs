@@ -9,7 +9,7 @@ use willis::internals::formats::read_decisions;
 use willis::internals::network::{Evidence, Network, Node, Origin, Vessel};
 use willis::internals::pipeline::ConnectionDecision;
 use willis::internals::pipeline::decisions::apply;
-use willis::internals::support::comparison::cohen_kappa;
+use willis::internals::support::kappa::cohen_kappa;
 
 type Row = std::collections::HashMap<String, String>;
 

@@ -11,7 +11,7 @@ use crate::phenotype::{CircleFigures, NamedFigures, SIDES, asymmetry};
 use willis_core::morphometry::columns::{IN_REGION, MeasuredColumn, OF_BIFURCATION, OF_END, OF_NETWORK, OF_TOTALS, OF_VESSEL};
 use willis_core::morphometry::{Morphometry, NetworkFigures, VesselTotals};
 use willis_core::network::{Network, Role};
-use willis_core::support::comparison::{CohenKappa, cohen_kappa};
+use willis_core::support::kappa::{CohenKappa, cohen_kappa};
 use willis_io::formats::{Column, POSITION_COLUMNS, Values, coordinate_columns, coordinates};
 use willis_models::circle_of_willis::TERRITORIES;
 

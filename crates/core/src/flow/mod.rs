@@ -11,10 +11,12 @@ pub mod poiseuille;
 pub mod pressures;
 pub mod resilience;
 pub mod state;
+pub mod wall;
 
 pub use batch::solver::BatchSolver;
 pub use boundary_conditions::{Boundary, FoundOutlets, Given};
 pub use circuit::Circuit;
 pub use floating_components::{Unfed, drives_flow, grounded, parts_that_carry, stranded};
-pub use poiseuille::{BLOOD_VISCOSITY, Factors, Thickness, Tube, WallLaw, check_viscosity};
+pub use poiseuille::{BLOOD_VISCOSITY, Factors, Tube, check_viscosity};
 pub use resilience::{MOST_RESILIENCE, is_diffused, resilience, resilience_per_square_drop, resilience_per_square_flow};
+pub use wall::{Thickness, WallLaw};

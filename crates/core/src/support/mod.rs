@@ -9,6 +9,7 @@ pub mod elimination;
 pub mod endings;
 pub mod gamma;
 pub mod geometry;
+pub mod kappa;
 pub mod limits;
 pub mod model_provenance;
 pub mod normal_equations;

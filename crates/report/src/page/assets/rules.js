@@ -1,4 +1,4 @@
-// What the rules of a run keep, given what a person decided; as the library decides (best_first.rs, most_probable_forest.rs, arborescence.rs).
+// What the rules of a run keep, given what a person decided; as the library decides (most_probable_forest.rs, arborescence.rs).
 // Each returns `kept` by row, and what else makes a decision open: `left`, rows of the forest that are not probable enough, and
 // `instead`, by row the one that the forest has in its place.
 const MOST_FIRST = of => (a, b) => of(b) - of(a) || a - b;
