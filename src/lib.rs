@@ -28,7 +28,7 @@
 //! | eq. 1: r = (1/l) ∫ sqrt(a/π) dz | `crates/core/src/network/centerlines.rs`: [`RadiusRule::Mean`] |
 //! | R = 8µl/(πr⁴) | [`internals::flow::poiseuille`] |
 //! | algorithm 1: Kirchhoff's current law with source and ground | [`internals::flow::Circuit`]; solved in `crates/core/src/flow/batch/` |
-//! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`], [`internals::flow::state`] |
+//! | ρ = ΔP·Q/(πr²l), ρ_G | [`internals::flow::resilience`](mod@internals::flow::resilience), [`internals::flow::state`] |
 //! | Ẽ = 𝓔 ∘ (E ∘ A), ε-occlusion | [`internals::perturbation::Occlusion`] |
 //! | MST(1/ρ) | `crates/core/src/sampling/forest.rs` |
 //! | L(j1, j2) = Σ_n ρ_n·MST(1/ρ_n) | [`Likelihood`] |

@@ -150,12 +150,12 @@ pub fn modulate_with<'a>(
     Ok(ModulationRun { network, boundary, outlets, provenance, params: options, result: modulation, hypertension, seconds })
 }
 
-/// The network of an input with the conditions that [`simulate`](crate::simulate) would give it, for a solver in time: at its ends the Windkessels,
+/// The network of an input with the conditions that [`simulate`] would give it, for a solver in time: at its ends the Windkessels,
 /// in its vessels the walls, and beside it the courses of inlets and the blood. Vessels that no blood enters stay.
 ///
 /// # Errors
 ///
-/// As [`simulate`](crate::simulate) of the same options.
+/// As [`simulate`] of the same options.
 pub fn solver_model(input: &Input, options: &FlowOptions, progress: &mut dyn Follow) -> Result<(Network, SolverSetting)> {
     options.validate()?;
     let Solved { network, mut boundary, .. } = Solved::of(input, &options.boundary, Unfed::Keep, progress)?;

@@ -428,7 +428,7 @@ fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
     Some(Fault::file(found, accepted))
 }
 
-/// The other files that [`read`](super::read) reads for `path`, as the folder is now, sorted by name.
+/// The other files that [`read`] reads for `path`, as the folder is now, sorted by name.
 pub fn companion_files(path: &Path) -> Vec<PathBuf> {
     let head = head(path);
     let bytes = without_mark(&head);

@@ -172,7 +172,7 @@ pub struct Collateral {
     pub occluded: Artery,
     /// For each segment of [`RING`] |Q| before and after, m³/s; `None` where it is missing.
     pub segments: [Option<[f64; 2]>; 7],
-    /// The same for each territory of [`TERRITORIES`](super::TERRITORIES).
+    /// The same for each territory of [`TERRITORIES`].
     pub territories: [Option<[f64; 2]>; 6],
     /// The communicating artery whose flow grows most, if any grows.
     pub takes_over: Option<Artery>,
