@@ -465,7 +465,7 @@ def main():
                     # Flights are flown on one page; on the others the view goes there at once, as for readers who asked for less motion.
                     motion = [{"name": "prefers-reduced-motion", "value": "no-preference"}] if folder == "probable" else []
                     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": motion})
-                    review(page)
+                    review(page, only_decisions=folder in BY_RULE)
                     driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
                 if (page.folder / "phenotype.json").exists():
                     check_circle(page)

@@ -370,17 +370,18 @@ def check_access(page):
     assert not bad, bad
 
 
-def review(page):
-    """All of it, on the page of a run with evidence."""
+def review(page, only_decisions=False):
+    """All of it, on the page of a run with evidence; or what a rule decides of it: the list, and what follows a decision."""
     check_list(page)
     if not page.listed():
         return
     with tempfile.TemporaryDirectory() as downloads:
-        check_flight(page)
-        check_tooltip(page)
-        check_picture(page, downloads)
-        check_pairings(page, downloads)
+        if not only_decisions:
+            check_flight(page)
+            check_tooltip(page)
+            check_picture(page, downloads)
+            check_pairings(page, downloads)
         if any(e["probability"] for e in page.edges) and len(page.record["convergence"]["undecided_edges"]) > 1:
             check_decisions(page, downloads)
-            if any(e["origin"] == "candidate" for e in page.edges):
+            if not only_decisions and any(e["origin"] == "candidate" for e in page.edges):
                 check_edits(page, downloads)
