@@ -254,6 +254,6 @@ impl Pulses {
 
     /// A phase as the time behind that of the first inlet, s.
     pub fn delay(&self, phase: f64, period: f64) -> f64 {
-        behind(phase, Indices::of(&self.first.coefficients, period, 0.0).phase, period)
+        behind(phase, fourier::phase(&self.first.coefficients, period, 0.0), period)
     }
 }
