@@ -380,6 +380,19 @@ fn each_vessel_is_closed_in_turn() {
     assert_eq!(record(here.path())["murray"]["exponent_median"], serde_json::Value::Null);
 }
 
+/// Nothing flows in a branch that leads nowhere, and nothing is lost without it; a table says 0, not -0.
+#[test]
+fn closing_what_carries_nothing_loses_nothing() {
+    let here = folder();
+    let edges = "node_a,node_b,length_mm,radius_mm\na,b,10,1\nb,c,10,1\nb,d,10,1\n";
+    std::fs::write(here.path().join("branch.csv"), edges).expect("written");
+    let options = ["simulate", "branch.csv", "--inlet", "a", "--outlet", "c", "--occlude-each", "-o", "out"];
+    let output = willis(here.path(), &options);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let (_, column) = table(here.path(), "occlusions.csv");
+    assert_eq!((&*column("lost_mL_per_min")[2], &*column("lost_share")[2]), ("0", "0"));
+}
+
 /// The phantom of a tree is made by Murray's law, with an exponent of 3 at each bifurcation, and that of the outlets found is 3 by definition.
 #[test]
 fn the_exponent_of_murray_is_told_beside_that_of_the_outlets() {

@@ -14,7 +14,7 @@ use willis::internals::contacts::split::{Pairings, split};
 use willis::internals::contacts::{Basis, ContactTable};
 use willis::internals::masks::{Field, Foreground, Mask};
 use willis::internals::network::{
-    GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, fragments, if_parted,
+    GraphEditor, Network, Node, Origin, PathPoint, RadiusRule, Vessel, cycles, dependents, fragments, if_parted,
 };
 use willis::internals::support::geometry::{Point, distance};
 use willis::internals::support::statistics::sigmoid;
@@ -220,6 +220,20 @@ fn what_depends_on_a_crossing_is_the_shorter_side_or_the_way_round() {
     // A vessel cut off by itself, and a block of which nothing is kept.
     assert_eq!(mm(without, &[(0, 0, 0), (1, 0, 1), (2, 0, 1), (3, 0, 1)]), 10.0);
     assert_eq!(mm([true, true, false, false, true, false], &ends), 0.0);
+}
+
+/// On a vessel at the end of a row hangs nothing at all, and on the one before it that vessel: 6.5 + 4.1 - 6.5 - 4.1 is not zero in m.
+#[test]
+fn nothing_hangs_on_the_last_vessel_of_a_row() {
+    let nodes = [[0.0; 3], [4.1, 0.0, 0.0], [10.6, 0.0, 0.0], [11.6, 0.0, 0.0]];
+    let mut graph = network(&nodes, &[[0, 1], [1, 2], [2, 3]]);
+    for (row, mm) in [4.1, 6.5, 1.0].into_iter().enumerate() {
+        graph.vessel_mut(row).length = mm / 1e3;
+    }
+    assert_eq!(dependents(&graph, &[true, true, false])[..2], [0.0, 0.0]);
+    let hangs = dependents(&graph, &[true; 3]);
+    assert_eq!((hangs[0], hangs[2]), (0.0, 0.0));
+    assert!((hangs[1] - 0.001).abs() < 1e-15, "the shorter side of {hangs:?}");
 }
 
 /// The crossing of `crossing`, opened so that 2-4 and 3-5 are vessels, is decided in each of the fifteen ways to pair four ends: within 4 mm of

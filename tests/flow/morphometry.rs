@@ -241,6 +241,62 @@ fn a_vessel_of_no_length_is_measured() {
     assert!(found.bifurcations[0].angle.is_nan());
 }
 
+/// What is measured of edges in mm, with a table of nodes beside it unless that is empty; blood enters at `a`.
+fn of_edges(edges: &str, nodes: &str) -> Morphometry {
+    let folder = tempfile::tempdir().expect("a folder");
+    let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    put("edges.csv", &format!("node_a,node_b,length_mm,radius_mm\n{edges}"));
+    if !nodes.is_empty() {
+        put("nodes.csv", &format!("node,x_mm,y_mm,z_mm\n{nodes}"));
+    }
+    measured(&willis::read(&folder.path().join("edges.csv"), &ReadOptions::default()).expect("a graph").network, "a")
+}
+
+/// Two cylinders in a row are one vessel, however the file turns and orders them, and with or without positions.
+#[test]
+fn pieces_of_two_widths_keep_both() {
+    let nodes = "a,0,0,0\nb,10,0,0\nc,20,0,0\n";
+    for (edges, nodes) in [
+        ("a,b,10,1\nb,c,10,0.5\n", nodes),
+        ("c,b,10,0.5\nb,a,10,1\n", nodes),
+        ("b,a,10,1\nb,c,10,0.5\n", nodes),
+        ("a,b,10,1\nb,c,10,0.5\n", ""),
+        ("c,b,10,0.5\nb,a,10,1\n", ""),
+    ] {
+        let found = of_edges(edges, nodes);
+        let [vessel] = &*found.vessels else { panic!("one vessel") };
+        close(vessel.line.length, 20.0 * MM, 1e-9, "length");
+        close(vessel.shape.volume, PI * (10.0 * 1.0 + 10.0 * 0.25) * MM.powi(3), 1e-9, "volume");
+        close(vessel.shape.surface, 2.0 * PI * (10.0 * 1.0 + 10.0 * 0.5) * MM.powi(2), 1e-9, "surface");
+        close(vessel.shape.radius, 0.75 * MM, 1e-9, "radius");
+        close(vessel.shape.least_radius, 0.5 * MM, 1e-9, "least radius");
+        // Radii 1, 3/4 and 1/2 at 0, 10 and 20 mm.
+        close(vessel.shape.taper, 0.025, 1e-9, "taper");
+        close(found.network.whole.volume, vessel.shape.volume, 1e-12, "volume of the whole");
+        for end in &found.ends {
+            close(end.radius, if end.from_inlet == 0.0 { 1.0 } else { 0.5 } * MM, 1e-9, "an end");
+        }
+        assert_eq!(vessel.shape.chord.is_nan(), nodes.is_empty());
+    }
+}
+
+/// Radii and lengths need no positions.
+#[test]
+fn a_graph_without_positions_has_its_volume_and_its_exponent_of_murray() {
+    let found = of_edges("a,b,10,1\nb,c,10,0.8\nb,d,10,0.5\n", "");
+    close(found.network.whole.volume, PI * 10.0 * (1.0 + 0.64 + 0.25) * MM.powi(3), 1e-9, "volume");
+    close(found.network.whole.radius, 2.3 / 3.0 * MM, 1e-9, "mean radius");
+    let [bifurcation] = &*found.bifurcations else { panic!("one bifurcation") };
+    for (radius, wanted) in bifurcation.radii.into_iter().zip([1.0, 0.8, 0.5]) {
+        close(radius, wanted * MM, 1e-9, "radius at the bifurcation");
+    }
+    let k = bifurcation.murray.expect("an exponent");
+    close(0.8_f64.powf(k) + 0.5_f64.powf(k), 1.0, 1e-9, "Murray's law");
+    assert!(bifurcation.angle.is_nan() && found.vessels[0].shape.curvature.is_nan() && found.network.boxed.is_nan());
+    assert!(found.vessels.iter().all(|vessel| vessel.shape.taper.abs() < 1e-12));
+    assert!(found.vessels.iter().all(|vessel| vessel.shape.taper.to_bits() != (-0.0_f64).to_bits()), "a table would say -0");
+}
+
 /// Where blood comes from two sides, each point of a ring is reached by the shorter way.
 #[test]
 fn a_ring_has_a_loop_and_no_end() {

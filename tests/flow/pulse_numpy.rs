@@ -136,7 +136,7 @@ impl Worst {
 
     fn compare(&mut self, case: &Compared, known: &Value) {
         let complex = |c: &Value| Complex64::new(c[0].as_f64().expect("re"), c[1].as_f64().expect("im"));
-        let (largest, name) = (case.pulse.largest_flow(), &case.name);
+        let (largest, name) = (case.pulse.largest_flow, &case.name);
         let highest = case.pulse.pressure.iter().flatten().map(|p| p[0].re.abs()).fold(0.0, f64::max);
         for (row, vessel) in case.pulse.vessels.iter().enumerate() {
             for (key, found) in ["Qa", "Qm", "Qb"].into_iter().zip(&vessel.flow) {

@@ -83,7 +83,7 @@ fn the_linear_theory_of_another_program() {
     for (name, word, friction) in cases {
         let reference = json(&folder, &format!("linear-{name}-{word}.json"));
         let (network, pulse) = openbf(&folder, name, friction, 20);
-        let scale = ml_per_min(pulse.largest_flow());
+        let scale = ml_per_min(pulse.largest_flow);
         let mut compared = 0;
         for (label, vessel) in reference["vessels"].as_object().expect("vessels") {
             let row = (0..network.vessel_count()).find(|row| network.vessel(*row).label == *label);
@@ -115,7 +115,7 @@ fn the_circles_of_another_program() {
         let options = PulseOptions { waveforms: vec![waveform], harmonics: 20, ..PulseOptions::default() };
         let (network, pulses) = solve(&path, options, 3.5e-3);
         let columns = willis::internals::report::pulse_vessel_columns(&pulses);
-        let scale = ml_per_min(pulses.unperturbed.largest_flow());
+        let scale = ml_per_min(pulses.unperturbed.largest_flow);
         for row in 0..network.vessel_count() {
             let label = network.vessel(row).label.as_str();
             let expected = &vessels[label];

@@ -194,7 +194,7 @@ fn its_waveforms_come_to_those_of_the_linear_theory() {
                 // The last cycle: the time of its first sample is that of the wave's.
                 let off = |(q, theirs): (&f64, &f64)| (q - if is_turned { -1e-6 } else { 1e-6 } * theirs).powi(2);
                 let square: f64 = ours.iter().zip(&theirs[theirs.len() - STEPS - 1..]).map(off).sum();
-                if largest > 1e-3 * pulse.largest_flow() {
+                if largest > 1e-3 * pulse.largest_flow {
                     errors.push(100.0 * (square / STEPS as f64).sqrt() / largest);
                 }
             }

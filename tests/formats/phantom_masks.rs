@@ -264,8 +264,8 @@ fn masks_that_cannot_be_are_refused() {
         (&["cerebral", "-o", "a.mha"], &["a.mha", ".nii.gz or .nii for a mask", ".graphml"]),
         (&["cerebral", "-o", "a.gz"], &["a.gz", ".nii.gz"]),
         (&["cerebral", "-o", "a.nii.gz", "--spacing", "0.01"], &["--spacing 0.01", "too small", "at most 268435456 voxels"]),
-        (&["cerebral", "-o", "a.nii.gz", "--spacing", "0.00001"], &["--spacing 0.00001", "expected 0.0001 to 100"]),
-        (&["cerebral", "-o", "a.nii", "--spacing", "1m"], &["--spacing 1000", "expected 0.0001 to 100"]),
+        (&["cerebral", "-o", "a.nii.gz", "--spacing", "0.00001"], &["--spacing 0.00001", "expected 0.0001 to 100 mm"]),
+        (&["cerebral", "-o", "a.nii", "--spacing", "1m"], &["--spacing 1000 mm", "expected 0.0001 to 100 mm"]),
         (&["cerebral", "-o", "a.nii", "--seed", "1"], &["--seed 1", "always the same"]),
     ];
     for (arguments, words) in cases {

@@ -291,6 +291,9 @@ fn swc(radii: [f64; 3]) -> String {
 fn the_root_of_one_tree_that_narrows_from_it_is_the_inlet() {
     let of = |text: &str| inlets(&network("a.swc", text).0, &[]);
     assert_eq!(of(&swc([2.0, 1.5, 1.4])), ["1"]);
+    // A second point where the root lies, in whichever row, is the root: rows may come in any order.
+    let (again, tree) = ("20 0 0 0 40 2 1\n", swc([2.0, 1.5, 1.4]).replace("2 0 0 0 35 2 1\n", "2 0 0 0 35 2 20\n"));
+    assert_eq!((of(&format!("{again}{tree}")), of(&format!("{tree}{again}"))), (vec!["20".to_owned()], vec!["1".to_owned()]));
     // The same tree without a direction has two inlets, by width.
     assert_eq!(of(&swc([1.5, 2.0, 1.4])), ["1", "7"]);
     // Widths are the same within 5 %: nothing falls from the root.

@@ -164,6 +164,21 @@ fn the_price_decides_how_readily_fragments_stay_alone() {
     assert_eq!(probable(&network, 2.01).unwrap().left_open, [2]);
 }
 
+/// What is just as probable as it has to be is kept, although 1.5 (1 - 0.6) and 1.5/5 are more than 0.6 and 0.3 in a computer.
+#[test]
+fn rounding_does_not_decide_between_as_probable_and_less() {
+    let mut network = fragments(2);
+    network.add_vessel([1, 2], candidate(0.6, [0.3; 2]));
+    network.add_vessel([0, 1], candidate(0.3, [0.0; 2]));
+    let forest = probable(&network, PRICE).unwrap();
+    assert_eq!((forest.kept, forest.left_open), (vec![true; 4], vec![]));
+    for (row, probability) in [(2, 0.599), (3, 0.299)] {
+        let mut less = network.clone();
+        *less.vessel_mut(row) = candidate(probability, [0.5 * probability; 2]);
+        assert!(!probable(&less, PRICE).unwrap().kept[row], "{probability}");
+    }
+}
+
 /// A bridge marked certain joins its fragments, so a second one between them closes a loop; one within a fragment does.
 #[test]
 fn loops_are_closed_by_their_probability_and_certain_bridges_join() {

@@ -52,17 +52,17 @@ pub struct Fault {
 impl Fault {
     /// A fault of the whole file.
     pub fn file(found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::File, found: one_line(found), accepted: one_line(accepted) }
+        Self::at(Place::File, found, accepted)
     }
 
     /// A fault on a line, counted from 1.
     pub fn line(line: usize, found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::Line(line), found: one_line(found), accepted: one_line(accepted) }
+        Self::at(Place::Line(line), found, accepted)
     }
 
     /// A fault of a named item.
     pub fn item(item: impl Into<String>, found: impl Into<String>, accepted: impl Into<String>) -> Self {
-        Self { place: Place::Item(one_line(item)), found: one_line(found), accepted: one_line(accepted) }
+        Self::at(Place::Item(item.into()), found, accepted)
     }
 
     /// A fault at a place.

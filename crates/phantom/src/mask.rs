@@ -107,7 +107,9 @@ fn draw(network: &Network, spacing: f64, scan: Option<&Scan>, with_image: bool) 
     scan.map_or(Ok(()), Scan::validate)?;
     check_positions(network)?;
     let voxel = f64::from(millimetres(spacing) as f32);
-    check_range("spacing", voxel as f32, 1e-4, 100.0)?;
+    if !(1e-4..=100.0).contains(&(voxel as f32)) {
+        return Err(Error::parameter("spacing", format!("{} mm", voxel as f32), "expected 0.0001 to 100 mm"));
+    }
     check_steps(network, voxel)?;
     let mut tubes = DrawnTube::all(network, voxel);
     let is_clean = scan.is_none();

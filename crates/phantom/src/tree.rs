@@ -157,7 +157,7 @@ const BEND: f64 = 0.05;
 /// in proportion to the volume, within a fifth. A branch is one to three vessels in series, two in the mean.
 ///
 /// Every root is an inlet at 100 mmHg, every leaf an outlet with the terminal resistance that [`super::tree::branching_tree`] gives it.
-/// There are 12 nodes more than vessels, a quarter of them outlets; all have degree 1 to 3. Ids are numbers from 1, vessels have no
+/// There are 12 nodes more than vessels, about a quarter of them outlets; all have degree 1 to 3. Ids are numbers from 1, vessels have no
 /// labels. The phantom has the size and the graph of the arteries of a brain, not their courses.
 ///
 /// # Errors

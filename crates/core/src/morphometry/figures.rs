@@ -4,7 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use petgraph::unionfind::UnionFind;
 
-use super::{MeasuredBifurcation, VesselLine, orders::InletWays, vessel_lines::cones};
+use super::vessel_lines::{Stretch, cones};
+use super::{MeasuredBifurcation, VesselLine, orders::InletWays};
 use crate::support::{Point, bounds, distance, lerp, median};
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
@@ -147,13 +148,13 @@ impl VesselTotals {
 fn densities(lines: &[VesselLine], region: &Region) -> [f64; 3] {
     let mut sums = [0.0; 2];
     for line in lines {
-        for i in 1..line.points.len() {
-            let length = line.at[i] - line.at[i - 1];
+        for (points, Stretch { at, radii }) in line.points.windows(2).zip(line.stretches()) {
+            let length = at[1] - at[0];
             let steps = (length / region.step).ceil().max(1.0) as usize;
             for step in 0..steps {
                 let share = (step as f64 + 0.5) / steps as f64;
-                if (region.holds)(lerp(line.points[i - 1], line.points[i], share)) {
-                    let radius = line.radii[i - 1] + share * (line.radii[i] - line.radii[i - 1]);
+                if (region.holds)(lerp(points[0], points[1], share)) {
+                    let radius = radii[0] + share * (radii[1] - radii[0]);
                     sums[0] += length / steps as f64;
                     sums[1] += std::f64::consts::PI * radius * radius * length / steps as f64;
                 }

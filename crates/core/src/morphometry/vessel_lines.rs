@@ -22,12 +22,20 @@ pub struct VesselLine {
     pub label: String,
     /// The sum of the lengths of its pieces, m.
     pub length: f64,
-    /// Its points, m; none where the network has no positions.
+    /// Its points, m; none where one of its nodes has no position.
     pub points: Vec<Point>,
-    /// The radius at each point, m.
-    pub radii: Vec<f64>,
-    /// Per point the length of the line up to it, m: so long as the pieces say that they are.
+    /// Per point, or per end of a piece where there are none, the radius before it and behind it, m: two where pieces of different widths meet.
+    pub radii: Vec<[f64; 2]>,
+    /// For the same the length of the line up to there, m: so long as the pieces say that they are.
     pub at: Vec<f64>,
+}
+
+/// What lies between two points of a line.
+pub(super) struct Stretch {
+    /// The lengths of the line up to its two ends, m.
+    pub at: [f64; 2],
+    /// The radii there, m.
+    pub radii: [f64; 2],
 }
 
 /// A stretch at an end whose radius is that of the end, in radii.
@@ -40,8 +48,15 @@ impl VesselLine {
         self.pieces.reverse();
         self.points.reverse();
         self.radii.reverse();
+        self.radii.iter_mut().for_each(|radii| radii.reverse());
         self.at.reverse();
         self.at.iter_mut().for_each(|at| *at = self.length - *at);
+    }
+
+    /// The stretches between its points, in order.
+    pub(super) fn stretches(&self) -> impl Iterator<Item = Stretch> {
+        let pairs = self.at.windows(2).zip(self.radii.windows(2));
+        pairs.map(|(at, radii)| Stretch { at: [at[0], at[1]], radii: [radii[0][1], radii[1][0]] })
     }
 
     /// The place on the line at a length from its beginning, or from its end, m.
@@ -70,7 +85,7 @@ impl VesselLine {
     /// The mean radius over a stretch of it, m; that at its beginning for a stretch of no length.
     pub fn radius_between(&self, from: f64, to: f64) -> f64 {
         let (mut sum, mut length) = (0.0, 0.0);
-        for (at, radii) in self.at.windows(2).zip(self.radii.windows(2)) {
+        for Stretch { at, radii } in self.stretches() {
             let [low, high] = [at[0].max(from), at[1].min(to)];
             if low < high {
                 let radius = |s: f64| radii[0] + (radii[1] - radii[0]) * (s - at[0]) / (at[1] - at[0]);
@@ -78,14 +93,18 @@ impl VesselLine {
                 length += high - low;
             }
         }
-        if length > 0.0 { sum / length } else { self.radii.first().copied().unwrap_or(f64::NAN) }
+        if length > 0.0 { sum / length } else { self.radii.first().map_or(f64::NAN, |radii| radii[1]) }
     }
 
     fn of(network: &Network, run: Walk) -> Self {
         let (label, ends) = (network.vessel(run.edges[0]).label.clone(), run.ends());
         let mut line = Self { ends, pieces: run.edges, label, length: 0.0, points: vec![], radii: vec![], at: vec![] };
+        let is_placed = run.nodes.iter().all(|node| network.node(*node).position.is_some());
         for (piece, node) in run.nodes[..line.pieces.len()].iter().enumerate() {
-            line.add(network, line.pieces[piece], *node);
+            line.add(network, line.pieces[piece], *node, is_placed);
+        }
+        if !is_placed {
+            line.points.clear();
         }
         // Room for points that it has not is given back: of a million short lines that is as much as the points take.
         line.pieces.shrink_to_fit();
@@ -95,20 +114,30 @@ impl VesselLine {
         line
     }
 
-    /// Adds the points of a piece from `node` on.
-    fn add(&mut self, network: &Network, row: usize, node: usize) {
+    /// Adds the points of a piece from `node` on; where not all are placed, only its length and its radius count.
+    fn add(&mut self, network: &Network, row: usize, node: usize, is_placed: bool) {
         let (ends, vessel) = (network.ends(row), network.vessel(row));
-        let piece = in_direction(points_of(network, ends, vessel), ends[0] == node);
+        let piece = if is_placed { points_of(network, ends, vessel) } else { vec![([0.0; 3], vessel.radius); 2] };
+        let piece = in_direction(piece, ends[0] == node);
         let steps: Vec<f64> = piece.windows(2).map(|pair| distance(pair[0].0, pair[1].0)).collect();
         let drawn: f64 = steps.iter().sum();
-        let scale = if drawn > 0.0 { vessel.length / drawn } else { 0.0 };
         let mut so_far = self.length;
-        for (i, (point, radius)) in piece.into_iter().enumerate() {
-            so_far += if i > 0 { scale * steps[i - 1] } else { 0.0 };
-            if self.points.last() != Some(&point) {
-                self.points.push(point);
-                self.radii.push(radius);
+        for (i, (point, radius)) in piece.iter().enumerate() {
+            // Where nothing is drawn all of the length lies before the last point.
+            let is_undrawn = drawn <= 0.0 && i + 1 == piece.len();
+            so_far += if is_undrawn {
+                vessel.length
+            } else if i > 0 && drawn > 0.0 {
+                vessel.length / drawn * steps[i - 1]
+            } else {
+                0.0
+            };
+            if self.points.last() != Some(point) || is_undrawn {
+                self.points.push(*point);
+                self.radii.push([*radius; 2]);
                 self.at.push(so_far);
+            } else if let Some(radii) = self.radii.last_mut().filter(|_| i == 0) {
+                radii[1] = *radius;
             }
         }
         self.length += vessel.length;
@@ -125,9 +154,9 @@ pub fn vessel_lines(network: &Network, stops: impl Fn(usize) -> bool) -> Vec<Ves
     runs(network, &at, passes).into_iter().map(|run| VesselLine::of(network, run)).collect()
 }
 
-/// The points of a piece with their radii, its nodes included; none without positions.
+/// The points of a piece with their radii, its nodes included.
 fn points_of(network: &Network, ends: [usize; 2], vessel: &Vessel) -> Vec<(Point, f64)> {
-    let [Some(a), Some(b)] = ends.map(|node| network.node(node).position) else { return Vec::new() };
+    let [a, b] = ends.map(|node| network.node(node).position.unwrap_or_default());
     let radius = |last: bool| {
         let at = if last { vessel.path.last() } else { vessel.path.first() };
         at.map_or(vessel.radius, |point| point.radius)
@@ -162,7 +191,7 @@ impl Default for Smoothing {
     }
 }
 
-/// Lengths, widths and bends of a vessel, in SI units; no number where a network has no positions.
+/// Lengths, widths and bends of a vessel, in SI units; no number for a chord and bends without positions.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct VesselShape {
     /// Between its two ends, m.
@@ -207,7 +236,7 @@ impl VesselShape {
         Self {
             chord,
             radius,
-            least_radius: line.radii.iter().copied().fold(f64::NAN, f64::min),
+            least_radius: line.radii.iter().flatten().copied().fold(f64::NAN, f64::min),
             taper: taper(line),
             volume,
             surface,
@@ -223,8 +252,8 @@ impl VesselShape {
 /// The volume and the lateral surface of the cones between the points of a line.
 pub(super) fn cones(line: &VesselLine) -> [f64; 2] {
     let mut sum = [0.0; 2];
-    for (at, radii) in line.at.windows(2).zip(line.radii.windows(2)) {
-        let (step, [a, b]) = (at[1] - at[0], [radii[0], radii[1]]);
+    for Stretch { at, radii: [a, b] } in line.stretches() {
+        let step = at[1] - at[0];
         sum[0] += PI / 3.0 * step * (a * a + a * b + b * b);
         sum[1] += PI * (a + b) * step.hypot(a - b);
     }
@@ -233,22 +262,28 @@ pub(super) fn cones(line: &VesselLine) -> [f64; 2] {
 
 /// Minus the slope of the radius along a line by least squares, each point weighted by the line it stands for.
 fn taper(line: &VesselLine) -> f64 {
-    let weights = shares(&line.at);
+    let halves = halves(&line.at);
+    let weights: Vec<f64> = halves.iter().map(|[before, behind]| before + behind).collect();
+    let mean_radius = |([before, behind], radii): (&[f64; 2], &[f64; 2])| {
+        if radii[0] == radii[1] { radii[0] } else { (before * radii[0] + behind * radii[1]) / (before + behind) }
+    };
+    let radii: Vec<f64> = halves.iter().zip(&line.radii).map(mean_radius).collect();
     let total: f64 = weights.iter().sum();
     let mean = |of: &[f64]| of.iter().zip(&weights).map(|(x, w)| x * w).sum::<f64>() / total;
-    let [at, radius] = [mean(&line.at), mean(&line.radii)];
+    let [at, radius] = [mean(&line.at), mean(&radii)];
     let (mut both, mut square) = (0.0, 0.0);
-    for ((s, r), w) in line.at.iter().zip(&line.radii).zip(&weights) {
+    for ((s, r), w) in line.at.iter().zip(&radii).zip(&weights) {
         both += w * (s - at) * (r - radius);
         square += w * (s - at) * (s - at);
     }
-    -both / square
+    // Of no taper the sign is none.
+    (0.0 - both) / square
 }
 
-/// The length of line that each point stands for: half of the step before it and half of the one after.
-fn shares(at: &[f64]) -> Vec<f64> {
+/// The length of line that each point stands for: half of the step before it, and half of the one behind it.
+fn halves(at: &[f64]) -> Vec<[f64; 2]> {
     let step = |i: usize| if i + 1 < at.len() { 0.5 * (at[i + 1] - at[i]) } else { 0.0 };
-    (0..at.len()).map(|i| step(i) + if i > 0 { step(i - 1) } else { 0.0 }).collect()
+    (0..at.len()).map(|i| [if i > 0 { step(i - 1) } else { 0.0 }, step(i)]).collect()
 }
 
 /// How a smoothed course bends: means of the curvature, of the size of the torsion, and of the angles metric; and the number of inflections.
@@ -257,7 +292,7 @@ fn bends(line: &VesselLine, within: f64) -> ([f64; 3], usize) {
     if count < 2 || !(line.length > 0.0 && within > 0.0) {
         return ([f64::NAN; 3], 0);
     }
-    let weights = shares(&line.at);
+    let weights: Vec<f64> = halves(&line.at).iter().map(|[before, behind]| before + behind).collect();
     let stations = ((STATIONS * line.length / within).ceil() as usize).clamp(2, STATIONS as usize * count + 2);
     let (mut sums, mut inflections, mut normal) = ([0.0; 3], 0, None::<Point>);
     for station in 0..stations {

@@ -404,8 +404,11 @@ pub fn contract(lines: &Centerlines, rule: RadiusRule, default_radius: Option<f6
         }
         out.network.add_vessel(ends, vessel);
     }
-    let is_root = |point: &usize| is_node[*point] && lines.root == Some(lines.ids[*point]);
-    if let Some(root) = (0..lines.points.len()).find(is_root).map(|point| row_of[point]) {
+    let point_of = |id: u64| {
+        let merged = || lines.merged.iter().find(|(other, _)| *other == id).map(|(_, point)| *point as usize);
+        lines.ids.iter().position(|other| *other == id).or_else(merged)
+    };
+    if let Some(root) = lines.root.and_then(point_of).filter(|point| is_node[*point]).map(|point| row_of[point]) {
         out.network.node_mut(root).is_source |= falls_from(&out.network, root);
     }
     out.repaired_radii = interpolated.iter().filter(|point| **point).count();

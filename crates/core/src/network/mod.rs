@@ -151,6 +151,11 @@ impl Network {
         self.graph.raw_edges().iter().map(|e| ([e.source().index(), e.target().index()], &*e.weight))
     }
 
+    /// The vessels at a node, without a look at the others; a self-loop once.
+    pub fn vessels_of(&self, node: usize) -> impl Iterator<Item = &Vessel> {
+        self.graph.edges(NodeIndex::new(node)).map(|edge| &**edge.weight())
+    }
+
     /// The graph underneath, for algorithms of petgraph.
     pub fn graph(&self) -> &UnGraph<Arc<Node>, Arc<Vessel>> {
         &self.graph

@@ -8,7 +8,7 @@ use petgraph::unionfind::UnionFind;
 
 use super::Network;
 use super::walks::{Walk, other_end, vessels_at};
-use crate::support::grouped;
+use crate::support::{grouped, ties::exceeds};
 
 /// The edges at each node, as a search takes them: number, node at the other end, length (m).
 pub type LengthsAt = Vec<Vec<(usize, usize, f64)>>;
@@ -162,7 +162,9 @@ pub fn dependents(network: &Network, kept: &[bool]) -> Vec<f64> {
     }
     let mut found = vec![0.0; network.vessel_count()];
     for node in (0..nodes).filter(|node| up[*node] != usize::MAX && is_bridge[*node]) {
-        let rest = below[root[node]] - below[node] - network.vessel(up[node]).length;
+        let (whole, length) = (below[root[node]], network.vessel(up[node]).length);
+        // What rounding leaves of the whole is no vessel.
+        let rest = if exceeds(whole, below[node] + length) { whole - below[node] - length } else { 0.0 };
         found[up[node]] = below[node].min(rest);
     }
     for (row, ([a, b], _)) in network.vessels().enumerate().filter(|(row, _)| !kept[*row]) {

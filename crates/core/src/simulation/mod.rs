@@ -5,7 +5,7 @@ pub mod pulse;
 pub mod transport;
 
 use crate::error::{Error, Result};
-use crate::flow::{Boundary, Factors, Tube, check_viscosity, drives_flow, state::State};
+use crate::flow::{Boundary, Circuit, Factors, Tube, check_viscosity, drives_flow, pressures::PressureSolver, state::State};
 use crate::network::{Network, Role, millimetres};
 use crate::{perturbation::Stenosis, support::in_order};
 
@@ -202,18 +202,25 @@ pub struct ClosedVessel {
 /// A conductance that no double can hold; a breakdown of the solver.
 pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before: &State) -> Result<Vec<ClosedVessel>> {
     let at_rest = Tube::at_rest(network, viscosity);
+    // Compiled once: a closed vessel is a row that is not open.
+    let circuit = Circuit::with(network, boundary, &[], &at_rest)?;
+    let solver = PressureSolver::new(&circuit)?;
     let outlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet).collect();
     let had = delivered(network, before, &outlets);
     let all: f64 = had.iter().sum();
     let rows: Vec<usize> = (0..network.vessel_count()).collect();
     let close = |_: usize, vessel: &usize| {
         let closed = [Perturbation { vessel: *vessel, change: Change::Occlusion }];
-        let after = State::solve(network, boundary, &perturbed(network, &at_rest, &closed)?, viscosity)?;
+        let mut tubes = at_rest.clone();
+        tubes[*vessel].resistance = f64::INFINITY;
+        let above_level = solver.above_level(|row| tubes[row].is_open())?;
+        let after = State::at_pressures(&circuit, boundary, &tubes, viscosity, &above_level);
         let cut = rounding(before, &after);
         let both = outlets.iter().zip(&had).zip(delivered(network, &after, &outlets));
         let pairs: Vec<(usize, f64, f64)> = both.map(|((node, before), after)| (*node, *before, after)).collect();
         let fed = || pairs.iter().filter(|(_, before, _)| *before > cut);
-        let lost: f64 = pairs.iter().map(|(_, before, after)| before - after).filter(|less| *less > cut).sum();
+        let less = pairs.iter().map(|(_, before, after)| before - after).filter(|less| *less > cut);
+        let lost = less.fold(0.0, |sum: f64, less| sum + less);
         let share = |(node, before, after): &(usize, f64, f64)| (*node, if *after > cut { after / before } else { 0.0 });
         // In single precision, so that rounding does not choose between equal outlets.
         let worst = fed().map(share).min_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)));

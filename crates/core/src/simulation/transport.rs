@@ -39,7 +39,7 @@ pub struct Transport {
     pub sources: Vec<usize>,
     /// What enters through each, m³/s.
     pub inflow: Vec<f64>,
-    /// Node and flow (m³/s) of each place through which blood leaves.
+    /// Node and flow (m³/s) of each place through which blood leaves, by node.
     pub exits: Vec<(usize, f64)>,
     /// Per node; `None` where no blood comes.
     pub nodes: Vec<Option<Blood>>,
@@ -81,7 +81,7 @@ impl Transport {
 
     /// What leaves through a node, m³/s.
     pub fn leaving(&self, node: usize) -> f64 {
-        self.exits.iter().find(|(exit, _)| *exit == node).map_or(0.0, |(_, flow)| *flow)
+        self.exits.binary_search_by_key(&node, |(exit, _)| *exit).map_or(0.0, |at| self.exits[at].1)
     }
 
     /// The blood at the upstream end of a vessel.

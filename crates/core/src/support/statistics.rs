@@ -1,4 +1,4 @@
-//! Statistics of plain samples: order statistics, distributions, the gamma distribution.
+//! Statistics of plain samples: order statistics, Otsu's threshold, distributions; and the logistic function.
 
 /// The q-quantile by linear interpolation between order statistics, as `numpy.quantile`; `None` without values.
 pub fn quantile(values: &[f64], q: f64) -> Option<f64> {

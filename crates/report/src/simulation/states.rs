@@ -64,9 +64,9 @@ pub fn end_name(network: &Network, node: usize) -> String {
     if !own.is_empty() {
         return own.clone();
     }
-    let mut there = network.vessels().filter(|(ends, _)| ends.contains(&node));
+    let mut there = network.vessels_of(node);
     match (there.next(), there.next()) {
-        (Some((_, vessel)), None) if !vessel.label.is_empty() => vessel.label.clone(),
+        (Some(vessel), None) if !vessel.label.is_empty() => vessel.label.clone(),
         _ => network.node(node).id.clone(),
     }
 }
@@ -236,9 +236,9 @@ pub fn supply_picture(simulated: &SimulationRun<'_>, transports: &Transports) ->
 pub fn pulse_vessel_columns(pulses: &Pulses) -> Vec<Column> {
     let mut columns = Vec::new();
     for (pulse, suffix) in pulses.states() {
-        let (period, largest) = (pulse.period, pulse.largest_flow());
+        let period = pulse.period;
         let rows = 0..pulse.vessels.len();
-        let flows: Vec<Indices> = rows.clone().map(|row| pulse.flow_indices_beside(row, largest)).collect();
+        let flows: Vec<Indices> = rows.clone().map(|row| pulse.flow_indices(row)).collect();
         let pressures: Vec<Option<Indices>> =
             pulse.vessels.iter().map(|v| v.pressure.as_ref().map(|p| Indices::of(p, period, 0.0))).collect();
         let shears: Vec<[f64; 3]> = rows.clone().map(|row| shear(pulses, pulse, row)).collect();

@@ -50,6 +50,8 @@ pub struct Pulse {
     pub pressure: Vec<Option<Vec<Complex64>>>,
     /// By row.
     pub vessels: Vec<VesselPulse>,
+    /// The largest amplitude of any flow in the middle of a vessel, m³/s: what is less than a share of it is rounding.
+    pub largest_flow: f64,
     /// By row, what the vessel is made of.
     pub walls: Vec<Walled>,
     /// When the wave arrives.
@@ -111,12 +113,8 @@ impl Pulse {
         let places = pressure.iter().chain(vessels.iter().map(|vessel| &vessel.pressure));
         let arrivals = Arrivals::follow(&ends, setting, &places.map(Option::as_deref).collect::<Vec<_>>());
         let (period, harmonics, walls) = (setting.period, setting.harmonics, setting.vessels.to_vec());
-        Ok(Self { period, harmonics, pressure, vessels, walls, arrivals })
-    }
-
-    /// The largest amplitude of any flow in the middle of a vessel, m³/s: what is less than a share of it is rounding.
-    pub fn largest_flow(&self) -> f64 {
-        self.vessels.iter().flat_map(|v| &v.flow[1]).map(|c| c.norm()).fold(0.0, f64::max)
+        let largest_flow = vessels.iter().flat_map(|v| &v.flow[1]).map(|c| c.norm()).fold(0.0, f64::max);
+        Ok(Self { period, harmonics, pressure, vessels, largest_flow, walls, arrivals })
     }
 
     /// The wall shear stress in the middle of a vessel where it is narrowest, Pa, by its harmonics.
@@ -132,14 +130,9 @@ impl Pulse {
 
     /// The figures of the flow in the middle of a vessel.
     pub fn flow_indices(&self, row: usize) -> Indices {
-        self.flow_indices_beside(row, self.largest_flow())
-    }
-
-    /// As [`Pulse::flow_indices`], with the largest amplitude of all flows, m³/s.
-    pub fn flow_indices_beside(&self, row: usize, largest: f64) -> Indices {
-        let flow = &self.vessels[row].flow[1];
-        let found = Indices::of(flow, self.period, ROUNDING * largest);
-        let is_none = flow.iter().all(|c| c.norm() <= ROUNDING * largest);
+        let (flow, rounding) = (&self.vessels[row].flow[1], ROUNDING * self.largest_flow);
+        let found = Indices::of(flow, self.period, rounding);
+        let is_none = flow.iter().all(|c| c.norm() <= rounding);
         if is_none { Indices { mean: 0.0, max: 0.0, min: 0.0, ..found } } else { found }
     }
 
@@ -261,6 +254,6 @@ impl Pulses {
 
     /// A phase as the time behind that of the first inlet, s.
     pub fn delay(&self, phase: f64, period: f64) -> f64 {
-        behind(phase, Indices::of(&self.first.coefficients, period, 0.0).phase, period)
+        behind(phase, fourier::phase(&self.first.coefficients, period, 0.0), period)
     }
 }

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 
 use super::womersley::{Fluid, TubeSegment};
-use crate::flow::{Boundary, Tube, WallLaw};
+use crate::flow::{Boundary, Tube, WallLaw, poiseuille::resistance};
 use crate::network::{Condition, Network, Windkessel, waveform::Quantity};
 use crate::simulation::{Change, Perturbation};
 use crate::{error::Result, perturbation::StretchPlace, support::grouped};
@@ -73,7 +73,7 @@ pub fn walled(network: &Network, tubes: &[Tube], changes: &[Perturbation], law: 
         if !tube.is_open() {
             return Ok(Walled { halves: Default::default(), narrowest, volume });
         }
-        let stated = vessel.resistance.map(|r| r / vessel.length - TubeSegment::poiseuille(vessel.radius, fluid.viscosity));
+        let stated = vessel.resistance.map(|r| r / vessel.length - resistance(1.0, vessel.radius, fluid.viscosity));
         let segment = |length: f64, open: f64| {
             let radius = vessel.radius * open;
             let compliance = law.compliance(radius, vessel.wall, fluid.density, &network.vessel_name(row))?;

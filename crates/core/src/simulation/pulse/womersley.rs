@@ -9,6 +9,8 @@ use std::f64::consts::PI;
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
+use crate::flow::poiseuille::resistance;
+
 /// The profile by which flow meets friction.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -46,12 +48,22 @@ pub struct TubeSegment {
     pub excess: f64,
 }
 
+/// Above this α the Bessel functions are their asymptotic series.
+const FAR: f64 = 1e4;
+
 /// G = (1 - F10)/(iα²/8) at the Womersley number α = r √(ωρ/µ); 1 at rest.
 ///
 /// G = s₁s₂ with the continued fraction sₙ = 1/(1 + iα² sₙ₊₁/(4n(n+1))) of Bessel functions' ratios, from its end: without
 /// cancellation at any α. From n = 1.5 α + 12 on, further terms change no digit.
+///
+/// Far above, where these are too many, F10 = (2/x)(1 - 1/(2x) - 1/(8x²)), x = α√i: what is left out is below 10⁻¹² of it.
 pub fn viscous(alpha: f64) -> Complex64 {
     let square = Complex64::new(0.0, alpha * alpha);
+    if alpha > FAR {
+        let x = Complex64::cis(PI / 4.0) * alpha;
+        let f10 = (Complex64::ONE - x.inv() * 0.5 - (x * x).inv() * 0.125) * 2.0 / x;
+        return (Complex64::ONE - f10) * 8.0 / square;
+    }
     let mut s = Complex64::ONE;
     for n in (2..=(1.5 * alpha) as u32 + 12).rev() {
         s = (Complex64::ONE + square * s / f64::from(4 * n * (n + 1))).inv();
@@ -65,14 +77,9 @@ pub fn womersley_number(fluid: &Fluid, frequency: f64, radius: f64) -> f64 {
 }
 
 impl TubeSegment {
-    /// Poiseuille's resistance per length, Pa s/m⁴.
-    pub fn poiseuille(radius: f64, viscosity: f64) -> f64 {
-        8.0 * viscosity / (PI * radius.powi(4))
-    }
-
     /// Z' (Pa s/m⁴) and Y' (m²/(Pa s)) at the angular frequency ω, 1/s.
     pub fn line(&self, fluid: &Fluid, frequency: f64) -> (Complex64, Complex64) {
-        let friction = Self::poiseuille(self.radius, fluid.viscosity);
+        let friction = resistance(1.0, self.radius, fluid.viscosity);
         let z = match fluid.friction {
             Friction::Womersley => viscous(womersley_number(fluid, frequency, self.radius)).inv() * friction,
             Friction::Parabolic => Complex64::new(friction, frequency * fluid.density / (PI * self.radius * self.radius)),
@@ -94,7 +101,7 @@ impl TubeSegment {
 
     /// The wall shear stress (Pa) of a flow amplitude q (m³/s): (r/2) Z' F10 q with F10 = 1 - (iα²/8) G; 4µq/(πr³) at rest.
     pub fn wall_shear(radius: f64, fluid: &Fluid, frequency: f64, q: Complex64) -> Complex64 {
-        let friction = q * (radius / 2.0 * Self::poiseuille(radius, fluid.viscosity));
+        let friction = q * (radius / 2.0 * resistance(1.0, radius, fluid.viscosity));
         match fluid.friction {
             Friction::Parabolic => friction,
             Friction::Womersley => {

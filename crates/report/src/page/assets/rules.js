@@ -37,6 +37,9 @@ function bestFirst(of, { first, joins, doubtful }) {
   return { kept, left: new Set(), instead: new Map() };
 }
 
+// Whether a probability is no less than what is needed, but for rounding.
+const isEnough = (p, needed) => needed - p <= 1e-9 * Math.max(p, needed);
+
 // The most probable forest of fragments, and what of it is more probable than what hangs on it is nothing.
 function mostProbableForest(of, { price, without }) {
   const { rows, nodes, ends } = of, kept = new Uint8Array(rows), needed = new Map(), number = new Map(), alone = [], left = [];
@@ -55,7 +58,7 @@ function mostProbableForest(of, { price, without }) {
     const [a, b] = ends.map(end => fragment(end[row]));
     if (a === b) {
       needed.set(row, without * price);
-      kept[row] = p >= without * price ? 1 : 0;
+      kept[row] = isEnough(p, without * price) ? 1 : 0;
       continue;
     }
     of.attached(row).forEach((score, side) => {
@@ -75,7 +78,7 @@ function mostProbableForest(of, { price, without }) {
     if (--hanging[from] === 0) order.push(from);
     const p = of.chance(row);
     needed.set(row, price * nothing[child]);
-    kept[row] = p >= needed.get(row) ? 1 : 0;
+    kept[row] = isEnough(p, needed.get(row)) ? 1 : 0;
     if (!kept[row]) open.add(row);
     nothing[from] *= 1 - p * (1 - nothing[child]);
   }
