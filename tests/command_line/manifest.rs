@@ -131,6 +131,11 @@ fn a_wrong_manifest_is_refused_with_its_line() {
     try_one("input,spacing\na.swc,x\n", &["m.csv:2", "spacing", "\"x\""]);
     try_one("input,units,spacing\na.swc,voxel,\n", &["m.csv:2", "units voxel", "needs --spacing"]);
     try_one("input,radius\na.swc,wide\n", &["m.csv:2", "radius", "\"wide\""]);
+    // Without quotes these are three values, of which the first would be the spacing of all axes.
+    try_one("input,spacing\na.npy,0.5,0.5,0.8\n", &["m.csv:2", "\"0.5\" in a further column", "need quotes"]);
+    try_one("input,radius,--radius\na.swc,mean,mean\n", &["m.csv:1", "column \"--radius\": radius comes twice"]);
+    // Of two columns of names the second is no mistake: the next line is looked at.
+    try_one("subject,participant_id,input\na,b,\n", &["m.csv:2", "no input"]);
     fs::write(here.join("m.csv"), "input,bc\na.swc,b.csv\n").expect("written");
     refused(here, &["classify", "m.csv", "-o", "out"], &["m.csv:2", "bc"]);
     // A folder for all inputs has no place for the name of one.

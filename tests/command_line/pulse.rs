@@ -123,7 +123,8 @@ fn what_is_no_pulse_is_refused_in_one_line() {
     let wave = |text: &'static str| [files()[0], files()[1], ("wave.csv", text.as_bytes())];
     let simulate = |more: &[&'static str]| [&["simulate", "a.csv", "-o", "out"], more].concat();
     let of_wave = ["--pulse", "wave.csv"];
-    let waves: [(&str, &[&str]); 8] = [
+    let waves: [(&str, &[&str]); 9] = [
+        ("time_s,pressure_mmHg\n", &["wave.csv: no row", "two or more rows"]),
         ("time_s,pressure_mmHg\n0,80\n", &["wave.csv: one row", "two or more rows"]),
         ("time_s,pressure_mmHg\n0,80\n0.2,120\n0.1,90\n", &["wave.csv:4: time_s 0.1 after 0.2"]),
         (

@@ -218,6 +218,37 @@ pub fn drawn(shape: [usize; 3], value: impl Fn(Point) -> f64) -> Image {
     Image { shape, values, affine: [[0.5, 0.0, 0.0, 0.0], [0.0, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.0]] }
 }
 
+/// Flattened with voxels of 0.5 mm, which make no whole number of blocks along any axis: which end of an axis the file begins with changes no
+/// value at any place.
+#[test]
+fn the_direction_of_the_axes_in_the_file_changes_no_value() {
+    let shape = [37, 41, 29];
+    let plain = drawn(shape, |p| ripple(p) + 0.3 * ripple(p.map(|x| 0.1 * x)));
+    let flat = |image: Image| {
+        let mut picture = Picture::of(image, [[0.0; 3], [0.1; 3]], 0.4e-3).expect("the whole image");
+        picture.flatten(1.7e-3, |_| true);
+        picture
+    };
+    let expected = flat(plain.clone());
+    for axis in 0..3 {
+        let far = shape[axis] - 1;
+        let mut affine = plain.affine;
+        affine[axis][axis] = -0.5;
+        affine[axis][3] = 0.5 * far as f64;
+        let mut values = Vec::new();
+        for row in 0..plain.values.len() {
+            let mut at = [row % shape[0], row / shape[0] % shape[1], row / (shape[0] * shape[1])];
+            at[axis] = far - at[axis];
+            values.push(plain.values[(at[2] * shape[1] + at[1]) * shape[0] + at[0]]);
+        }
+        let turned = flat(Image { shape, values, affine });
+        for n in 0..200 {
+            let place = [0.7e-3, 1.1e-3, 1.3e-3].map(|step| step * f64::from(n) % 14e-3);
+            assert_eq!(turned.value(place), expected.value(place), "axis {axis}, {place:?}");
+        }
+    }
+}
+
 #[test]
 fn the_cheapest_path_follows_a_bent_vessel_and_is_straight_where_there_is_none() {
     // Two vessels along x with a gap of 12 mm, in which the image shows an arc 3 mm high.

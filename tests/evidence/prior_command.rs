@@ -88,6 +88,8 @@ fn faults_of_priors_and_rules_are_one_line() {
     refused(&with("a.npy", b"\x93NUM"), &infer("a.npy"), &["a.npy: array A: not a NumPy array"]);
     refused(&with("a.csv", b"edge,prior\n2,1\n"), &infer("a.csv"), &["a.csv:2: edge \"2\"; expected a row below 2"]);
     refused(&with("a.csv", b"edge,prior\n1,1.5\n"), &infer("a.csv"), &["a.csv:2: prior 1.5; expected a number from 0 to 1"]);
+    let twice = b"edge,prior\n1,0.5\n0,1\n1,0.5\n1,0.6\n";
+    refused(&with("a.csv", twice), &infer("a.csv"), &["a.csv:5: prior 0.6 of edge 1, which is another one on line 4"]);
     refused(&with("a.csv", b"node_a,node_b,prior\n0,2,1\n"), &infer("a.csv"), &["a.csv:2: 0 - 2", "a vessel joins"]);
     refused(&with("a.csv", b"node_a,prior\n0,1\n"), &infer("a.csv"), &["a.csv:1: columns node_a,prior", "node_a,node_b"]);
     let keep = |rule: &'static str| ["infer", "edges.csv", "-o", "out", "--keep", rule];

@@ -99,6 +99,12 @@ fn loops_link_points_and_their_faults_name_the_line() {
         let Content::Centerlines(lines) = read(&path, &options).unwrap().content else { panic!() };
         assert_eq!(lines.links, [[0, 1], [1, 2], [0, 2]]);
     }
+    // A link that is there, or comes twice, is no further one.
+    std::fs::write(&loops, "id_a,id_b\n2,1\n1,3\n3,1\n").unwrap();
+    let document = read(&path, &options).unwrap();
+    let Content::Centerlines(lines) = &document.content else { panic!() };
+    assert_eq!(lines.links, [[0, 1], [1, 2], [0, 2]]);
+    assert!(document.notes.iter().any(|note| note.starts_with("1 link added from ")), "{:?}", document.notes);
     for (text, message) in [
         ("id_a,id_b\n1,9\n", "l.csv:2: point 9 does not exist; expected two point ids (id_a,id_b)"),
         ("1,x\n", "l.csv:1: \"x\"; expected two point ids (id_a,id_b)"),

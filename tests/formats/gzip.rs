@@ -47,15 +47,20 @@ fn a_packed_file_of_any_format_is_read_as_what_it_holds() {
         assert_eq!(fs::read(place("one.graphml")).expect("one"), fs::read(place("two.graphml")).expect("two"), "{name}");
     }
     // A table of vessels finds that of the nodes, either of them packed.
-    run(&["convert", &scan, "b-edges.csv"]);
-    run(&["convert", "b-edges.csv", "one.graphml", "--force"]);
     fs::create_dir(place("packed")).expect("a folder");
-    for (edges, nodes) in
-        [("b-edges.csv.gz", "b-nodes.csv.gz"), ("b-edges.csv", "b-nodes.csv.gz"), ("b-edges.csv.gz", "b-nodes.csv")]
-    {
-        for (plain, name) in [("b-edges.csv", edges), ("b-nodes.csv", nodes)] {
-            let to = place("packed").join(name);
-            if name == plain { drop(fs::copy(place(plain), &to)) } else { pack(&place(plain), &to) }
+    for (edges, nodes) in [
+        ("b-edges.csv.gz", "b-nodes.csv.gz"),
+        ("b-edges.csv", "b-nodes.csv.gz"),
+        ("b-edges.csv.gz", "b-nodes.csv"),
+        ("b.csv.gz", "b.nodes.csv.gz"),
+        ("b.csv", "b.nodes.csv.gz"),
+        ("b.csv.gz", "b.nodes.csv"),
+    ] {
+        run(&["convert", &scan, edges.trim_end_matches(".gz"), "--force"]);
+        run(&["convert", edges.trim_end_matches(".gz"), "one.graphml", "--force"]);
+        for name in [edges, nodes] {
+            let (plain, to) = (place(name.trim_end_matches(".gz")), place("packed").join(name));
+            if name.ends_with(".gz") { pack(&plain, &to) } else { drop(fs::copy(&plain, &to)) }
         }
         run(&["convert", &format!("packed/{edges}"), "two.graphml", "--force"]);
         assert_eq!(
@@ -102,6 +107,17 @@ fn what_is_damaged_or_unpacks_to_too_much_is_refused_by_name() {
     assert!(said.contains("twice.swc.gz") && said.contains("packed by gzip twice"), "{said}");
     let said = refused("much.swc.gz", &good, &["--max-input", "60kB"]);
     assert!(said.contains("much.swc.gz") && said.contains("--max-input"), "{said}");
+    // The checksum of a mask is its last eight bytes but four, after all voxels.
+    let scan = fs::read(command::data("scan.nii.gz")).expect("the example");
+    let mut wrong = scan.clone();
+    wrong[scan.len() - 6] ^= 1;
+    for bytes in [&wrong, &scan[..scan.len() - 8]] {
+        fs::write(here.path().join("scan.nii.gz"), bytes).expect("a file");
+        let ran = command::willis(here.path(), &["skeleton", "scan.nii.gz", "-o", "out.vtp"]);
+        let said = command::stderr(&ran);
+        assert_eq!(ran.status.code(), Some(2), "{said}");
+        assert!(said.contains("scan.nii.gz: after") && said.contains("expected a whole file"), "{said}");
+    }
     let fault = refused("fault.swc.gz", &packed(b"1 0 0 0 0 1 -1\n2 0 x 0 0 1 1\n"), &[]);
     assert!(fault.contains("fault.swc.gz") && fault.contains('2'), "{fault}");
 }

@@ -80,6 +80,10 @@ fn specks_are_left_out_and_told() {
     let traced = trace(&drawn, RadiusFrom::Area, Cavities::Fill).expect("lines");
     assert_eq!((graph(&traced.lines).0, traced.specks), (2, 1), "the ball is no vessel");
     assert!(trace(&drawn, RadiusFrom::Area, Cavities::Keep).is_some_and(|all| graph(&all.lines).0 + all.specks == 3));
+    // A single voxel has no line, whose length is 0, not -0.
+    let dotted = mask([60, 40, 20], |at| drawn.classes[at[0] + 60 * (at[1] + 40 * at[2])] > 0 && at[1] < 20 || at == [1, 38, 1]);
+    let traced = trace(&dotted, RadiusFrom::Area, Cavities::Fill).expect("lines");
+    assert_eq!((traced.specks, traced.speck_length.to_bits()), (1, 0));
 }
 
 /// A part that is longer than wide, but not by much, and far from all others keeps its line; nothing joins it, and no blood leaves there.
@@ -133,6 +137,10 @@ fn what_can_be_no_vessels_is_refused() {
         assert!(why_no_vessels(&noise).is_some_and(|why| why.starts_with("noise: ")), "{share}");
     }
     assert!(why_no_vessels(&mask([96; 3], |at| at.iter().sum::<usize>() % 2 == 0)).is_some());
+    // An image whose background is inside: turned round, or cut at too low a level.
+    for full in [mask([64; 3], |_| true), mask([64; 3], |[x, y, _]| x.abs_diff(32) > 4 || y.abs_diff(32) > 4)] {
+        assert!(why_no_vessels(&full).is_some_and(|why| why.starts_with("too full: ")));
+    }
     let body = mask([164; 3], |at| at.iter().all(|x| (1..163).contains(x)));
     assert!(why_no_vessels(&body).is_some_and(|why| why.starts_with("a solid body: ")));
     // A small body, a wide vessel, a bundle of vessels of two voxels, and a lattice of vessels.

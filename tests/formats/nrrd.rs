@@ -123,11 +123,22 @@ fn spacings_alone_and_a_fourth_axis_of_one_are_read() {
     let plain = [[0.5, 0.0, 0.0, 1.0], [0.0, 0.25, 0.0, 2.0], [0.0, 0.0, 0.75, 3.0]];
     let directions = "space directions: (0,0.5,0) (-0.5,0,0) (0,0,0.75)";
     let old = [
-        (directions, "spacings: 0.5 0.25 0.75\naxis mins: 1 2 3"),
+        (directions, "spacings: 0.5 0.25 0.75\naxis mins: 1 2 3\ncenters: node node node"),
         ("space: left-posterior-superior\n", ""),
         ("space origin: (10,-20,30)\n", ""),
     ];
     assert_eq!(ends(read("a.nrrd", &nrrd(&old, &bar())).expect("read")), tips(plain));
+    // Samples that are no nodes lie half a voxel from the border, as SimpleITK has it; the borders tell the spacing too.
+    let of_cells = [[0.5, 0.0, 0.0, 1.25], [0.0, 0.25, 0.0, 2.125], [0.0, 0.0, 0.75, 3.375]];
+    for (lines, affine) in [
+        ("spacings: 0.5 0.25 0.75\naxis mins: 1 2 3", of_cells),
+        ("spacings: 0.5 0.25 0.75\naxis mins: 1 2 3\ncenterings: cell cell cell", of_cells),
+        ("axis mins: 1 2 3\naxis maxs: 7 3.25 7.5", of_cells),
+        ("axis mins: 1 2 3\naxis maxs: 6.5 3 6.75\ncenters: node node node", plain),
+    ] {
+        let swaps = [&[(directions, lines)], &old[1..]].concat();
+        assert_eq!(ends(read("a.nrrd", &nrrd(&swaps, &bar())).expect("read")), tips(affine), "{lines}");
+    }
     let steps = "(0,0.5,0) (-0.5,0,0) (0,0,0.75)";
     for (sizes, steps_of, kinds) in [
         ("1 12 5 6", format!("none {steps}"), "list domain domain domain"),
@@ -211,6 +222,10 @@ fn what_is_no_usable_nrrd_is_refused_in_one_line() {
     let with = |swaps: &[(&str, &str)]| nrrd(swaps, &bar());
     let beside = |name: &str| header(&[("note", &*format!("data file: {name}\nnote"))]).into_bytes();
     let packed = gzip(&bar());
+    let mut wrong_sum = packed.clone();
+    // The checksum is in the last eight bytes.
+    wrong_sum[packed.len() - 6] ^= 1;
+    let unit = |words: &str| with(&[("note:=", &*format!("space units: {words}\nnote:="))]);
     let four = [("12 5 6", "2 12 5 3"), ("dimension: 3", "dimension: 4"), ("(0,0.5,0)", "none (0,0.5,0)")];
     let seg = |layer: &str| {
         let key = format!("Segment0_Layer:={layer}\nSegment0_Name");
@@ -219,6 +234,13 @@ fn what_is_no_usable_nrrd_is_refused_in_one_line() {
     let cases: Vec<(&str, Vec<u8>, &str)> = vec![
         ("cut.nrrd", nrrd(&[], &bar()[..100]), "100 of 360 voxels; expected all of them; is the file cut off?"),
         ("cut-gzip.nrrd", nrrd(&[("encoding: raw", "encoding: gzip")], &packed[..packed.len() - 12]), "expected a whole file"),
+        (
+            "sum.nrrd",
+            nrrd(&[("encoding: raw", "encoding: gzip")], &wrong_sum),
+            "after 360 of 360 voxels: corrupt gzip stream does not have a matching checksum; expected a whole file",
+        ),
+        ("parsec.nrrd", unit("\"parsec\" \"parsec\" \"parsec\""), "expected one unit for all axes of space: mm, um, cm or m"),
+        ("units.nrrd", unit("\"mm\" \"mm\" \"um\""), "units.nrrd:12: space units \"\"mm\" \"mm\" \"um\"\"; expected one unit"),
         ("empty.nrrd", nrrd(&[], &[0; 360]), "an empty mask"),
         ("huge.nrrd", with(&[("12 5 6", "16384 8192 8192")]), "16384 x 8192 x 8192 voxels of 1 bytes; expected at most"),
         ("overflow.nrrd", with(&[("12 5 6", "4294967296 4294967296 4294967296")]), "expected at most"),

@@ -451,6 +451,8 @@ fn every_malformed_table_is_one_clear_line() {
     let nodes_alone = alone("nodes.csv", "node,id,x_mm\na,a,1\n").unwrap_err();
     let accepted = "these are nodes; give the table of edges, with columns node_a,node_b or source,target";
     assert_eq!(nodes_alone, format!("nodes.csv:1: columns node,id,x_mm; {accepted}"));
+    let commented = alone("nodes.csv", "# of a patient\n\nnode,id,x_mm\na,a,1\n").unwrap_err();
+    assert_eq!(commented, format!("nodes.csv:3: columns node,id,x_mm; {accepted}"));
     for (read, expected) in cases {
         assert_eq!(read.expect_err(expected).as_str(), expected);
     }

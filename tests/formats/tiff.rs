@@ -92,6 +92,31 @@ fn the_spacing_is_that_of_imagej_of_ome_or_of_the_user() {
     }
 }
 
+/// Where 0 is drawn white, the values are those of the file, as tifffile, scikit-image and SimpleITK read them.
+#[test]
+fn a_table_of_greys_that_is_turned_round_changes_no_value() {
+    let bar = bar();
+    let white_is_zero = tiff(OME, &bar.chunks(60).collect::<Vec<_>>(), &[(262, 0)]);
+    assert_eq!(ends(read("a.tif", &white_is_zero).expect("read")), tips(frame([0.5, 0.25, 0.75])));
+    let script = r#"
+import sys, os, numpy as np, tifffile
+a = np.zeros((6, 5, 12)); a[3, 2, 2:11] = 1
+for kind in ["u1", "<u2", ">u2", "u4", "u8", "<f4", ">f4", "f8"]:
+    path = os.path.join(sys.argv[1], f"{kind}.tif".replace("<", "l").replace(">", "b"))
+    tifffile.imwrite(path, a.astype(kind), photometric="miniswhite", byteorder=">" if kind[0] == ">" else "<")
+    assert (tifffile.imread(path) == a).all()
+    print(path)
+"#;
+    let folder = tempfile::tempdir().expect("a folder");
+    let Some(out) = python(script, &[folder.path()]) else { return };
+    let scale = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5, 0.5, 0.75]) };
+    for path in out.lines() {
+        let image = read_image(path.as_ref(), &ReadOptions { scale, ..ReadOptions::default() }).expect("an image").0;
+        let expected: Vec<f32> = bar.iter().map(|value| f32::from(*value)).collect();
+        assert_eq!(image.values, expected, "{path}");
+    }
+}
+
 #[test]
 fn what_is_no_usable_stack_is_refused_in_one_line() {
     let bar = bar();

@@ -36,7 +36,7 @@ impl ImageCube {
         let (held, shown, is_dark) = (ends(HELD), ends(SHOWN), scene.sign < 0.0);
         let off = |n: usize| (n as f64 - (SIDE - 1) as f64 / 2.0) * STEP;
         let sample = |n: usize| {
-            let at = [n % SIDE, n / SIDE % SIDE, n / (SIDE * SIDE)];
+            let at = super::indices_of([SIDE; 3], n);
             let Some(x) = scene.brightness([0, 1, 2].map(|k| centre[k] + off(at[k]))) else { return 0 };
             let share = (scene.sign * x - held[0]) / (held[1] - held[0]);
             1 + (254.0 * share.clamp(0.0, 1.0)).round() as u8

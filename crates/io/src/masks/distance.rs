@@ -1,4 +1,4 @@
-//! The exact Euclidean distance from every voxel of a vessel to the nearest voxel outside, with voxels of any shape.
+//! The exact Euclidean distance from every voxel of a vessel to the nearest voxel outside, with voxels that are boxes of any lengths.
 //!
 //! Squared distances along one axis after the other, each by the lower envelope of parabolas: Felzenszwalb and Huttenlocher, "Distance
 //! transforms of sampled functions", Theory of Computing 8 (2012). Beyond the image's border nothing is known, so that is no outside.

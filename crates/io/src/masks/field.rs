@@ -1,8 +1,9 @@
 //! The depth of every place below the wall of a mask's lumen: a signed distance, between voxels by trilinear interpolation.
 
-use super::{Foreground, distances, inverse_of, neighbours, steps_of};
+use super::image::trilinear;
+use super::{Foreground, distances, inverse_of, neighbours, row_at, steps_of, strides_of, volume_of};
 use willis_core::network::{metres, millimetres};
-use willis_core::support::geometry::{Point, cross, dot, norm, norm_squared};
+use willis_core::support::geometry::{Point, dot, norm, norm_squared};
 
 /// Further outside than the neighbours of the lumen every place has this depth, in voxels.
 const OUTSIDE: f64 = -1.5;
@@ -62,7 +63,7 @@ impl Field {
 
     /// The volume of a voxel, m³.
     pub fn voxel_volume(&self) -> f64 {
-        dot(self.steps[0], cross(self.steps[1], self.steps[2])).abs() * metres(1.0).powi(3)
+        volume_of(self.steps) * metres(1.0).powi(3)
     }
 
     /// The depth (m) of a place (m) below the wall; negative outside.
@@ -71,9 +72,8 @@ impl Field {
         let low = at.map(floor);
         let share = [0, 1, 2].map(|k| at[k] - low[k]);
         let [x, y, z] = low.map(|index| index as isize);
-        let between = |a: f64, b: f64, share: f64| a + share * (b - a);
         // Where all eight voxels are in the box, their rows follow from the first.
-        let [along_y, along_z] = [self.shape[0], self.shape[0] * self.shape[1]];
+        let [_, along_y, along_z] = strides_of(self.shape);
         let is_inside = [x, y, z].iter().zip(self.shape).all(|(index, length)| *index >= 0 && (*index as usize) + 1 < length);
         let first = if is_inside { z as usize * along_z + y as usize * along_y + x as usize } else { 0 };
         let corner = |i: usize, j: usize, k: usize| {
@@ -83,9 +83,7 @@ impl Field {
                 self.at([x + i as isize, y + j as isize, z + k as isize])
             }
         };
-        let along_x = |j: usize, k: usize| between(corner(0, j, k), corner(1, j, k), share[0]);
-        let in_layer = |k: usize| between(along_x(0, k), along_x(1, k), share[1]);
-        metres(between(in_layer(0), in_layer(1), share[2]))
+        metres(trilinear(corner, share))
     }
 
     /// The depth (m) of a place (m) in the lumen; zero outside.
@@ -131,11 +129,11 @@ impl Field {
     /// The depth of a voxel, mm.
     fn at(&self, index: [isize; 3]) -> f64 {
         // Below zero is no small number without a sign.
-        let [x, y, z] = index.map(|x| x as usize);
-        if x >= self.shape[0] || y >= self.shape[1] || z >= self.shape[2] {
+        let at = index.map(|x| x as usize);
+        if (0..3).any(|axis| at[axis] >= self.shape[axis]) {
             return OUTSIDE * self.voxel;
         }
-        f64::from(self.depth[(z * self.shape[1] + y) * self.shape[0] + x])
+        f64::from(self.depth[row_at(self.shape, at)])
     }
 }
 

@@ -1,5 +1,7 @@
 //! The voxels inside vessels as one bit each, numbered in their order: a row for each voxel, a place in the box for each row.
 
+use super::grid::{indices_of, row_at, strides_of};
+
 /// Bits of a word.
 const BITS: usize = 64;
 
@@ -15,7 +17,7 @@ pub struct Foreground {
     /// The image's own lengths.
     image: [usize; 3],
     /// Where the centre of each of its voxels is, mm.
-    pub(super) affine: super::mask::Affine,
+    pub(super) affine: super::grid::Affine,
     /// One bit for each place of the box.
     words: Vec<u64>,
     /// How many voxels come before each word, and all of them last.
@@ -44,8 +46,8 @@ impl Foreground {
         let mut words = vec![0_u64; size.div_ceil(BITS)];
         for z in low[2]..=high[2] {
             for y in low[1]..=high[1] {
-                let line = (z * mask.shape[1] + y) * mask.shape[0];
-                let place = ((z - low[2] + 1) * shape[1] + y - low[1] + 1) * shape[0] + 1;
+                let line = row_at(mask.shape, [0, y, z]);
+                let place = row_at(shape, [1, y - low[1] + 1, z - low[2] + 1]);
                 for x in low[0]..=high[0] {
                     if mask.classes[line + x] > 0 {
                         let at = place + x - low[0];
@@ -81,7 +83,7 @@ impl Foreground {
 
     /// Steps from a place of the box to the next along each axis.
     pub fn strides(&self) -> [usize; 3] {
-        [1, self.shape[0], self.shape[0] * self.shape[1]]
+        strides_of(self.shape)
     }
 
     /// Whether a place is inside a vessel.
@@ -124,7 +126,7 @@ impl Foreground {
 
     /// The indices in the image of a place.
     pub fn voxel_at(&self, place: usize) -> [usize; 3] {
-        let at = [place % self.shape[0], place / self.shape[0] % self.shape[1], place / (self.shape[0] * self.shape[1])];
+        let at = indices_of(self.shape, place);
         [0, 1, 2].map(|axis| (at[axis] as isize + self.origin[axis]) as usize)
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use super::mask::{Affine, inverse_of, steps_of};
+use super::grid::{Affine, axes_by_direction, inverse_of, row_at, steps_of, strides_of};
 use willis_core::network::{metres, millimetres};
 use willis_core::support::geometry::{Point, bounds, dot, norm};
 use willis_core::support::in_chunks;
@@ -63,7 +63,7 @@ impl Picture {
     /// The part of an image in the box from `low` to `high` (m), averaged with a Gaussian of this standard deviation (m); `None` where the image
     /// does not reach into the box.
     pub fn of(image: Image, [low, high]: [Point; 2], sigma: f64) -> Option<Self> {
-        let steps = steps_of(&image.affine);
+        let mut steps = steps_of(&image.affine);
         let inverse = inverse_of(steps);
         let mut at = image.affine.map(|row| row[3]);
         let index = |corner: usize| {
@@ -85,7 +85,7 @@ impl Picture {
         let (mut values, mut end) = (image.values, 0);
         for z in range[2][0]..=range[2][1] {
             for y in range[1][0]..=range[1][1] {
-                let row = (z * image.shape[1] + y) * image.shape[0];
+                let row = row_at(image.shape, [0, y, z]);
                 values.copy_within(row + range[0][0]..=row + range[0][1], end);
                 end += shape[0];
             }
@@ -94,10 +94,18 @@ impl Picture {
         for k in 0..3 {
             at[k] += (0..3).map(|axis| steps[axis][k] * range[axis][0] as f64).sum::<f64>();
         }
+        // What is measured goes by blocks from the first voxel on: which one that is must not depend on the order in the file.
+        for (direction, axis) in axes_by_direction(&image.affine).into_iter().enumerate() {
+            if steps[axis][direction] < 0.0 {
+                reverse_along(&mut values, shape, axis);
+                at = [0, 1, 2].map(|k| at[k] + steps[axis][k] * (shape[axis] - 1) as f64);
+                steps[axis] = steps[axis].map(|x| -x);
+            }
+        }
         for (axis, step) in steps.iter().enumerate() {
             smooth_along(&mut values, shape, axis, millimetres(sigma) / norm(*step));
         }
-        Some(Self { shape, values, inverse, at, steps })
+        Some(Self { shape, values, inverse: inverse_of(steps), at, steps })
     }
 
     /// Takes from every voxel the mean of the voxels around it that count, by a Gaussian of this standard deviation (m). Where too few count
@@ -116,8 +124,8 @@ impl Picture {
     }
 
     /// The row of a voxel in the values.
-    pub fn row(&self, [x, y, z]: [usize; 3]) -> usize {
-        (z * self.shape[1] + y) * self.shape[0] + x
+    pub fn row(&self, at: [usize; 3]) -> usize {
+        row_at(self.shape, at)
     }
 
     /// The indices of a place (m), between voxels too.
@@ -150,15 +158,20 @@ impl Picture {
             low[axis] = (inside as usize).min(self.shape[axis].saturating_sub(2));
             share[axis] = inside - low[axis] as f64;
         }
-        let steps = [1, self.shape[0], self.shape[0] * self.shape[1]];
+        let steps = strides_of(self.shape);
         let next = [0, 1, 2].map(|axis| if self.shape[axis] > 1 { steps[axis] } else { 0 });
         let row = self.row(low);
-        let between = |a: f64, b: f64, share: f64| a + share * (b - a);
-        let v = |row: usize| f64::from(self.values[row]);
-        let along_x = |row: usize| between(v(row), v(row + next[0]), share[0]);
-        let in_layer = |row: usize| between(along_x(row), along_x(row + next[1]), share[1]);
-        Some(between(in_layer(row), in_layer(row + next[2]), share[2])).filter(|x| x.is_finite())
+        let corner = |i: usize, j: usize, k: usize| f64::from(self.values[row + k * next[2] + j * next[1] + i * next[0]]);
+        Some(trilinear(corner, share)).filter(|x| x.is_finite())
     }
+}
+
+/// The value between the eight corners of a cell, by the share of the way along each axis.
+pub(super) fn trilinear(corner: impl Fn(usize, usize, usize) -> f64, share: [f64; 3]) -> f64 {
+    let between = |a: f64, b: f64, share: f64| a + share * (b - a);
+    let along_x = |j: usize, k: usize| between(corner(0, j, k), corner(1, j, k), share[0]);
+    let in_layer = |k: usize| between(along_x(0, k), along_x(1, k), share[1]);
+    between(in_layer(0), in_layer(1), share[2])
 }
 
 /// The mean of what counts around each place, on a grid of blocks of voxels.
@@ -234,12 +247,23 @@ impl LocalMean {
     fn row(&self, y: usize, z: usize) -> Vec<f32> {
         let [(y, v), (z, w)] = [self.between(1, y), self.between(2, z)];
         let of = |y: usize, z: usize| {
-            let first = (z.min(self.shape[2] - 1) * self.shape[1] + y.min(self.shape[1] - 1)) * self.shape[0];
+            let first = row_at(self.shape, [0, y.min(self.shape[1] - 1), z.min(self.shape[2] - 1)]);
             &self.mean[first..first + self.shape[0]]
         };
         let mix = |a: f32, b: f32, share: f32| a + share * (b - a);
         let [near, far] = [z, z + 1].map(|z| of(y, z).iter().zip(of(y + 1, z)).map(move |(a, b)| mix(*a, *b, v)));
         near.zip(far).map(|(a, b)| mix(a, b, w)).collect()
+    }
+}
+
+/// Turns the order of the voxels along an axis round.
+fn reverse_along(values: &mut [f32], shape: [usize; 3], axis: usize) {
+    let stride: usize = shape[..axis].iter().product();
+    for part in values.chunks_exact_mut(stride * shape[axis]) {
+        for n in 0..shape[axis] / 2 {
+            let (low, high) = part.split_at_mut((shape[axis] - 1 - n) * stride);
+            low[n * stride..][..stride].swap_with_slice(&mut high[..stride]);
+        }
     }
 }
 

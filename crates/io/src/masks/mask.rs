@@ -1,26 +1,8 @@
 //! A segmentation mask: a class for every voxel, and where the voxels are.
 
+use super::grid::{Affine, axes_by_direction, indices_of, row_at, steps_of, volume_of};
 use willis_core::network::Frame;
-use willis_core::support::geometry::{Point, cross, dot, norm};
-
-/// Millimetres in the scanner's frame (x to the patient's right, y forward, z up) from voxel indices: three rows of four.
-pub type Affine = [[f64; 4]; 3];
-
-/// The steps of one voxel along each axis, mm.
-pub fn steps_of(affine: &Affine) -> [Point; 3] {
-    [0, 1, 2].map(|axis| affine.map(|row| row[axis]))
-}
-
-/// The indices of the voxel of a row, in an image of these lengths.
-pub fn indices_of([x, y, _]: [usize; 3], row: usize) -> [usize; 3] {
-    [row % x, row / x % y, row / (x * y)]
-}
-
-/// The rows that make indices of mm, from the steps of voxels.
-pub fn inverse_of([a, b, c]: [Point; 3]) -> [Point; 3] {
-    let volume = dot(a, cross(b, c));
-    [cross(b, c), cross(c, a), cross(a, b)].map(|row| row.map(|x| x / volume))
-}
+use willis_core::support::geometry::{Point, norm};
 
 /// A class for every voxel of an image; 0 is background.
 #[derive(Debug, Clone)]
@@ -65,8 +47,7 @@ impl Mask {
 
     /// The volume of a voxel, mm³.
     pub fn voxel_volume(&self) -> f64 {
-        let [a, b, c] = steps_of(&self.affine);
-        dot(a, cross(b, c)).abs()
+        volume_of(steps_of(&self.affine))
     }
 
     /// The position of a voxel, or of a place between voxels, mm.
@@ -86,16 +67,10 @@ impl Mask {
             return self;
         }
         let shape = source.map(|axis| self.shape[axis]);
-        let strides = [1, shape[0], shape[0] * shape[1]].map(|stride: usize| stride as isize);
-        // Index into the new voxels: where the old origin is, and a step along each old axis.
-        let (mut start, mut step) = (0, [0; 3]);
-        for axis in 0..3 {
-            step[source[axis]] = if flipped[axis] { -strides[axis] } else { strides[axis] };
-            start += if flipped[axis] { (shape[axis] as isize - 1) * strides[axis] } else { 0 };
-        }
+        // The new row of an old one.
         let place = |row: usize| {
-            let old = indices_of(self.shape, row);
-            (start + (0..3).map(|axis| old[axis] as isize * step[axis]).sum::<isize>()) as usize
+            let old = source.map(|axis| indices_of(self.shape, row)[axis]);
+            row_at(shape, [0, 1, 2].map(|axis| if flipped[axis] { shape[axis] - 1 - old[axis] } else { old[axis] }))
         };
         let mut classes = vec![0; self.classes.len()];
         for (row, class) in self.classes.iter().enumerate().filter(|(_, class)| **class > 0) {
@@ -116,13 +91,4 @@ impl Mask {
         });
         Self { shape, classes, affine, walls, reversed: false, ..self }
     }
-}
-
-/// The image's axis that runs along x, along y and along z the most, each taken once: of the six ways the one with the largest sum of
-/// cosines.
-fn axes_by_direction(affine: &Affine) -> [usize; 3] {
-    const WAYS: [[usize; 3]; 6] = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
-    let length = steps_of(affine).map(norm);
-    let along = |way: &[usize; 3]| (0..3).map(|row| (affine[row][way[row]] / length[way[row]]).abs()).sum::<f64>();
-    WAYS[1..].iter().fold(WAYS[0], |best, way| if along(way) > along(&best) + 1e-9 { *way } else { best })
 }

@@ -3,6 +3,7 @@
 //! | step | file |
 //! |---|---|
 //! | a mask in the scanner's frame, in one order of axes | `mask.rs` |
+//! | rows, indices and steps of voxels | `grid.rs` |
 //! | what is no mask of vessels | `no_vessels.rs` |
 //! | cavities that are filled before | `cavities.rs` |
 //! | topology-preserving thinning (Lee, Kashyap and Chu 1994) | `thinning.rs` |
@@ -22,6 +23,7 @@ pub mod cubes;
 mod distance;
 mod field;
 mod foreground;
+mod grid;
 mod image;
 mod mask;
 mod no_vessels;
@@ -35,8 +37,9 @@ mod trace;
 pub use self::{distance::distances, field::Field, run_lengths::RunLengths, thinning::thin};
 pub use cavities::{Cavities, Filled};
 pub use foreground::{Foreground, neighbours};
+pub use grid::{Affine, indices_of, inverse_of, row_at, steps_of, strides_of, volume_of};
 pub use image::{Image, Picture};
-pub use mask::{Affine, Mask, indices_of, inverse_of, steps_of};
+pub use mask::Mask;
 pub use no_vessels::{why_no_centerlines, why_no_vessels};
 pub use partial::{WallFinder, Walls};
 pub use scene::{Appearance, Level, ScanCenterlines, Scene, Unseen, View};

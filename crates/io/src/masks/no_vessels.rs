@@ -8,6 +8,8 @@ const FEW: usize = 20_000;
 const LEAST_SHARE: f64 = 0.02;
 /// The runs of vessels are longer than those of voxels at random.
 const NOISE: f64 = 0.9;
+/// Where more of the image is inside, its borders end the runs, and the level is too low, or the background is not 0.
+const FULL: f64 = 0.9;
 /// A solid body has as many lines of voxels, each as long: no vessel is 160 voxels wide.
 const BODY: (usize, usize) = (16_000, 160);
 /// Vessels have fewer loops in all, or more branches to a loop.
@@ -26,6 +28,9 @@ pub fn why_no_vessels(mask: &super::mask::Mask) -> Option<String> {
     let percent = 100.0 * share;
     // Voxels at random come in runs of 1 / (1 - share).
     if inside > FEW && share > LEAST_SHARE && per_voxel > NOISE * (1.0 - share) {
+        if share > FULL {
+            return Some(format!("too full: {percent:.0} % of the image"));
+        }
         let length = 1.0 / per_voxel;
         return Some(format!("noise: {percent:.0} % of the image in runs of {length:.1} voxels"));
     }

@@ -10,6 +10,8 @@
 //!
 //! In the first case a vessel is as wide as the image says, in the second a wide one is as wide as the level cuts it.
 
+use super::{indices_of, row_at};
+
 /// Up to this value the surroundings of vessels are about 0.
 const HAZE: f64 = 0.05;
 /// Rounding may take probabilities so far out of 0 to 1.
@@ -105,10 +107,9 @@ impl WallFinder {
 
     /// Whether a vessel's voxel touches background. Beyond the image nothing is known, so that is none.
     fn is_outermost(&self, row: usize, classes: &[u8]) -> bool {
-        let [x, y, z] = self.shape;
-        let at = [row % x, row / x % y, row / (x * y)];
+        let ([x, y, z], at) = (self.shape, indices_of(self.shape, row));
         let near = |axis: usize, length: usize| at[axis].saturating_sub(1)..(at[axis] + 2).min(length);
-        near(2, z).any(|c| near(1, y).any(|b| near(0, x).any(|a| classes[(c * y + b) * x + a] == 0)))
+        near(2, z).any(|c| near(1, y).any(|b| near(0, x).any(|a| classes[row_at(self.shape, [a, b, c])] == 0)))
     }
 
     /// The walls, once all is read; `None` where every voxel lies on one side as a whole, or nothing tells how much of it does.

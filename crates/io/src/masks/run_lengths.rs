@@ -1,6 +1,6 @@
 //! The voxels of a mask in few bytes: alternating lengths of background and vessel, in blocks of voxels where there are too many.
 
-use super::{Affine, Foreground};
+use super::{Affine, Foreground, indices_of, row_at, strides_of};
 
 /// A block counts as vessel from this share of its voxels on: a vessel one voxel wide stays whole in blocks of two.
 const LEAST_OF_BLOCK: usize = 4;
@@ -47,8 +47,8 @@ impl RunLengths {
             runs(vessels.places())
         } else {
             let blocks = blocks_of(vessels, block, shape);
-            let strides = [1, shape[0], shape[0] * shape[1]];
-            if is_too_many(faces_of(blocks.iter().copied(), strides, |place| blocks.binary_search(&place).is_ok(), faces)) {
+            let contains = |place| blocks.binary_search(&place).is_ok();
+            if is_too_many(faces_of(blocks.iter().copied(), strides_of(shape), contains, faces)) {
                 return None;
             }
             runs(blocks.into_iter())
@@ -65,10 +65,8 @@ impl RunLengths {
 
 /// The blocks that count as vessel, by their places in a box of this shape, rising.
 fn blocks_of(vessels: &Foreground, block: usize, shape: [usize; 3]) -> Vec<usize> {
-    let [x, y, _] = vessels.shape;
-    let of = |at: usize| (at - 1) / block + 1;
-    let mut all: Vec<usize> =
-        vessels.places().map(|place| (of(place / (x * y)) * shape[1] + of(place / x % y)) * shape[0] + of(place % x)).collect();
+    let of = |place: usize| row_at(shape, indices_of(vessels.shape, place).map(|at| (at - 1) / block + 1));
+    let mut all: Vec<usize> = vessels.places().map(of).collect();
     all.sort_unstable();
     all.chunk_by(|a, b| a == b).filter(|same| LEAST_OF_BLOCK * same.len() >= block.pow(3)).map(|same| same[0]).collect()
 }

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Image, Picture};
+use super::{Image, Picture, indices_of, row_at, strides_of};
 use willis_core::support::geometry::{Point, bounds, dot, norm, norm_squared};
 use willis_core::{network::millimetres, support::statistics::median};
 
@@ -298,7 +298,7 @@ impl Cells {
                 cell[axis] = (low[axis] + usize::from(upper)).min(self.shape[axis] - 1);
             }
             if weight > 0.0 {
-                sum += weight * self.value[(cell[2] * self.shape[1] + cell[1]) * self.shape[0] + cell[0]];
+                sum += weight * self.value[row_at(self.shape, cell)];
             }
         }
         sum
@@ -320,7 +320,7 @@ fn levels(picture: &Picture, near: &Bits, width: f64) -> Option<(Cells, Cells)> 
     for z in (0..voxels[2]).step_by(stride[2]) {
         for y in (0..voxels[1]).step_by(stride[1]) {
             let row = picture.row([0, y, z]);
-            let cells = (cell(2, z) * shape[1] + cell(1, y)) * shape[0];
+            let cells = row_at(shape, [0, cell(1, y), cell(2, z)]);
             for x in (0..voxels[0]).step_by(stride[0]) {
                 if values[row + x].is_finite() && !near.has(row + x) {
                     samples[cells + cell(0, x)].push(values[row + x]);
@@ -355,9 +355,9 @@ fn spread(values: &mut [f32]) -> Option<[f64; 2]> {
 /// Cells without a value take the mean of those beside them that have one; `None` where none has.
 fn filled_from_neighbours(found: &[Option<[f64; 2]>], shape: [usize; 3]) -> Option<Vec<Option<[f64; 2]>>> {
     found.iter().any(Option::is_some).then(|| {
-        let steps = [1, shape[0], shape[0] * shape[1]];
+        let steps = strides_of(shape);
         let mean = |row: usize| {
-            let at = [row % shape[0], row / shape[0] % shape[1], row / (shape[0] * shape[1])];
+            let at = indices_of(shape, row);
             let before = (0..3).filter(|axis| at[*axis] > 0).map(|axis| row - steps[axis]);
             let after = (0..3).filter(|axis| at[*axis] + 1 < shape[*axis]).map(|axis| row + steps[axis]);
             let beside: Vec<[f64; 2]> = before.chain(after).filter_map(|row| found[row]).collect();

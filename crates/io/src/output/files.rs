@@ -135,7 +135,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut BufWriter<DiskFile>) -> 
         let _ = fs::remove_file(&unfinished);
     }
     written?;
-    super::in_progress::sync_folder(path.parent().unwrap_or(Path::new(".")))
+    super::in_progress::sync_folder(super::lock::parent(path))
 }
 
 /// Writes a new file through a buffer and flushes it to the disk; an error names the file.

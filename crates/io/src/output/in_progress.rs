@@ -5,7 +5,7 @@ use std::fs::{self, File};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock};
+use super::lock::{LOCK, TRIES, foreign, is_own_folder, lock, parent};
 use willis_core::error::{Error, Result};
 
 /// The beginning of the name of every unfinished output.
@@ -120,10 +120,6 @@ impl Drop for InProgress {
             let _ = fs::remove_dir(parent);
         }
     }
-}
-
-fn parent(target: &Path) -> &Path {
-    target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
 /// The hidden folder in which an output is written.

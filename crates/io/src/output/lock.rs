@@ -14,6 +14,11 @@ const BETWEEN: Duration = Duration::from_millis(20);
 /// The longest number of a process.
 const DIGITS: u64 = 20;
 
+/// The folder that a path is in.
+pub fn parent(path: &Path) -> &Path {
+    path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
 /// The error for an output that a path is there which this user did not make: a link, a device, another user's file.
 pub fn foreign(path: &Path, target: &Path) -> Error {
     let path = path.display();
@@ -75,8 +80,7 @@ pub fn lock(folder: &Path, target: &Path, tries: usize) -> Result<File> {
 /// Whether a path is a folder that was made by the user that this process makes files as, and not a link to one. That is asked of the file system itself,
 /// by a file without a name in the same folder: on network drives and in containers it may not be the user that the process runs as.
 pub fn is_own_folder(path: &Path) -> bool {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let probe = || tempfile::tempfile_in(folder).and_then(|probe| probe.metadata());
+    let probe = || tempfile::tempfile_in(parent(path)).and_then(|probe| probe.metadata());
     let is_own =
         |about: &Metadata| cfg!(not(unix)) || probe().is_ok_and(|probe| FileFacts::of(&probe).user == FileFacts::of(about).user);
     fs::symlink_metadata(path).is_ok_and(|about| about.is_dir() && is_own(&about))
@@ -85,9 +89,7 @@ pub fn is_own_folder(path: &Path) -> bool {
 /// Creates a folder for this user alone, with the folders above it as they are usually made; one that is there must be this user's.
 fn make_own(folder: &Path, target: &Path) -> Result<()> {
     let refused = |source| Error::Write { path: target.to_owned(), source };
-    if let Some(parent) = folder.parent().filter(|parent| !parent.as_os_str().is_empty()) {
-        fs::create_dir_all(parent).map_err(refused)?;
-    }
+    fs::create_dir_all(parent(folder)).map_err(refused)?;
     #[cfg_attr(not(unix), expect(unused_mut, reason = "other systems have no mode"))]
     let mut builder = DirBuilder::new();
     #[cfg(unix)]

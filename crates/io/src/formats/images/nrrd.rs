@@ -148,7 +148,7 @@ impl NrrdHeader {
         let word = word.split_whitespace().collect::<Vec<_>>().join(" ").to_ascii_lowercase();
         let (kind, size) = number_type(|(.., of_nrrd)| of_nrrd.split('|').any(|known| known == word)).ok_or_else(wrong)?;
         let (of_space, sizes, layers) = self.axes()?;
-        let (affine, shape) = (self.affine(of_space, sizes.len())?, of_space.map(|axis| sizes[axis]));
+        let (affine, shape) = (self.affine(of_space, &sizes)?, of_space.map(|axis| sizes[axis]));
         let frame = if self.turn()?.is_some() { Frame::Ras } else { Frame::Unknown };
         let as_stored = Voxels { shape, kind, size, big: false, slope: [1.0, 0.0], affine, frame, reversed: false };
         if encoding == Encoding::Text {
@@ -221,20 +221,17 @@ impl NrrdHeader {
     }
 
     /// The scanner's frame in mm from voxels.
-    fn affine(&self, of_space: [usize; 3], count: usize) -> Result<crate::masks::Affine, Fault> {
+    fn affine(&self, of_space: [usize; 3], sizes: &[usize]) -> Result<crate::masks::Affine, Fault> {
         let turn = self.turn()?.unwrap_or([1.0; 3]);
         let (mut steps, mut origin) = ([[0.0; 3]; 3], [0.0; 3]);
-        if let Some(directions) = self.directions(count)? {
+        if let Some(directions) = self.directions(sizes.len())? {
             for (step, axis) in steps.iter_mut().zip(of_space) {
                 let none = || Fault::file(format!("axis {axis} has no space direction"), "expected three axes of space");
                 *step = directions[axis].ok_or_else(none)?;
             }
         } else {
-            let [spacings, least] = ["spacings", "axis mins"].map(|name| self.fields.numbers(name, count, "numbers", |_| true));
-            let (spacings, least): (Option<Vec<f64>>, Option<Vec<f64>>) = (spacings?, least?);
             for (n, axis) in of_space.into_iter().enumerate() {
-                steps[n][n] = spacings.as_ref().map_or(1.0, |spacings| spacings[axis]);
-                origin[n] = least.as_ref().map_or(0.0, |least| least[axis]);
+                (steps[n][n], origin[n]) = self.along(axis, sizes)?;
             }
             if let Some(bad) = [0, 1, 2].map(|n| steps[n][n]).iter().find(|s| !(s.is_finite() && **s > 0.0)) {
                 return Err(Fault::file(format!("spacing {bad}"), "expected a positive spacing along every axis"));
@@ -244,10 +241,26 @@ impl NrrdHeader {
             let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
             origin = found.ok_or_else(|| self.fields.wrong("space origin", "expected a vector of three numbers"))?;
         }
-        let unit = self.unit();
+        let unit = self.unit()?;
         Ok(std::array::from_fn(|row| {
             std::array::from_fn(|column| turn[row] * unit * if column < 3 { steps[column][row] } else { origin[row] })
         }))
+    }
+
+    /// The spacing along an axis without a direction, and where its first sample is. Samples lie in the middle of cells, which the least and
+    /// the largest position bound, unless they are said to be nodes.
+    fn along(&self, axis: usize, sizes: &[usize]) -> Result<(f64, f64), Fault> {
+        let of_axis = |name: &str| -> Result<Option<f64>, Fault> {
+            let numbers = self.fields.numbers::<f64>(name, sizes.len(), "numbers", |_| true)?;
+            Ok(numbers.map(|numbers| numbers[axis]))
+        };
+        let (stated, least, most) = (of_axis("spacings")?, of_axis("axis mins")?, of_axis("axis maxs")?);
+        let centers = self.fields.get("centers").or_else(|| self.fields.get("centerings")).map_or("", |(_, words)| words);
+        let is_node = centers.split_whitespace().nth(axis) == Some("node");
+        let steps = if is_node { sizes[axis].saturating_sub(1) } else { sizes[axis] } as f64;
+        let spacing = stated.or_else(|| Some((most? - least?) / steps)).unwrap_or(1.0);
+        let first = least.map_or(0.0, |least| if is_node { least } else { least + spacing / 2.0 });
+        Ok((spacing, first))
     }
 
     /// What turns each axis of the file's space to the scanner's, where it states one.
@@ -266,11 +279,15 @@ impl NrrdHeader {
     }
 
     /// Millimetres of the unit of lengths.
-    fn unit(&self) -> f64 {
-        let words = self.fields.get("space units").or_else(|| self.fields.get("units")).map_or("", |(_, words)| words);
+    fn unit(&self) -> Result<f64, Fault> {
+        let field = |name: &'static str| Some((name, self.fields.get(name)?.1));
+        let Some((name, words)) = field("space units").or_else(|| field("units")) else { return Ok(1.0) };
         // The axis of layers has no unit.
-        let word = words.split('"').map(str::trim).find(|word| !word.is_empty() && *word != "none" && *word != "???");
-        word.and_then(LengthUnit::named).unwrap_or_default().mm()
+        let stated = words.split(['"', ' ']).filter(|word| !["", "none", "???"].contains(word));
+        let mut units = stated.map(LengthUnit::named);
+        let Some(first) = units.next() else { return Ok(1.0) };
+        let wrong = || self.fields.wrong(name, "expected one unit for all axes of space: mm, um, cm or m");
+        first.filter(|_| units.all(|other| other == first)).map(LengthUnit::mm).ok_or_else(wrong)
     }
 }
 

@@ -68,28 +68,29 @@ impl Layers {
         }
         let (unnamed, shared) = (Cell::new(0), Cell::new(0));
         let bytes = voxels.size * self.count;
-        // The class of a voxel, from the stored values of all its layers; whether it has a value of no segment alone, and whether it is in several.
-        let class_of = |voxel: &[u8]| {
+        // By the stored values of all its layers.
+        let found_in = |voxel: &[u8]| {
             let values: Vec<f64> = voxel.chunks_exact(voxels.size).map(|stored| voxels.kind.value(stored, voxels.big)).collect();
             let mut of = (1_u8..).zip(&segments).filter(|(_, segment)| values[segment.layer] == segment.value);
             let (first, last) = (of.next(), of.last());
             let class = last.as_ref().or(first.as_ref()).map_or(0, |(class, _)| *class);
-            (class, class == 0 && values.iter().any(|value| *value != 0.0), last.is_some())
+            let is_unnamed = class == 0 && values.iter().any(|value| *value != 0.0);
+            LayeredVoxel { class, is_unnamed, is_shared: last.is_some() }
         };
         let mut block = Vec::with_capacity(PIECE * bytes);
         // Most voxels are as the one before.
-        let mut last: (Vec<u8>, u8, bool, bool) = (vec![0; bytes], 0, false, false);
+        let (mut stored, mut found) = (vec![0; bytes], LayeredVoxel::default());
         let classes = Pieces::new(|piece| {
             block.clear();
             stream.by_ref().take((PIECE * bytes) as u64).read_to_end(&mut block)?;
             for voxel in block.chunks_exact(bytes) {
-                if last.0 != voxel {
-                    let (class, is_unnamed, is_shared) = class_of(voxel);
-                    last = (voxel.to_vec(), class, is_unnamed, is_shared);
+                if stored != voxel {
+                    stored.copy_from_slice(voxel);
+                    found = found_in(voxel);
                 }
-                unnamed.set(unnamed.get() + usize::from(last.2));
-                shared.set(shared.get() + usize::from(last.3));
-                piece.push(last.1);
+                unnamed.set(unnamed.get() + usize::from(found.is_unnamed));
+                shared.set(shared.get() + usize::from(found.is_shared));
+                piece.push(found.class);
             }
             Ok(())
         });
@@ -139,6 +140,14 @@ impl Layers {
         };
         rows.into_iter().map(segment).collect()
     }
+}
+
+/// What the layers say of a voxel: its class, whether it has a value of no segment alone, and whether it is in several segments.
+#[derive(Default)]
+struct LayeredVoxel {
+    class: u8,
+    is_unnamed: bool,
+    is_shared: bool,
 }
 
 /// A segment of 3D Slicer: the voxels of a layer that have its value.

@@ -20,6 +20,10 @@ const MOST_GAIN: u64 = 1 << 12;
 const MOST_PAGE: u64 = 1 << 30;
 /// The bytes of a description that are looked at; OME-XML states the spacing near its beginning.
 const MOST_DESCRIPTION: usize = 1 << 18;
+/// What a page says whose values are rows of a table of colours.
+const COLOUR_TABLE: u16 = 3;
+/// What a page says in which 0 is drawn white, which changes no value: programs save masks with an inverted table of greys.
+const WHITE_IS_ZERO: u16 = 0;
 const NO_SPACING: &str = "expected that of ImageJ or OME-XML, or give `spacing=SX,SY,SZ`, in mm";
 const NOT_ONE_VOLUME: &str = "expected three dimensions; take one channel and one time";
 
@@ -94,8 +98,7 @@ pub(crate) fn open_tiff(bytes: &[u8], spacing: Option<[f64; 3]>, most: u64) -> s
 
 /// The pixels of a page along its two axes, and their type of number with its bytes.
 fn page(pages: &mut Pages) -> Result<([usize; 2], (NumberType, usize)), Fault> {
-    let photometric = pages.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten();
-    if photometric == Some(3) {
+    if photometric(pages) == Some(COLOUR_TABLE) {
         let accepted = "expected grey values; in ImageJ take Image > Lookup Tables > Grays before it is saved";
         return Err(Fault::file("pixels with a table of colours", accepted));
     }
@@ -128,12 +131,36 @@ fn values_of(mut pages: Pages<'_>) -> impl Read {
             pages.next_image().map_err(io::Error::other)?;
         }
         is_first = false;
-        match pages.read_image().map_err(io::Error::other)? {
+        let is_turned = photometric(&mut pages) == Some(WHITE_IS_ZERO);
+        let mut values = pages.read_image().map_err(io::Error::other)?;
+        if is_turned {
+            turn_back(&mut values);
+        }
+        match values {
             DecodingResult::U8(values) => *piece = values,
             mut values => piece.extend_from_slice(values.as_buffer(0).as_bytes()),
         }
         Ok(())
     })
+}
+
+/// Gives the values of a page in which 0 is white as they are stored: the library turns them round, and whole numbers with a sign are
+/// refused by it.
+fn turn_back(values: &mut DecodingResult) {
+    match values {
+        DecodingResult::F32(reals) => *reals = reals.iter().map(|x| 1.0 - x).collect(),
+        DecodingResult::F64(reals) => *reals = reals.iter().map(|x| 1.0 - x).collect(),
+        whole => {
+            for byte in whole.as_buffer(0).as_bytes_mut() {
+                *byte = !*byte;
+            }
+        }
+    }
+}
+
+/// What a page says that its values stand for, if it does.
+fn photometric(pages: &mut Pages) -> Option<u16> {
+    pages.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten()
 }
 
 /// The description of the first page; empty where it has none.

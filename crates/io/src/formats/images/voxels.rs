@@ -1,11 +1,10 @@
 //! The voxels of an image, read as a stream: as the classes of a mask, or as numbers.
 
-use std::io::Read;
+use std::io::{self, Read};
 
 use crate::formats::binary::NumberType::{self, Real, Signed, Unsigned};
-use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of};
-use willis_core::support::geometry::{cross, dot, norm};
-use willis_core::{error::Fault, network::Frame};
+use crate::masks::{Affine, Image, Mask, WallFinder, indices_of, steps_of, volume_of};
+use willis_core::{error::Fault, network::Frame, support::geometry::norm};
 
 /// More classes than any list of arteries has.
 const MOST_CLASSES: usize = 64;
@@ -85,7 +84,7 @@ impl Voxels {
         let value = |stored: &[u8]| (self.slope[0] * self.kind.value(stored, self.big) + self.slope[1]) as f32;
         // The values that one byte can store.
         let of_byte: Option<Vec<f32>> = (self.size == 1).then(|| (0..=u8::MAX).map(|byte| value(&[byte])).collect());
-        self.in_blocks(&mut bytes, count, |block| {
+        self.in_blocks(&mut bytes, count, most, |block| {
             // Memory grows with what was read, not with what a header claims, and never to twice of it.
             if values.capacity() < values.len() + BLOCK {
                 values.reserve_exact((count - values.len()).min(GROWTH));
@@ -99,21 +98,23 @@ impl Voxels {
         Ok(Image { shape: self.shape, values, affine: self.affine })
     }
 
-    /// Hands over the stored values block by block.
-    fn in_blocks(&self, bytes: &mut impl Read, count: usize, mut take: impl FnMut(&[u8]) -> Taken) -> Taken {
+    /// Hands over the stored values block by block, and reads on to the end, where packed files have the checksum of what was read.
+    fn in_blocks(&self, bytes: &mut impl Read, count: usize, most: u64, mut take: impl FnMut(&[u8]) -> Taken) -> Taken {
         let mut block = Vec::with_capacity(BLOCK * self.size);
+        let broken = |done: usize, error: io::Error| {
+            Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file")
+        };
         for done in (0..count).step_by(BLOCK) {
             block.clear();
             let wanted = (count - done).min(BLOCK) * self.size;
-            let found = bytes.by_ref().take(wanted as u64).read_to_end(&mut block);
-            let found = found
-                .map_err(|error| Fault::file(format!("after {done} of {count} voxels: {error}"), "expected a whole file"))?;
+            let found = bytes.by_ref().take(wanted as u64).read_to_end(&mut block).map_err(|error| broken(done, error))?;
             if found < wanted {
                 let found = format!("{} of {count} voxels", done + found / self.size);
                 return Err(Fault::file(found, "expected all of them; is the file cut off?"));
             }
             take(&block)?;
         }
+        io::copy(&mut bytes.take(most), &mut io::sink()).map_err(|error| broken(count, error))?;
         Ok(())
     }
 
@@ -129,7 +130,7 @@ impl Voxels {
         let mut walls = level.and_then(|_| WallFinder::new(self.shape));
         // Whether the values could be classes, and which then.
         let (mut are_classes, mut known) = (true, [false; 256]);
-        self.in_blocks(&mut bytes, count, |block| {
+        self.in_blocks(&mut bytes, count, most, |block| {
             for stored in block.chunks_exact(self.size) {
                 if walls.is_none() && last.0 == stored {
                     classes.push(last.1);
@@ -189,13 +190,13 @@ impl Voxels {
     /// Refuses a frame that is flat, or not finite.
     fn check_frame(&self) -> Result<(), Fault> {
         let steps = steps_of(&self.affine);
-        let ([a, b, c], lengths) = (steps, steps.map(norm));
+        let lengths = steps.map(norm);
         let found = format!("voxels of {} x {} x {} mm", lengths[0], lengths[1], lengths[2]);
         let is_positive = lengths.iter().all(|length| length.is_finite() && *length > 0.0);
         if !is_positive || !self.affine.iter().flatten().all(|x| x.is_finite()) {
             return Err(Fault::file(found, "expected a positive spacing along every axis, and a finite origin"));
         }
-        if dot(a, cross(b, c)).abs() < 1e-6 * lengths.iter().product::<f64>() {
+        if volume_of(steps) < 1e-6 * lengths.iter().product::<f64>() {
             return Err(Fault::file("axes that lie in a plane", "expected three independent directions"));
         }
         Ok(())

@@ -14,6 +14,8 @@ use willis_core::{support::suggestions::did_you_mean, support::toml_text::parse}
 /// The column of the pressure behind a terminal resistance.
 pub(crate) const VENOUS: &str = "venous_pressure_mmHg";
 const ACCEPTED: &str = "expected inlet, ground, pressure, resistance or flow";
+const NO_SINGLE_NODE: &str = "no single node";
+const ONE_NODE: &str = "expected one of node, label, or a position in mm";
 const KINDS: [&str; 5] = ["inlet", "ground", "pressure", "resistance", "flow"];
 
 /// A condition as stated, before its node is looked up.
@@ -119,7 +121,11 @@ fn read_table(bytes: &[u8], usual: Option<&str>) -> Result<Vec<Statement>, Fault
         let stated = |column: Option<usize>| column.filter(|column| !row.text(*column).is_empty());
         let text = |column: Option<usize>| stated(column).map(|column| row.text(column).to_owned());
         let number = |column: Option<usize>| stated(column).map(|column| row.finite(column)).transpose();
-        let at = if let (Some(x), Some(y), Some(z)) = (stated(x), stated(y), stated(z)) { Some([x, y, z]) } else { None };
+        let at = match [x, y, z].map(stated) {
+            [Some(x), Some(y), Some(z)] => Some([x, y, z]),
+            [None, None, None] => None,
+            _ => return Err(Fault::line(row.line, NO_SINGLE_NODE, ONE_NODE)),
+        };
         let entry = Entry {
             node: text(node).map(Text::Word),
             label: text(label),
@@ -140,9 +146,17 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
         (Some(Text::Number(node)), None, None) => node.to_string(),
         (None, Some(label), None) => label,
         (None, None, Some([x, y, z])) => format!("{x},{y},{z}"),
-        _ => return Err(fault(&place, "no single node", "expected one of node, label, or a position in mm")),
+        _ => return Err(fault(&place, NO_SINGLE_NODE, ONE_NODE)),
     };
     let kind = entry.kind.ok_or_else(|| fault(&place, "no kind", ACCEPTED))?;
+    // What is stated holds, or is refused.
+    let is_stated = |figure: Option<f64>| figure.is_some_and(|x| x != 0.0);
+    if kind == "ground" && is_stated(entry.value) {
+        return Err(fault(&place, "ground with a value", "expected none, or the kind pressure"));
+    }
+    if kind != "resistance" && is_stated(entry.venous_pressure_mmhg) {
+        return Err(fault(&place, format!("{kind} with a {VENOUS}"), "expected it with a resistance alone"));
+    }
     let figure = |dimension: Dimension| {
         let value = entry.value.ok_or_else(|| fault(&place, format!("{kind} without a value"), dimension.accepted()))?;
         let unit = entry.unit.as_deref().unwrap_or_default();
@@ -238,7 +252,11 @@ fn in_order(quantity: Quantity, mut read: Vec<TimedValue>) -> Result<(Waveform, 
     read.sort_by(|a, b| a.1.total_cmp(&b.1));
     let (times, values): (Vec<f64>, Vec<f64>) = read.into_iter().map(|(_, t, value)| (t, value)).unzip();
     if times.len() < 2 || times[0] == times[times.len() - 1] {
-        let found = if times.len() == 1 { "one row".to_owned() } else { format!("{} rows at one time", times.len()) };
+        let found = match times.len() {
+            0 => "no row".to_owned(),
+            1 => "one row".to_owned(),
+            rows => format!("{rows} rows at one time"),
+        };
         return Err(Fault::file(found, "expected two or more rows over one period"));
     }
     Ok((Waveform { quantity, times, values }, note))

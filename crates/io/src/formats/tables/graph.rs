@@ -45,9 +45,9 @@ pub(crate) fn is_header(columns: &[&str]) -> bool {
 ///
 /// A table without `node` and `id`, a name or id that comes twice, an attribute that is wrong.
 pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
-    let (header, records) = table(bytes)?;
+    let (header_line, header, records) = table(bytes)?;
     let Some(key) = NAMES.into_iter().find(|key| header.iter().any(|h| h == key)) else {
-        return Err(Fault::line(1, columns(&header), "expected a column node or id"));
+        return Err(Fault::line(header_line, columns(&header), "expected a column node or id"));
     };
     let mut row_of = HashMap::with_capacity(records.len());
     let mut ids = Vec::with_capacity(records.len());
@@ -72,7 +72,7 @@ pub fn read_csv_nodes(bytes: &[u8], scale: &Scale) -> Result<NodeTable, Fault> {
 ///
 /// A table without the two columns or without rows, a node that is missing in the table of nodes, an attribute that is wrong.
 pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOptions) -> Result<(Network, Vec<String>), Fault> {
-    let (header, records) = table(bytes)?;
+    let (header_line, header, records) = table(bytes)?;
     let Some(ends) = ENDS.into_iter().find(|ends| ends.iter().all(|end| header.iter().any(|h| h == end))) else {
         let has = |names: [&str; 2]| header.iter().any(|column| names.iter().any(|name| column.eq_ignore_ascii_case(name)));
         let accepted = if header.iter().any(|column| column == "node") {
@@ -82,14 +82,14 @@ pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOpti
         } else {
             "expected a table of edges with columns node_a,node_b or source,target"
         };
-        return Err(Fault::line(1, columns(&header), accepted));
+        return Err(Fault::line(header_line, columns(&header), accepted));
     };
     let given = known.is_some();
     let has_unit = known.as_ref().is_some_and(|table| table.has_lengths_without_unit);
     let (found, mut row_of) = known.map_or_else(Default::default, |table| (table.nodes, table.row_of));
-    // Without a table of nodes: the name of each node, and the edge and the end that give its position.
+    // The nodes that no table names; and of every node the edge and the end that state its position.
     let mut made: Vec<&str> = Vec::new();
-    let mut placed: Vec<EdgeEnd> = Vec::new();
+    let mut placed: Vec<EdgeEnd> = vec![None; found.len()];
     let mut rows = Vec::with_capacity(records.len());
     for (row, record) in records.iter().enumerate() {
         let mut both = [0; 2];
@@ -110,11 +110,8 @@ pub fn read_csv_edges(bytes: &[u8], known: Option<NodeTable>, options: &ReadOpti
                     made.len() - 1
                 }
             };
-            if given && placed.len() <= *end {
-                placed.resize(*end + 1, None);
-            }
-            if let Some(place @ None) = placed.get_mut(*end) {
-                *place = END_POSITION_COLUMNS[side].iter().any(|axis| record.text(axis).is_some()).then_some((row, side));
+            if placed[*end].is_none() && END_POSITION_COLUMNS[side].iter().any(|axis| record.text(axis).is_some()) {
+                placed[*end] = Some((row, side));
             }
         }
         rows.push(both);
@@ -139,7 +136,7 @@ const SAME_PLACE: f64 = 1e-3;
 
 /// Refuses a table of nodes that has nodes elsewhere than the table of edges: it is of another network.
 fn same_places(nodes: &[Node], places: &Records, edges: &Records, placed: &[EdgeEnd], scale: &Scale) -> Result<(), Fault> {
-    let names: Vec<&str> = nodes.iter().take(placed.len()).map(|node| &*node.id).collect();
+    let names: Vec<&str> = nodes.iter().map(|node| &*node.id).collect();
     let stated = attributes::nodes(&names, places, scale)?;
     let most = SAME_PLACE * box_diagonal(nodes.iter().filter_map(|node| node.position));
     for ((node, there), place) in nodes.iter().zip(&stated).zip(placed) {
@@ -214,8 +211,8 @@ pub(crate) fn is_wanted(name: &str) -> bool {
     attributes::is_wanted(name) || name == PAIR || own.iter().any(|names| names.contains(&name))
 }
 
-/// The header and the rows of a file; of the rows only the columns that are read.
-fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
+/// The line of the header, the header and the rows of a file; of the rows only the columns that are read.
+fn table(bytes: &[u8]) -> Result<(usize, Vec<String>, Records), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let header = rows.header.clone();
     let wanted: Vec<bool> = header.iter().map(|name| is_wanted(name)).collect();
@@ -226,7 +223,7 @@ fn table(bytes: &[u8]) -> Result<(Vec<String>, Records), Fault> {
             records.put(column, text);
         }
     }
-    Ok((header, records))
+    Ok((rows.header_line, header, records))
 }
 
 /// The columns with the positions of the two ends of a vessel.

@@ -1,7 +1,7 @@
 //! Small tables that a person writes beside an input on its connections: correct ones, links that close loops, priors A (a matrix over pairs of nodes, or a
 //! table of vessels), and what was decided on each as the page of a run writes it, a list that the next run takes as certain.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::io::{self, Write};
 
 use serde::{Deserialize, Serialize};
@@ -64,13 +64,15 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
 const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 
 /// Links the pairs of point ids that SWC cannot hold, since they close loops: a table headed `id_a,id_b` or `a,b`, or without a
-/// header. Returns the number of links.
+/// header. Returns how many links were not there before.
 ///
 /// # Errors
 ///
 /// A row that is not a pair of ids of different points.
 pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) -> Result<usize, Fault> {
-    let row_of: std::collections::HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
+    let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
+    let before = lines.links.len();
+    let mut known: HashSet<[u32; 2]> = lines.links.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect();
     let mut link = |line: usize, pair: [&str; 2]| {
         let row = |word: &str| {
             let word = word.split('#').next().unwrap_or_default().trim_end();
@@ -81,12 +83,13 @@ pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) ->
         if a == b {
             return Err(Fault::line(line, format!("point {} twice", pair[0]), "expected two different points"));
         }
-        lines.links.push([a, b]);
+        if known.insert([a.min(b), a.max(b)]) {
+            lines.links.push([a, b]);
+        }
         Ok(())
     };
     let text = uncommented(bytes);
     let mut rows = TableReader::open(&text)?;
-    let mut added = 0;
     let [a, b] = if let [Some(a), Some(b)] = [rows.find(&["id_a", "a"]), rows.find(&["id_b", "b"])] {
         [a, b]
     } else {
@@ -94,14 +97,12 @@ pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) ->
             return Err(Fault::line(rows.header_line, format!("\"{}\"", rows.header.join(",")), ACCEPTED));
         };
         link(rows.header_line, [a, b])?;
-        added += 1;
         [0, 1]
     };
     while let Some(row) = rows.row()? {
         link(row.line, [row.text(a), row.text(b)])?;
-        added += 1;
     }
-    Ok(added)
+    Ok(lines.links.len() - before)
 }
 
 /// Writes id pairs as the table that [`add_loops`] reads.
@@ -144,7 +145,7 @@ pub fn read_prior_npy(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
 ///
 /// # Errors
 ///
-/// A table without these columns, a vessel that is not there, a number out of its range.
+/// A table without these columns, a vessel that is not there, a number out of its range, two numbers for one vessel.
 pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> {
     let mut rows = TableReader::open(bytes)?;
     let prior = rows.column(&["prior"], "the prior of a vessel")?;
@@ -153,11 +154,12 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
         let accepted = "expected a column edge, or columns node_a,node_b";
         return Err(Fault::line(rows.header_line, columns(&rows.header), accepted));
     }
-    let mut between = std::collections::HashMap::<[usize; 2], Vec<usize>>::new();
+    let mut between = HashMap::<[usize; 2], Vec<usize>>::new();
     for vessel in 0..network.vessel_count() {
         let [a, b] = network.ends(vessel);
         between.entry([a.min(b), a.max(b)]).or_default().push(vessel);
     }
+    let mut line_of: HashMap<usize, usize> = HashMap::new();
     while let Some(row) = rows.row()? {
         let value = row.real(prior)?;
         if value.is_nan() {
@@ -176,6 +178,10 @@ pub fn read_prior_csv(bytes: &[u8], network: &mut Network) -> Result<(), Fault> 
             _ => Vec::new(),
         };
         for vessel in named {
+            if let Some(first) = line_of.insert(vessel, row.line).filter(|_| network.vessel(vessel).prior != value) {
+                let found = format!("prior {value} of edge {vessel}, which is another one on line {first}");
+                return Err(Fault::line(row.line, found, "expected one a vessel; a column edge tells parallel ones apart"));
+            }
             network.vessel_mut(vessel).prior = value;
         }
     }

@@ -41,7 +41,8 @@ pub struct ManifestRow {
 ///
 /// # Errors
 ///
-/// A row without an input, a subject that comes twice, a column whose name is nearly that of an option, no row.
+/// A row without an input or with more columns than the header, a subject or an option that comes twice, a column whose name is nearly that
+/// of an option, no row.
 pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestRow>>, Fault> {
     let mut rows = TableReader::ragged(bytes)?;
     let Some(input) = rows.find(&[INPUT]) else { return Ok(None) };
@@ -50,11 +51,16 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     for (at, column) in rows.header.iter().enumerate().filter(|(at, _)| *at != input && Some(*at) != name) {
         let plain = column.trim_start_matches('-').to_lowercase().replace('-', "_");
         if let Some(option) = OPTIONS.split_whitespace().find(|option| *option == plain) {
+            if options.iter().any(|(_, known)| *known == option) {
+                let found = format!("column \"{column}\": {option} comes twice");
+                return Err(Fault::line(rows.header_line, found, "expected every option once"));
+            }
             options.push((at, option));
             continue;
         }
         let meant = did_you_mean(&plain, OPTIONS.split_whitespace().chain(NAMES));
-        if !meant.is_empty() {
+        // Of two columns with names of subjects the second says something of them.
+        if !meant.is_empty() && !NAMES.contains(&&*plain) {
             let accepted = format!("{meant}options of a subject are {}", OPTIONS.replace(' ', ", "));
             return Err(Fault::line(rows.header_line, format!("column \"{column}\""), accepted));
         }
@@ -66,6 +72,10 @@ pub fn read_manifest(bytes: &[u8], folder: &Path) -> Result<Option<Vec<ManifestR
     while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;
+        }
+        if let Some((_, text)) = row.texts().find(|(at, _)| *at >= row.header.len()) {
+            let accepted = "expected as many as in the header at most; values with a delimiter in them need quotes";
+            return Err(Fault::line(row.line, format!("\"{text}\" in a further column"), accepted));
         }
         let Some(path) = value(row.text(input)) else {
             return Err(Fault::line(row.line, "no input", "expected the file of the subject in the column input"));

@@ -25,44 +25,40 @@ pub(crate) fn head(path: &Path) -> Vec<u8> {
 /// The table of nodes in the folder of a table of edges: its name with `.nodes` before the ending, or with `nodes` or `vertices` for
 /// `edges`, or `nodes.csv` or `vertices.csv`.
 pub(crate) fn find_nodes_table(edges: &Path) -> Option<PathBuf> {
-    let own = with_nodes(edges).filter(|path| is_there(path));
-    own.or_else(|| first(edges, NODES.into_iter().map(|nodes| ("edges", nodes))))
+    first(edges, |name| Some(with_nodes(name)), NODES.map(|nodes| ("edges", nodes)))
 }
 
 /// The table of edges in the folder of a table of nodes, by the same names.
 pub(crate) fn find_edges_table(nodes: &Path) -> Option<PathBuf> {
-    let own = || {
-        let (stem, ending) = nodes.file_name()?.to_str()?.rsplit_once('.')?;
-        let edges = nodes.with_file_name(format!("{}.{ending}", stem.strip_suffix(".nodes")?));
-        is_there(&edges).then_some(edges)
+    let without = |name: &str| {
+        let (stem, ending) = name.rsplit_once('.')?;
+        Some(format!("{}.{ending}", stem.strip_suffix(".nodes")?))
     };
-    own().or_else(|| first(nodes, NODES.into_iter().map(|nodes| (nodes, "edges"))))
+    first(nodes, without, NODES.map(|nodes| (nodes, "edges")))
 }
 
 /// `A.nodes.csv` for `A.csv`.
-fn with_nodes(edges: &Path) -> Option<PathBuf> {
-    let name = edges.file_name()?.to_string_lossy();
-    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, "csv"));
-    Some(edges.with_file_name(format!("{stem}.nodes.{ending}")))
+fn with_nodes(edges: &str) -> String {
+    let (stem, ending) = edges.rsplit_once('.').unwrap_or((edges, "csv"));
+    format!("{stem}.nodes.{ending}")
 }
 
-fn first(path: &Path, swaps: impl Iterator<Item = (&'static str, &'static str)>) -> Option<PathBuf> {
+/// The first of the names of the other table that is in the folder: the one that `own` makes of this name, this name with one word for
+/// the other of each swap, and the plain ones. Each of the two tables may be packed or not.
+fn first(path: &Path, own: impl Fn(&str) -> Option<String>, swaps: [(&str, &str); 2]) -> Option<PathBuf> {
     let name = path.file_name()?.to_str()?;
+    let without_gz = |name: &str| unpacked_name(Path::new(name)).to_string_lossy().into_owned();
+    let unpacked = without_gz(name);
     let capital = |word: &str| word[..1].to_uppercase() + &word[1..];
-    let (mut names, mut plain) = (Vec::new(), Vec::new());
-    for (from, to) in swaps {
-        names.extend([name.replace(from, to), name.replace(&capital(from), &capital(to))]);
-        plain.push(format!("{to}.csv"));
-    }
-    // Each of the two tables may be packed or not.
-    let unpacked = unpacked_name(Path::new(name)).to_string_lossy().into_owned();
+    let swapped = swaps.map(|(from, to)| [name.replace(from, to), name.replace(&capital(from), &capital(to))]);
+    let plain = swaps.map(|(_, to)| format!("{to}.csv"));
+    let names = [own(name), own(&unpacked)].into_iter().flatten().chain(swapped.into_iter().flatten()).chain(plain);
     let either = |name: String| {
-        let plain = unpacked_name(Path::new(&name)).to_string_lossy().into_owned();
+        let plain = without_gz(&name);
         [name, plain.clone(), format!("{plain}.gz")]
     };
-    let others = names.into_iter().chain(plain).flat_map(either);
-    let is_other = |other: &String| unpacked_name(Path::new(other)).to_string_lossy() != unpacked;
-    others.filter(is_other).map(|other| path.with_file_name(other)).find(|path| is_there(path))
+    let others = names.flat_map(either).filter(|other| without_gz(other) != unpacked);
+    others.map(|other| path.with_file_name(other)).find(|path| is_there(path))
 }
 
 /// Whether a table is that of the edges, and the other table, if it is in the same folder.
@@ -85,7 +81,7 @@ pub(crate) fn nodes_table_path(edges: &Path) -> Option<PathBuf> {
     if NODES.iter().any(|nodes| name == format!("{nodes}.csv")) {
         return None;
     }
-    if name.contains("edges") { Some(edges.with_file_name(name.replace("edges", "nodes"))) } else { with_nodes(edges) }
+    Some(edges.with_file_name(if name.contains("edges") { name.replace("edges", "nodes") } else { with_nodes(&name) }))
 }
 
 /// Reads a graph in two tables, whichever of them is given.
@@ -121,7 +117,7 @@ pub(crate) fn read_csv_tables(path: &Path, bytes: &[u8], options: &ReadOptions) 
         Ok((table, checksum_of_pair(&bytes)))
     };
     if found.is_none() && stated_checksum(bytes).is_some_and(|stated| !stated.is_empty()) {
-        let name = nodes_table_path(path).unwrap_or_else(|| path.with_file_name("nodes.csv"));
+        let name = nodes_table_path(&unpacked_name(path)).unwrap_or_else(|| path.with_file_name("nodes.csv"));
         let accepted =
             "expected it beside it, with the nodes and their conditions; without the column nodes_sha256 it is not looked for";
         return Err(Fault::file(format!("its table of nodes, {}, is not there", name.display()), accepted).in_file(path));
