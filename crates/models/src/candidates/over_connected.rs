@@ -237,6 +237,7 @@ fn split(network: &Network, cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>, 
             graph.add_vessel(ends, vessel.clone());
             continue;
         };
+        let whole = length_of(&vessel.path);
         let (mut from, mut begun, mut next) = (ends[0], Vec::new(), 0);
         for (point, place) in points {
             let at = place.on(&vessel.path);
@@ -248,15 +249,11 @@ fn split(network: &Network, cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>, 
             node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
             begun.extend_from_slice(&vessel.path[next..place.point + usize::from(place.share > 0.0)]);
             begun.push(at);
-            graph.add_vessel([from, node], part(vessel, &begun, rule));
+            graph.add_vessel([from, node], vessel.part(begun, whole, rule));
             (from, begun, next) = (node, vec![at], place.point + 1);
         }
         begun.extend_from_slice(&vessel.path[next..]);
-        graph.add_vessel([from, ends[1]], part(vessel, &begun, rule));
+        graph.add_vessel([from, ends[1]], vessel.part(begun, whole, rule));
     }
     (graph, node_at)
-}
-
-fn part(vessel: &Vessel, path: &[PathPoint], rule: RadiusRule) -> Vessel {
-    Vessel { label: vessel.label.clone(), prior: vessel.prior, certain: vessel.certain, ..Vessel::along(path.to_vec(), rule) }
 }
