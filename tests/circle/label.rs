@@ -169,6 +169,35 @@ fn labelled_vessels_have_radii_by_the_rule_that_was_asked_for() {
     }
 }
 
+/// A vessel changes its name several times between two points that are far apart: each name has the length that the table of names gives it, to
+/// some mm, for that has a row a millimetre.
+#[test]
+fn names_divide_a_vessel_between_its_points() {
+    let here = folder();
+    let output = command(here.path(), &["phantom", "cerebral", "--without", "L-P1,R-PComm", "-o", "a.swc"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let mut sparse = read(&here.path().join("a.swc"), &ReadOptions::default()).expect("a circle").network;
+    for row in 0..sparse.vessel_count() {
+        let vessel = sparse.vessel_mut(row);
+        let last = vessel.path.len() - 1;
+        let path = vessel.path.iter().enumerate().filter(|(at, _)| at % 60 == 0 || *at == last).map(|(_, point)| *point);
+        *vessel = Vessel::along(path.collect(), RadiusRule::Mean);
+    }
+    let found = label(Input::from_network(sparse), &InferOptions::default(), &mut Silent).expect("labels");
+    let (mut told, mut drawn) = (BTreeMap::new(), BTreeMap::new());
+    for (name, length) in found.names.best().iter().zip(&found.names.nodes.weight) {
+        *told.entry(if *name == OTHER { String::new() } else { name_of(*name) }).or_insert(0.0) += length;
+    }
+    for (_, vessel) in found.network.vessels() {
+        *drawn.entry(vessel.label.clone()).or_insert(0.0) += 1e3 * vessel.length;
+    }
+    assert!(told.contains_key("R-P1") && told.contains_key("R-P2"));
+    for (name, length) in told {
+        let drawn = drawn.get(&name).copied().unwrap_or(0.0);
+        assert!(f64::abs(length - drawn) < 4.0, "{name}: {length} and {drawn} mm");
+    }
+}
+
 /// Where a name changes there is a new node, with an id that no node of the input has.
 #[test]
 fn no_id_comes_twice_where_names_divide_a_vessel() {
@@ -266,7 +295,7 @@ fn a_junction_is_as_wide_as_its_widest_vessel() {
             let end = network.add_node(node(id + 1, along.map(|x| 0.01 * x)));
             network.add_vessel([middle, end], Vessel::new(0.01, *radius, Origin::Observed));
         }
-        let nodes = Nodes::of(&network);
+        let nodes = Nodes::of(&network, Frame::Ras);
         let junction = (0..nodes.len()).find(|n| nodes.degree(*n) == 3).expect("a junction");
         assert!((nodes.log_radius[junction] - 2.0_f64.ln()).abs() < 1e-12, "{arms:?}: {}", nodes.log_radius[junction].exp());
     }

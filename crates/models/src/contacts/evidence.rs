@@ -186,12 +186,12 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
     let cover = covers(&places, pairs, &tubes, field.voxel());
-    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));
-    let straight = table(&|t| -t.miss[1]);
-    let signed = table(&|t| t.signed[1]);
-    let far = table(&|t| t.far[0]);
-    let ring = table(&|t| t.rings[1][0]);
-    let fit = table(&|t| t.signed[0] + t.signed[1]);
+    let table = |f: fn(&OfTube) -> f64| PairTable::over(arms.len(), -9.0, found.iter().map(f));
+    let straight = table(|t| -t.miss[1]);
+    let signed = table(|t| t.signed[1]);
+    let far = table(|t| t.far[0]);
+    let ring = table(|t| t.rings[1][0]);
+    let fit = table(|t| t.signed[0] + t.signed[1]);
     let mut areas: Vec<f64> = arms.iter().map(|a| a.area).collect();
     let widest = areas.iter().copied().fold(0.0, f64::max);
     areas.sort_by(|a, b| b.total_cmp(a));
@@ -272,8 +272,8 @@ fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes:
     };
     let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
     let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
-    let table = |f: &dyn Fn(usize) -> f64| PairTable::over(pairs, arms.len(), -9.0, f);
-    let (tube, saddle) = (table(&|row| shown[row][0] + shown[row][1]), table(&|row| saddle_of(&pairs[row])));
+    let tube = PairTable::over(arms.len(), -9.0, shown.iter().map(|shown| shown[0] + shown[1]));
+    let saddle = PairTable::over(arms.len(), -9.0, pairs.iter().map(saddle_of));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
     let gains = [&tube, &saddle, &ratio].map(|table| pairing_gains(table, arms.len()));
     let of_pair = |(pair, shown): (&Pair, &Vec<f64>)| {

@@ -177,15 +177,13 @@ pub struct PairTable {
 impl PairTable {
     /// The table of a function of two ends.
     pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
-        let pairs: Vec<Pair> = pairs_among(size).map(|ends| Pair { cluster: 0, ends }).collect();
-        Self::over(&pairs, size, nothing, |row| value(pairs[row].ends[0], pairs[row].ends[1]))
+        Self::over(size, nothing, pairs_among(size).map(|[i, j]| value(i, j)))
     }
 
-    /// The table of the pairs of a cluster, given the value of each row of them; `nothing` for ends that are no pair.
-    pub fn over(pairs: &[Pair], size: usize, nothing: f64, value: impl Fn(usize) -> f64) -> Self {
+    /// The table of so many ends, given the value of every pair of them in order; `nothing` for ends that are no pair.
+    pub fn over(size: usize, nothing: f64, of_pairs: impl Iterator<Item = f64>) -> Self {
         let mut values = vec![nothing; size * size];
-        for (row, [i, j]) in pairs.iter().map(|pair| pair.ends).enumerate() {
-            let value = value(row);
+        for ([i, j], value) in pairs_among(size).zip(of_pairs) {
             (values[i * size + j], values[j * size + i]) = (value, value);
         }
         Self { size, values }

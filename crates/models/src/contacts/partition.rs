@@ -93,14 +93,20 @@ impl Blocks {
     }
 }
 
+/// The set partitions of the ends of a cluster, with the logarithm of the weight of each.
+fn log_weights(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> (Vec<Vec<usize>>, Vec<f64>) {
+    let (theta, all) = (weights[size_of(ends)], partitions(ends));
+    let log_weight = |z: &Vec<usize>| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum();
+    let log = all.iter().map(log_weight).collect();
+    (all, log)
+}
+
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs and the pairs that must stay apart, the lower end first.
 pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, apart: &BTreeSet<[usize; 2]>) -> Blocks {
     if ends > MOST_ENDS {
         return greedy(scores, ends, apart);
     }
-    let theta = weights[size_of(ends)];
-    let all = partitions(ends);
-    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let (all, log) = log_weights(scores, ends, weights);
     let allowed = (0..all.len()).filter(|z| keeps_apart(&all[*z], apart));
     let best = allowed.max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
@@ -123,9 +129,7 @@ pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
 pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
-    let theta = weights[size_of(ends)];
-    let all = partitions(ends);
-    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let (all, log) = log_weights(scores, ends, weights);
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();

@@ -6,9 +6,13 @@ use std::ops::Range;
 use super::Names;
 use super::atlas::{ArteryLabel, OTHER, most_probable, name_of};
 use super::nodes::is_traced;
+use willis_core::network::path_places::{PathPlace, divided};
 use willis_core::network::walks::{edges_at, other};
-use willis_core::network::{Network, Node, Origin, RadiusRule, Vessel, path_places::length_of, units::metres};
-use willis_core::support::{arc_lengths::in_direction, geometry::distance, numbered::grouped};
+use willis_core::network::{Network, Node, Origin, RadiusRule, Vessel, units::metres};
+use willis_core::support::{
+    arc_lengths::{ArcWalk, arc_lengths, in_direction},
+    numbered::grouped,
+};
 
 /// A contact from this probability on is a connection.
 const CONNECTED: f64 = 0.5;
@@ -16,7 +20,7 @@ const CONNECTED: f64 = 0.5;
 /// A piece of a vessel: its nodes, and the probability of its name.
 type NamedPiece = ([usize; 2], Vessel, Option<f64>);
 
-/// A run of one name along a vessel: from and to (m along it), the name, and its mean probability.
+/// A run of one name along a vessel: how far (m along it), the name, and its mean probability.
 struct NameRun {
     until: f64,
     label: ArteryLabel,
@@ -39,41 +43,32 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: Radi
             continue;
         }
         let runs = runs_of(&by_vessel[row], names);
-        let Some((last, before)) = runs.split_last().filter(|(_, before)| !before.is_empty()) else {
+        let path = graph.path_of(row);
+        let arc = arc_lengths(path.iter().map(|point| point.position));
+        let whole = arc[arc.len() - 1];
+        if runs.len() < 2 || whole <= 0.0 {
             pieces.push(Some(named(ends, vessel.clone(), runs.first())));
             continue;
-        };
-        let path = graph.path_of(row);
-        let whole = length_of(&path);
-        let mut rest = &path[..];
-        let (mut from, mut begun) = (ends[0], Vec::new());
-        let mut along = 0.0;
-        for run in before {
-            // Points up to the place where the name changes, and a new node there.
-            while rest.len() > 1 && along + distance(rest[0].position, rest[1].position) <= run.until {
-                along += distance(rest[0].position, rest[1].position);
-                begun.push(rest[0]);
-                rest = &rest[1..];
-            }
-            let (Some(a), Some(b)) = (rest.first(), rest.get(1)) else { break };
-            let step = distance(a.position, b.position);
-            let share = if step > 0.0 { ((run.until - along) / step).clamp(0.0, 1.0) } else { 0.0 };
-            let at = a.towards(*b, share);
-            begun.push(*a);
-            begun.push(at);
-            let mut id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
-            while !taken.insert(id.clone()) {
-                id.push('~');
-            }
-            nodes.push(Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() });
-            let to = nodes.len() - 1;
-            pieces.push(Some(named([from, to], vessel.part(begun, whole, rule), Some(run))));
-            (from, begun) = (to, vec![at]);
-            rest = &rest[1..];
-            along += step;
         }
-        begun.extend_from_slice(rest);
-        pieces.push(Some(named([from, ends[1]], vessel.part(begun, whole, rule), Some(last))));
+        let mut walk = ArcWalk::new(&arc);
+        let changes = runs[..runs.len() - 1].iter().map(|run| walk.to(run.until));
+        let changes = changes.map(|(point, share)| PathPlace { point, share });
+        let (mut from, last) = (ends[0], runs.len() - 1);
+        for (at, (piece, run)) in divided(&path, changes).into_iter().zip(&runs).enumerate() {
+            let to = if at == last {
+                ends[1]
+            } else {
+                let mut id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
+                while !taken.insert(id.clone()) {
+                    id.push('~');
+                }
+                let end = piece[piece.len() - 1];
+                nodes.push(Node { id, position: Some(end.position), radius: Some(end.radius), ..Node::default() });
+                nodes.len() - 1
+            };
+            pieces.push(Some(named([from, to], vessel.part(piece, whole, rule), Some(run))));
+            from = to;
+        }
     }
     merge(&mut pieces, nodes.len(), own.len()..graph.node_count(), rule);
     let mut out = Network::new();

@@ -96,9 +96,9 @@ struct BranchPoint {
 }
 
 impl Nodes {
-    /// The nodes of a network with positions; its frame is taken for RAS where it is not LPS.
-    pub fn of(network: &Network) -> Self {
-        let sign = if network.frame == Frame::Lps { -1.0 } else { 1.0 };
+    /// The nodes of a network with positions in a frame; one that is not LPS is taken for RAS.
+    pub fn of(network: &Network, frame: Frame) -> Self {
+        let sign = if frame == Frame::Lps { -1.0 } else { 1.0 };
         let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
         let traced = is_traced(network);
         let vessels_at = vessels_at(network, |row| traced[row]);
@@ -154,19 +154,6 @@ impl Nodes {
             sum >= half
         });
         middle.map_or(0.0, |n| self.log_radius[*n])
-    }
-
-    /// The same nodes seen from a frame that is turned by 180 degrees about the vertical axis: RAS for LPS.
-    #[must_use]
-    pub fn turned_about_vertical(&self) -> Self {
-        let mut turned = self.clone();
-        for at in &mut turned.at {
-            *at = [-at[0], -at[1], at[2]];
-        }
-        for d in &mut turned.direction {
-            (d[4], d[5]) = (-d[4], -d[5]);
-        }
-        turned
     }
 
     /// Adds the nodes of a branch; `passed` are the network's nodes along it with the number of their point.

@@ -110,7 +110,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
     // Nodes have the labels of the points that they lie nearest to.
-    let nodes = Nodes::of(&graph);
+    let nodes = Nodes::of(&graph, graph.frame);
     let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     Ok(LabelledCase {
         subject: truth.subject,
