@@ -148,7 +148,7 @@ class Review:
         return self.named
 
     def found(self, segment: str) -> float:
-        """The probability by the names that a segment is there; NaN before there are any, and where too little of it is seen."""
+        """The probability by the names that a segment is there; NaN before there are any, and where too little is seen to say."""
         if self.named is None:
             return float("nan")
         table = self.named.segments

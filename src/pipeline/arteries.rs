@@ -13,7 +13,7 @@ use willis_models::circle_of_willis::{
     Circle, Collateral, LEAST_DIAMETER, Posterior, Variant, artery_of_label, collaterals, hypoplastic, identify_landmarks,
     in_axes_of, segment_diameters,
 };
-use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels};
+use willis_models::naming::{Bearings, NamedCircle, Names, NamingModels, nothing_named};
 use willis_report::CircleFigures;
 
 impl ArterySource {
@@ -64,18 +64,11 @@ fn by_landmarks(file: &Path, network: &Network, scale: &Scale) -> Result<FoundAr
 pub fn by_geometry(input: &Path, network: &Network, like: Option<&Bearings>, models: &NamingModels) -> Result<FoundArteries> {
     let names = like.map_or_else(|| models.name(network), |bearings| models.name_again(network, bearings));
     let here = |fault: Fault| fault.in_file(input);
-    let names = names.ok_or_else(no_vessel).map_err(here)?;
+    let names = names.ok_or_else(|| nothing_named(network)).map_err(here)?;
     let model = models.of(&names);
     let (circle, notes) = names.located(network, model).map_err(here)?;
     let named = Some(names.circle(model));
     Ok(FoundArteries { named, names: Some(Arc::new(names)), ..FoundArteries::of(circle, "geometry", notes) })
-}
-
-/// That no vessel of a network has a position, where geometry is to name them.
-pub fn no_vessel() -> Fault {
-    const ACCEPTED: &str = "expected centerlines of a head, or labels that name an internal carotid, basilar or vertebral \
-                            artery, or `landmarks=FILE`";
-    Fault::file("no vessel with positions", ACCEPTED)
 }
 
 /// Where the arteries are, and how that is known.

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 use super::{ArterySource, Follow, InferOptions, Input, Prepared, classify::plausible, prepare, stage_target};
 use crate::{Network, Result};
-use willis_core::{error::Fault, network::units::metres};
+use willis_core::network::units::metres;
 use willis_io::formats::{
     Column, Format, LandmarkFormat, MarkedPoint, POSITION_COLUMNS, SURE, coordinate_columns, graph_columns, write_csv,
     write_graphml, write_landmarks,
@@ -14,7 +14,7 @@ use willis_io::formats::{
 use willis_io::{formats::convert::Target, output::StagedFiles, output::names::BESIDE_LABELLED};
 use willis_models::circle_of_willis::RING;
 use willis_models::naming::atlas::{LABELS, OTHER, name_of};
-use willis_models::naming::{NamedPlace, Names, labelled_network};
+use willis_models::naming::{NamedPlace, Names, labelled_network, nothing_named};
 use willis_report::{Provenance, by_artery};
 
 /// An input whose arteries have names.
@@ -26,6 +26,8 @@ pub struct Labelled {
     pub names: Arc<Names>,
     /// For each segment of [`RING`] the probability that it is there, as [`classify`](crate::classify) gives it.
     pub segments: [f64; 7],
+    /// Of which of them too little is seen, of it and of what lies at its ends, as [`classify`](crate::classify) has it.
+    pub not_seen: [bool; 7],
     /// The landmarks, in mm and RAS.
     pub landmarks: Vec<NamedPlace>,
     /// The observed vessels with their names, divided where the name changes.
@@ -46,19 +48,19 @@ pub fn label(input: Input, options: &InferOptions, progress: &mut dyn Follow) ->
     let (path, own) = (input.provenance.input.clone(), input.network.nodes().cloned().collect::<Vec<_>>());
     let prepared = prepare(input, &by_geometry, progress)?;
     let found = prepared.arteries.as_ref();
-    let (names, segments) = if let Some((found, names)) = found.and_then(|found| Some((found, found.names.clone()?))) {
-        (names, plausible(&prepared, found, progress)?.2.segments)
+    let (names, segments, not_seen) = if let Some((found, names)) = found.and_then(|found| Some((found, found.names.clone()?))) {
+        let posterior = plausible(&prepared, found, progress)?.2;
+        (names, posterior.segments, posterior.not_seen)
     } else {
-        let names = models.name(&prepared.graph).ok_or_else(|| {
-            Fault::file("no vessel with positions", "expected centerlines of the arteries of a head").in_file(Path::new(&path))
-        })?;
+        let names = models.name(&prepared.graph).ok_or_else(|| nothing_named(&prepared.graph).in_file(Path::new(&path)))?;
         // Where no circle was found, topologies say nothing of one.
-        let segments = names.circle(models.of(&names)).presence(&[0.5; 7], &by_geometry.phenotypes.prior()?);
-        (Arc::new(names), segments)
+        let circle = names.circle(models.of(&names));
+        let segments = circle.presence(&[0.5; 7], &by_geometry.phenotypes.prior()?);
+        (Arc::new(names), segments, circle.not_seen())
     };
     let landmarks = names.landmarks(models.of(&names));
-    let (network, probability) = labelled_network(&prepared.graph, &own, &names);
-    Ok(Labelled { prepared, names, segments, landmarks, network, probability })
+    let (network, probability) = labelled_network(&prepared.graph, &own, &names, prepared.options.read.radius_rule);
+    Ok(Labelled { prepared, names, segments, not_seen, landmarks, network, probability })
 }
 
 /// The files of landmarks.
@@ -175,7 +177,7 @@ impl Labelled {
             Column::text("segment", RING.iter().map(ToString::to_string)),
             Column::real("probability", self.segments.iter().copied()),
             Column::real("length_mm", (0..7).map(|s| names.seen_length(s))),
-            Column::whole("not_seen", (0..7).map(|segment| usize::from(!names.seen.is_seen(segment)))),
+            Column::whole("not_seen", self.not_seen.into_iter().map(usize::from)),
         ];
         staged.write(path, |out| write_csv(out, &columns))
     }

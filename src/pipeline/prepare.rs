@@ -12,6 +12,7 @@ use super::{
 use crate::{Appearance, CandidateOptions, Error, FoundOutlets, Network, Result, Scale};
 use willis_core::{flow::Given, network::Condition, network::Origin, network::units::millimetres};
 use willis_io::{formats::Format, masks::View};
+use willis_models::naming::nothing_named;
 use willis_report::{Provenance, Segmentation};
 
 /// What may help where a graph leaves nothing to decide.
@@ -183,7 +184,7 @@ impl EarlyArteries {
         let models = loaded.options.phenotypes.models()?;
         let given = loaded.options.boundary.given(vessels, &mut Silent)?;
         let (graph, ..) = loaded.prior.graph(vessels.clone(), loaded.is_fragments, &given, &loaded.building, None)?;
-        let names = models.name(&graph).ok_or_else(|| arteries::no_vessel().in_file(&loaded.path))?;
+        let names = models.name(&graph).ok_or_else(|| nothing_named(&graph).in_file(&loaded.path))?;
         let found = arteries::by_geometry(&loaded.path, vessels, Some(&names.bearings), &models)?;
         Ok(Self::Geometry(found, names.bearings))
     }

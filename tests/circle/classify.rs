@@ -200,6 +200,8 @@ fn bad_input_ends_in_one_line_and_status_2() {
     let far: &[u8] = b"label,x_mm,y_mm,z_mm\nL-ICA,0,0,0\nL-M1,30,0,50\n";
     refused(&[("a.swc", swc), ("l.csv", far)], &arguments, &["l.csv:3", "\"L-M1\" lies 30.0 mm"]);
     refused(&[("a.swc", swc)], &arguments, &["l.csv"]);
+    let nowhere = ["classify", "a.csv", "-o", "out", "--landmarks", "l.csv"];
+    refused(&[("a.csv", unnamed), ("l.csv", far)], &nowhere, &["l.csv", "the nodes have no coordinates"]);
     refused(&[("a.swc", swc)], &["classify", "a.swc", "-o", "out", "--observed"], &["--observed", "classify"]);
 }
 

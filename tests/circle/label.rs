@@ -1,11 +1,12 @@
 //! Names from geometry on the tracings of patients whose arteries are labelled (skipped where they are absent): the truth is the table of vessels
 //! beside each tracing, and that names do not depend on the frame and the pose. Of the drawn circle, the phantom knows where its arteries end.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use crate::command::{folder, stderr, willis as command};
+use crate::refused::refused;
 use willis::internals::circle_of_willis::{Artery, BodySide};
 use willis::internals::naming::algebra::{UNIT, full, inverse, product, rotation, rotation_vector, times, trace_of_product};
 use willis::internals::naming::atlas::{
@@ -17,7 +18,7 @@ use willis::internals::naming::emission::{Pose, Search, Single};
 use willis::internals::naming::nodes::Bridge;
 use willis::internals::naming::presence::ways;
 use willis::internals::naming::{NamingModel, NamingModels, Nodes};
-use willis::internals::network::{Frame, Network, Origin};
+use willis::internals::network::{Frame, Network, Node, Origin, RadiusRule, Vessel};
 use willis::{InferOptions, Input, ReadOptions, Silent, label, read};
 
 fn patients() -> Vec<PathBuf> {
@@ -127,7 +128,99 @@ fn nothing_of_a_tracing_is_lost_by_its_labels() {
     }
 }
 
-/// A segment has one probability: `label` says of each what `classify` says, whole and broken.
+/// The circle that the phantom draws, whole, read by a rule for radii.
+fn drawn(radius_rule: RadiusRule) -> Input {
+    let here = folder();
+    let output = command(here.path(), &["phantom", "cerebral", "-o", "whole.swc"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    read(&here.path().join("whole.swc"), &ReadOptions { radius_rule, ..ReadOptions::default() }).expect("a circle")
+}
+
+/// What a graph states of its vessels is theirs when they have names, be they divided by names or not: lengths that are not those of straight
+/// lines, and resistances. Where nothing says which vessels are observed, all are there.
+#[test]
+fn what_a_graph_states_is_kept_under_its_names() {
+    for origin in [Origin::Observed, Origin::Candidate] {
+        let mut stated = drawn(RadiusRule::Mean).network;
+        for row in 0..stated.vessel_count() {
+            let vessel = stated.vessel_mut(row);
+            (vessel.resistance, vessel.origin) = (Some(1e9 + 1e7 * row as f64), origin);
+            vessel.path.clear();
+            vessel.label.clear();
+        }
+        let found = label(Input::from_network(stated.clone()), &InferOptions::default(), &mut Silent).expect("labels").network;
+        assert!(found.vessel_count() >= stated.vessel_count() && found.vessels().any(|(_, vessel)| vessel.label == "L-A1"));
+        let figures: [fn(&Vessel) -> f64; 2] = [|vessel| vessel.length, |vessel| vessel.resistance.unwrap_or(0.0)];
+        for of in figures {
+            let [before, after] = [&stated, &found].map(|network| network.vessels().map(|(_, v)| of(v)).sum::<f64>());
+            assert!((after / before - 1.0).abs() < 1e-9, "{origin:?}: {before} {after}");
+        }
+    }
+}
+
+/// The rule of radii is that of the whole program, eq. 1 or Poiseuille's law along the points, also of vessels that names divide.
+#[test]
+fn labelled_vessels_have_radii_by_the_rule_that_was_asked_for() {
+    for rule in [RadiusRule::Mean, RadiusRule::Effective] {
+        let found = label(drawn(rule), &InferOptions::default(), &mut Silent).expect("labels").network;
+        for (_, vessel) in found.vessels() {
+            assert!((vessel.radius / rule.radius(&vessel.path) - 1.0).abs() < 1e-9, "{rule:?}: {vessel:?}");
+        }
+    }
+}
+
+/// A vessel changes its name several times between two points that are far apart: each name has the length that the table of names gives it, to
+/// some mm, for that has a row a millimetre.
+#[test]
+fn names_divide_a_vessel_between_its_points() {
+    let here = folder();
+    let output = command(here.path(), &["phantom", "cerebral", "--without", "L-P1,R-PComm", "-o", "a.swc"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    let mut sparse = read(&here.path().join("a.swc"), &ReadOptions::default()).expect("a circle").network;
+    for row in 0..sparse.vessel_count() {
+        let vessel = sparse.vessel_mut(row);
+        let last = vessel.path.len() - 1;
+        let path = vessel.path.iter().enumerate().filter(|(at, _)| at % 60 == 0 || *at == last).map(|(_, point)| *point);
+        *vessel = Vessel::along(path.collect(), RadiusRule::Mean);
+    }
+    let found = label(Input::from_network(sparse), &InferOptions::default(), &mut Silent).expect("labels");
+    let (mut told, mut drawn) = (BTreeMap::new(), BTreeMap::new());
+    for (name, length) in found.names.best().iter().zip(&found.names.nodes.weight) {
+        *told.entry(if *name == OTHER { String::new() } else { name_of(*name) }).or_insert(0.0) += length;
+    }
+    for (_, vessel) in found.network.vessels() {
+        *drawn.entry(vessel.label.clone()).or_insert(0.0) += 1e3 * vessel.length;
+    }
+    assert!(told.contains_key("R-P1") && told.contains_key("R-P2"));
+    for (name, length) in told {
+        let drawn = drawn.get(&name).copied().unwrap_or(0.0);
+        assert!(f64::abs(length - drawn) < 4.0, "{name}: {length} and {drawn} mm");
+    }
+}
+
+/// Where a name changes there is a new node, with an id that no node of the input has.
+#[test]
+fn no_id_comes_twice_where_names_divide_a_vessel() {
+    let mut input = drawn(RadiusRule::Mean);
+    let labelled = |input: &Input| label(input.clone(), &InferOptions::default(), &mut Silent).expect("labels").network;
+    let new = labelled(&input).nodes().find(|node| node.id.contains('~')).expect("a new node").id.clone();
+    let free = (0..input.network.node_count()).find(|row| !new.starts_with(&input.network.node(*row).id)).expect("a node");
+    input.network.node_mut(free).id = new;
+    let found = labelled(&input);
+    let ids: BTreeSet<&str> = found.nodes().map(|node| node.id.as_str()).collect();
+    assert_eq!(ids.len(), found.node_count());
+}
+
+/// A wrong exponent or a wrong unit makes vessels that no head has: no name, for which there is no memory, but a message that says so.
+#[test]
+fn endless_vessels_are_not_named() {
+    let far: &[u8] = b"1 2 0 0 0 1 -1\n2 2 0 0 10 1 1\n3 2 0 0 1e9 1 2\n";
+    refused(&[("far.swc", far)], &["label", "far.swc", "-o", "a.graphml"], &["far.swc", "no arteries of a circle", "in mm"]);
+    let arguments = ["classify", "far.swc", "--landmarks", "auto", "-o", "out"];
+    refused(&[("far.swc", far)], &arguments, &["far.swc", "no arteries of a circle", "in mm"]);
+}
+
+/// A segment has one probability: `label` says of each what `classify` says, whole and broken; also whether enough is seen to say it.
 #[test]
 fn label_and_classify_say_the_same_of_each_segment() {
     let here = folder();
@@ -146,6 +239,8 @@ fn label_and_classify_say_the_same_of_each_segment() {
         for line in table.lines().skip(1) {
             let cells: Vec<&str> = line.split(',').collect();
             assert_eq!(cells[1].parse().ok(), told["probabilities"]["segments"][cells[0]].as_f64(), "{line}");
+            let not_seen = told["probabilities"]["not_seen"].as_array().expect("a list");
+            assert_eq!(cells[3] == "1", not_seen.iter().any(|segment| segment == cells[0]), "{line} {not_seen:?}");
         }
     }
 }
@@ -185,6 +280,25 @@ fn places(path: &Path) -> BTreeMap<String, [f64; 3]> {
         (cells[0].to_owned(), [1, 2, 3].map(|k: usize| cells[k].parse().expect("a number")))
     };
     text.lines().skip(1).map(row).collect()
+}
+
+/// The node where vessels meet is as wide as the widest of them, whichever comes first in the file.
+#[test]
+fn a_junction_is_as_wide_as_its_widest_vessel() {
+    let mut arms: Vec<([f64; 3], f64)> = vec![([1.0, 0.0, 0.0], 2e-3), ([0.0, 1.0, 0.0], 1e-3), ([0.0, 0.0, 1.0], 5e-4)];
+    for _ in 0..arms.len() {
+        arms.rotate_left(1);
+        let mut network = Network::new();
+        let node = |id: usize, at: [f64; 3]| Node { id: id.to_string(), position: Some(at), ..Node::default() };
+        let middle = network.add_node(node(0, [0.0; 3]));
+        for (id, (along, radius)) in arms.iter().enumerate() {
+            let end = network.add_node(node(id + 1, along.map(|x| 0.01 * x)));
+            network.add_vessel([middle, end], Vessel::new(0.01, *radius, Origin::Observed));
+        }
+        let nodes = Nodes::of(&network, Frame::Ras);
+        let junction = (0..nodes.len()).find(|n| nodes.degree(*n) == 3).expect("a junction");
+        assert!((nodes.log_radius[junction] - 2.0_f64.ln()).abs() < 1e-12, "{arms:?}: {}", nodes.log_radius[junction].exp());
+    }
 }
 
 /// The atlas of patients does not know the drawn circle, which has one of its own: broken with seeds that it was not fitted to, its

@@ -248,6 +248,39 @@ fn a_thin_segment_is_hypoplastic_however_arteries_are_known() {
     assert_eq!(thin(&network_of(&[]), 1.5), both(&["AComm", "L-PComm", "R-PComm"]));
 }
 
+/// The diameter of a segment is the mean along all of it, by labels and by landmarks, also where a branch leaves it: 5 mm of 1 mm and 5 mm of
+/// 3 mm are 2 mm.
+#[test]
+fn a_segment_is_as_wide_as_its_vessels_on_either_side_of_a_branch() {
+    let mut whole = network(&CIRCLE);
+    for label in ["L-A1", "R-PComm"] {
+        let row = whole.vessels().position(|(_, vessel)| vessel.label == label).expect("a segment");
+        let ([from, to], vessel) = (whole.ends(row), whole.vessel(row).clone());
+        let (mut parted, _) = whole.subgraph(|other| other != row);
+        let middle = Node { id: format!("{label} branch"), position: Some(vessel.path[5].position), ..Node::default() };
+        let middle = parted.add_node(middle);
+        for (ends, path, radius) in [([from, middle], &vessel.path[..=5], 0.5e-3), ([middle, to], &vessel.path[5..], 1.5e-3)] {
+            let path = path.iter().map(|point| PathPoint { radius, ..*point }).collect();
+            parted.add_vessel(ends, Vessel { label: label.to_owned(), ..Vessel::along(path, RadiusRule::Mean) });
+        }
+        let away = vessel.path[5].position.map(|x| x + 0.004);
+        let end = parted.add_node(Node { id: format!("{label} end"), position: Some(away), ..Node::default() });
+        let branch = [vessel.path[5].position, away].map(|position| PathPoint { position, radius: 2e-4, id: None });
+        parted.add_vessel([middle, end], Vessel::along(branch.to_vec(), RadiusRule::Mean));
+        whole = parted;
+    }
+    let labelled = Circle::labelled(&whole, LabelScheme::Names).expect("labels").0;
+    let placed = Circle::at(&whole, &marked(&landmarks(&ENDS)).expect("landmarks")).expect("a circle").0;
+    for circle in [labelled, placed] {
+        assert!(missing(&circle.variant(&whole, |_| true)).is_empty());
+        let diameters = segment_diameters(&circle, &whole, |_| true);
+        for (artery, diameter) in RING.into_iter().zip(diameters).filter(|(artery, _)| [A1(L), PComm(R)].contains(artery)) {
+            let diameter = diameter.expect("a diameter");
+            assert!((diameter - 2e-3).abs() < 1e-12, "{artery}: {diameter}");
+        }
+    }
+}
+
 #[test]
 fn vessels_that_are_not_kept_are_not_there() {
     let whole = network(&CIRCLE);
@@ -743,6 +776,25 @@ fn exchanged_sides_are_told() {
     for (ends, exchanged) in [(&ENDS[..], false), (&swapped[..], true)] {
         let landmarks = marked(&landmarks(ends)).unwrap();
         assert_eq!(warned(&Circle::at(&right, &landmarks).unwrap().1), exchanged);
+    }
+}
+
+/// Arteries that lie on the wrong side are told against those that show it: of a circle without carotids these are M1.
+#[test]
+fn a_pair_on_the_wrong_side_is_told_against_what_is_there() {
+    for (lacks, against) in [(&[][..], "the carotids"), (&["L-ICA", "R-ICA"], "both M1")] {
+        let mut wrong = network(&without(lacks));
+        for row in 0..wrong.vessel_count() {
+            let vessel = wrong.vessel_mut(row);
+            vessel.label = match vessel.label.as_str() {
+                "L-P1" => "R-P1".to_owned(),
+                "R-P1" => "L-P1".to_owned(),
+                other => other.to_owned(),
+            };
+        }
+        let notes = Circle::labelled(&wrong, LabelScheme::Names).expect("a circle").1;
+        let told = format!("L-P1, R-P1 lie on the other side than {against}: left and right look exchanged there");
+        assert_eq!(notes, [told]);
     }
 }
 

@@ -351,6 +351,7 @@ fn bad_tables_are_refused() {
         ("missing,share\ncomplete,-1\n", "-1"),
         ("missing\nx\n", "share"),
         ("missing,share\ncomplete,0\n", "no variant"),
+        ("missing,share\ncomplete,1e308\nL-A1,1e308\n", "more than 1e308"),
     ] {
         let fault = VariantFrequencies::read(text.as_bytes()).expect_err("refused").in_file(Path::new("a.csv"));
         assert!(fault.to_string().contains(at), "{fault}");

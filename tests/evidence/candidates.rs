@@ -11,7 +11,7 @@ use willis::internals::candidates::search::point_index::PointIndex;
 use willis::internals::candidates::search::{EndCandidate, SearchOptions, search};
 use willis::internals::candidates::{Attach, CandidateOptions, CandidateRadius, NEAREST, build, build_with_evidence};
 use willis::internals::network::centerlines::Centerlines;
-use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, contract};
+use willis::internals::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, Wall, contract};
 use willis::internals::support::geometry::{Point, distance, norm_squared, sub};
 
 /// Winding fragments in a box of 30 mm, points about 0.7 mm apart; every third has a side branch. Lengths in m.
@@ -289,6 +289,23 @@ fn located(vessels: Vec<([usize; 2], Vessel)>, radius_of_nodes: Option<f64>) -> 
         network.add_vessel(ends, vessel);
     }
     network
+}
+
+/// A vessel of a ready graph states its length, which is not that of its points, its resistance and its wall. Where candidates divide it, the
+/// parts have these together: lengths and resistances in a row add up.
+#[test]
+fn divided_vessels_keep_what_is_stated_of_the_whole() {
+    let wall = Some(Wall::Elastic { young: 4e5, thickness: 1e-4 });
+    let whole = Vessel { length: 0.025, resistance: Some(3e9), wall, kept: Some(true), ..straight(0.0, 20.0, 0.0, 0.5) };
+    let end = [8.0, 4.0, 3.5].map(|y| PathPoint { position: [7e-3, y * 1e-3, 0.0], radius: 5e-4, id: None });
+    let network = located(vec![([0, 1], whole), ([2, 3], Vessel::along(end.to_vec(), RadiusRule::Mean))], Some(5e-4));
+    let graph = build(&network, &CandidateOptions::default()).unwrap();
+    let parts = || graph.vessels().filter(|(_, vessel)| vessel.wall == wall).map(|(_, vessel)| vessel);
+    assert!(parts().count() > 1 && parts().all(|part| part.kept == Some(true)));
+    assert!((parts().map(|part| part.length).sum::<f64>() - 0.025).abs() < 1e-12);
+    assert!((parts().map(|part| part.resistance.expect("stated")).sum::<f64>() / 3e9 - 1.0).abs() < 1e-12);
+    // A vessel of even width resists in proportion to its length.
+    assert!(parts().all(|part| (part.resistance.expect("stated") / part.length / (3e9 / 0.025) - 1.0).abs() < 1e-9));
 }
 
 /// A junction at x = 0 of three vessels of 1 mm and an end that points at it from 3 mm above. A ready graph need not give

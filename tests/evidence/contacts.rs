@@ -2,8 +2,11 @@
 
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
+use std::fmt::Write as _;
+use std::fs;
 
 use crate::command::{data, folder, stderr, willis};
+use crate::draw::Draw;
 use crate::refused::refused;
 use willis::internals::contacts::branches::{BranchEnd, Branches};
 use willis::internals::contacts::features::{PairTable, pairs_of, skeleton_feature_names};
@@ -125,7 +128,47 @@ fn margins_and_pairings_of_a_table_are_those_by_hand() {
     // Of 0 the best other partner gives 2, of 1 it gives 3.
     assert_eq!(table.margins([0, 1], -1.0), [2.0, 3.0]);
     // 0-1 and 2-3 give 9; apart, 0-2 and 1-3 give 1.5, 0-3 and 1-2 give 5.
-    assert_eq!(table.pairing_gain([0, 1]), 4.0);
+    assert_eq!(table.pairing_gains().get(0, 1), 4.0);
+    // Every way to part two ends and to pair two others, of tables with many equal values.
+    let mut draw = Draw::new(11);
+    for size in [2, 3, 4, 5, 7, 9] {
+        let values: Vec<f64> = (0..size * size).map(|_| draw.below(6) as f64).collect();
+        let table = PairTable::of(size, -9.0, |i, j| values[i * size + j]);
+        let gains = table.pairing_gains();
+        for (i, j) in (0..size).flat_map(|i| (0..i).map(move |j| (i, j))) {
+            let two = |p: &usize, q: &usize| p != q && ![*p, *q].iter().any(|end| [i, j].contains(end));
+            let others = (0..size).flat_map(|p| (0..size).map(move |q| (p, q))).filter(|(p, q)| two(p, q));
+            let [mut together, mut apart] = [f64::NEG_INFINITY; 2];
+            for (p, q) in others {
+                together = together.max(table.get(p, q));
+                apart = apart.max(table.get(i, p) + table.get(j, q));
+            }
+            assert_eq!(gains.get(i, j), if size < 4 { 0.0 } else { table.get(i, j) + together - apart }, "{size}: {i} {j}");
+        }
+    }
+}
+
+/// A star of three hundred legs, as a wrong mask may have, is looked at in a time that grows with the cube of their number at the most: it took
+/// half a minute, and an hour for a thousand.
+#[test]
+fn a_star_of_many_legs_takes_no_time() {
+    let mut text = String::from("1 2 0 0 0 1 -1\n");
+    for leg in 0..300 {
+        let (height, turn) = (1.0 - f64::from(2 * leg + 1) / 300.0, f64::from(leg) * 2.4);
+        let across = f64::sqrt(1.0 - height * height);
+        for step in 1..=10 {
+            let [x, y, z] = [across * turn.cos(), across * turn.sin(), height].map(|x| 10.0 * f64::from(step) * x);
+            let id = 1 + leg * 10 + step;
+            let parent = if step == 1 { 1 } else { id - 1 };
+            writeln!(text, "{id} 2 {x} {y} {z} 1 {parent}").expect("written");
+        }
+    }
+    let here = folder();
+    fs::write(here.path().join("star.swc"), text).expect("written");
+    let before = std::time::Instant::now();
+    let output = willis(here.path(), &["candidates", "star.swc", "--cut", "always", "--prior", "uniform", "-o", "star.graphml"]);
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert!(before.elapsed().as_secs() < 10, "{:?}", before.elapsed());
 }
 
 /// A tube along x of a radius in voxels of 0.5 mm, its wall cut at the middle of voxels.

@@ -29,3 +29,21 @@ fn every_shipped_model_is_as_it_is_written() {
         assert!(text.as_bytes() == out, "{name} is not as it is written");
     }
 }
+
+/// A model of names whose numbers are none is refused as such: all that it would say is no number either.
+#[test]
+fn a_model_of_names_without_numbers_is_refused() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/models/src/naming/arteries.toml");
+    let text = fs::read_to_string(path).expect("a file");
+    for (line, wrong) in [
+        ("length", "length = -100.0"),
+        ("length", "length = nan"),
+        ("centroid", "centroid = [nan, 0.0, 0.0]"),
+        ("other_radius", "other_radius = [0.1, inf]"),
+        ("other_radius", "other_radius = [nan, 0.7]"),
+    ] {
+        let first = text.lines().find(|found| found.starts_with(&format!("{line} = "))).expect("a line");
+        let fault = NamingModel::read(&text.replacen(first, wrong, 1)).expect_err(wrong);
+        assert!(fault.in_file("a.toml".as_ref()).to_string().contains(line), "{wrong}");
+    }
+}

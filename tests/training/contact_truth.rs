@@ -114,3 +114,20 @@ fn a_candidate_does_not_end_what_a_side_shows() {
     // Two vessels end to end, of which the truth says that nothing joins them.
     assert_eq!(truth(&[&x[..12], &x[13..]], &[]).contacts(&opened(&nodes, &vessels, None)), [Some(false)]);
 }
+
+/// A way along vessels has no negative length, along which a search would never end, and a voxel has a size.
+#[test]
+fn lengths_that_no_vessel_has_are_refused() {
+    let of = |voxel: f64, length: f64| {
+        let nodes = [[0.0, 0.0, 0.0, 0.5], [1.0, 0.0, 0.0, 0.5]];
+        let adjacent = json!([[0, 1, length, "there", [0.0, 0.0, 0.0], 1.0]]);
+        let file =
+            json!({"voxel_mm": voxel, "nodes": nodes, "stations": nodes, "station_nodes": [[1], [2]], "adjacent": adjacent});
+        ContactTruth::read(file.to_string().as_bytes()).map(drop).map_err(|fault| fault.in_file("a.json".as_ref()).to_string())
+    };
+    assert_eq!(of(0.5, 1.0), Ok(()));
+    for (found, words) in [(of(0.5, -1.0), "adjacent 0: -1 mm"), (of(0.0, 1.0), "voxel_mm: 0"), (of(-0.5, 1.0), "voxel_mm: -0.5")]
+    {
+        assert!(found.as_ref().is_err_and(|said| said.contains(words)), "{found:?}");
+    }
+}

@@ -67,7 +67,7 @@ impl CircleFigures {
         for (at, artery) in RING.iter().enumerate() {
             columns.push((format!("circle_{artery}_diameter_mm").into(), diameters[at]));
             columns.push((format!("circle_{artery}_hypoplastic").into(), flag(self.hypoplastic[at])));
-            let opposite = RING.iter().position(|other| *other == artery.opposite()).filter(|other| *other > at);
+            let opposite = artery.opposite().in_ring().filter(|other| *other > at);
             if let Some(right) = opposite {
                 let name = artery.to_string();
                 let name = format!("circle_{}_asymmetry", name.trim_start_matches(SIDES[0]));

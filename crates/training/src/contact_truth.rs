@@ -94,11 +94,14 @@ impl ContactTruth {
     ///
     /// # Errors
     ///
-    /// No such JSON, or a node or station that is not there.
+    /// No such JSON, a node or station that is not there, a negative length.
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         const ACCEPTED: &str = "expected the truth of a skeleton, with nodes, stations, station_nodes and adjacent";
         let file: ContactTruthFile =
             serde_json::from_slice(bytes).map_err(|e| Fault::line(e.line().max(1), e.to_string(), ACCEPTED))?;
+        if file.voxel_mm <= 0.0 {
+            return Err(Fault::item("voxel_mm", file.voxel_mm.to_string(), "expected a positive number"));
+        }
         let place = |what: &str, row: usize, at: &[f64]| match at {
             [x, y, z, ..] => Ok([*x, *y, *z].map(metres)),
             _ => Err(Fault::item(format!("{what} {row}"), format!("{at:?}"), "expected x, y, z in mm")),
@@ -125,6 +128,9 @@ impl ContactTruth {
             if *a.max(b) >= next.len() {
                 let accepted = format!("expected stations from 0 to {}", next.len().saturating_sub(1));
                 return Err(Fault::item(format!("adjacent {row}"), a.max(b).to_string(), accepted));
+            }
+            if *mm < 0.0 {
+                return Err(Fault::item(format!("adjacent {row}"), format!("{mm} mm"), "expected a length from 0 on"));
             }
             next[*a].push((*b, metres(*mm)));
             next[*b].push((*a, metres(*mm)));

@@ -340,6 +340,24 @@ impl Vessel {
         let (length, radius) = (length_of(&path), rule.radius(&path));
         Self { path, ..Self::new(length, radius, Origin::Observed) }
     }
+
+    /// The observed part of it along a piece of its course, which is `whole` m long. Of a length and a resistance that are stated the part has
+    /// its share, of everything else the same.
+    #[must_use]
+    pub fn part(&self, piece: Vec<PathPoint>, whole: f64, rule: RadiusRule) -> Self {
+        let along = Self::along(piece, rule);
+        let (stretched, share) = if whole > 0.0 { (self.length / whole, along.length / whole) } else { (1.0, 1.0) };
+        Self {
+            length: along.length * stretched,
+            resistance: self.resistance.map(|resistance| share * resistance),
+            label: self.label.clone(),
+            prior: self.prior,
+            certain: self.certain,
+            kept: self.kept,
+            wall: self.wall,
+            ..along
+        }
+    }
 }
 
 /// Contracts centerlines to a network of observed vessels.

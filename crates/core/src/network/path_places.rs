@@ -26,6 +26,21 @@ impl PathPlace {
     }
 }
 
+/// The pieces of a path between places on it, given in order: each ends with a point at a place, with which the next one begins.
+pub fn divided(path: &[PathPoint], places: impl IntoIterator<Item = PathPlace>) -> Vec<Vec<PathPoint>> {
+    let (mut pieces, mut piece, mut next) = (Vec::new(), Vec::new(), 0);
+    for place in places {
+        piece.extend_from_slice(&path[next..next.max(place.point + usize::from(place.share > 0.0))]);
+        piece.push(place.on(path));
+        let begun = vec![place.on(path)];
+        pieces.push(std::mem::replace(&mut piece, begun));
+        next = place.point + 1;
+    }
+    piece.extend_from_slice(&path[next..]);
+    pieces.push(piece);
+    pieces
+}
+
 /// The length of a path, m.
 pub fn length_of(path: &[PathPoint]) -> f64 {
     path.windows(2).map(|w| distance(w[0].position, w[1].position)).sum()

@@ -44,7 +44,7 @@ pub fn build(network: &Network, options: &CandidateOptions) -> Result<Network> {
         found.extend(search_nearest(&e, options)?.into_iter().map(|candidate| {
             let there = e.end_at[candidate.point].map_or(e.radius[candidate.point], |end| e.ends[end].mean_radius);
             let radii = [e.ends[candidate.end].mean_radius, there];
-            NewVessel::of(candidate, radii, &e, &resampled, &cluster)
+            NewVessel { radii, ..NewVessel::of(candidate, &e, &resampled, &cluster) }
         }));
     }
     Ok(over_connected(network, found, options).0)
@@ -76,9 +76,9 @@ pub fn build_with_evidence(
         let loops = posterior.closures.iter().filter(|(_, p)| *p > LEAST_PROBABLE_LOOP).map(|(candidate, p)| {
             (*candidate, Evidence { probability: *p, attached: [0.0; 2], continuation_odds: [Evidence::odds(*p), 0.0] })
         });
-        found.extend(probable(&posterior).into_iter().chain(loops).map(|(candidate, evidence)| {
-            let radii = candidate.points(&e).map(|point| e.radius_at(point));
-            NewVessel { evidence: Some(evidence), ..NewVessel::of(candidate, radii, &e, &resampled, &cluster) }
+        found.extend(probable(&posterior).into_iter().chain(loops).map(|(candidate, evidence)| NewVessel {
+            evidence: Some(evidence),
+            ..NewVessel::of(candidate, &e, &resampled, &cluster)
         }));
         let root = |(place, fragment): (&NetworkPoint, &usize)| (cluster.in_whole(*place), posterior.root_scores[*fragment]);
         roots.extend(e.place.iter().zip(&e.fragment).map(root));
@@ -133,12 +133,11 @@ pub fn build_joins(
             let gap = candidate.gap(e);
             let within = candidate.fragments(e).iter().all(|row| gap <= e.fragments[*row].reach());
             let stays = probability > LEAST_PROBABLE && options.allows(&candidate, e) && within;
-            let radii = candidate.points(e).map(|point| e.radius_at(point));
             let course = image.as_ref().filter(|_| model.image.is_some());
             stays.then(|| NewVessel {
                 evidence: Some(Evidence::undirected(probability)),
                 course: course.and_then(|image| image.course(pair, e.ends[candidate.end].point)),
-                ..NewVessel::of(candidate, radii, e, &table.resampled, &cluster)
+                ..NewVessel::of(candidate, e, &table.resampled, &cluster)
             })
         }));
     }

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::features::{Extraction, NetworkPoint};
 use super::resample::Resampled;
 use super::search::{CandidateOptions, CandidateRadius, EndCandidate};
-use willis_core::network::path_places::{PathPlace, length_of};
+use willis_core::network::path_places::{PathPlace, divided, length_of};
 use willis_core::network::units::as_stored;
 use willis_core::network::{Evidence, Network, Node, Origin, PathPoint, RadiusRule, Vessel, fragments};
 use willis_core::support::geometry::{Point, norm_squared};
@@ -150,8 +150,8 @@ pub struct NewVessel {
 }
 
 impl NewVessel {
-    /// A straight candidate of a cluster without evidence, that of the resampled cluster's extraction.
-    pub fn of(c: EndCandidate, radii: [f64; 2], e: &Extraction, resampled: &Resampled, cluster: &FragmentCluster) -> Self {
+    /// A straight candidate of a cluster without evidence, that of the resampled cluster's extraction, as wide as that measures.
+    pub fn of(c: EndCandidate, e: &Extraction, resampled: &Resampled, cluster: &FragmentCluster) -> Self {
         let ends = c.points(e).map(|point| {
             let on_path = match e.place[point] {
                 NetworkPoint::Along { vessel, point } => Some(resampled.places[vessel][point]),
@@ -159,7 +159,7 @@ impl NewVessel {
             };
             NewEnd { place: cluster.in_whole(e.place[point]), on_path, position: e.position[point] }
         });
-        Self { ends, radii, evidence: None, course: None }
+        Self { ends, radii: c.points(e).map(|point| e.radius_at(point)), evidence: None, course: None }
     }
 }
 
@@ -237,8 +237,9 @@ fn split(network: &Network, cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>, 
             graph.add_vessel(ends, vessel.clone());
             continue;
         };
-        let (mut from, mut begun, mut next) = (ends[0], Vec::new(), 0);
-        for (point, place) in points {
+        let (mut from, whole) = (ends[0], length_of(&vessel.path));
+        let mut pieces = divided(&vessel.path, points.values().copied()).into_iter();
+        for ((point, place), piece) in points.iter().zip(&mut pieces) {
             let at = place.on(&vessel.path);
             let mut id = at.id.map_or_else(|| format!("{row}:{point}"), |id| id.to_string());
             while !taken.insert(id.clone()) {
@@ -246,17 +247,12 @@ fn split(network: &Network, cuts: &BTreeMap<usize, BTreeMap<usize, PathPlace>>, 
             }
             let node = graph.add_node(Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() });
             node_at.insert(NetworkPoint::Along { vessel: row, point: *point }, node);
-            begun.extend_from_slice(&vessel.path[next..place.point + usize::from(place.share > 0.0)]);
-            begun.push(at);
-            graph.add_vessel([from, node], part(vessel, &begun, rule));
-            (from, begun, next) = (node, vec![at], place.point + 1);
+            graph.add_vessel([from, node], vessel.part(piece, whole, rule));
+            from = node;
         }
-        begun.extend_from_slice(&vessel.path[next..]);
-        graph.add_vessel([from, ends[1]], part(vessel, &begun, rule));
+        for last in pieces {
+            graph.add_vessel([from, ends[1]], vessel.part(last, whole, rule));
+        }
     }
     (graph, node_at)
-}
-
-fn part(vessel: &Vessel, path: &[PathPoint], rule: RadiusRule) -> Vessel {
-    Vessel { label: vessel.label.clone(), prior: vessel.prior, certain: vessel.certain, ..Vessel::along(path.to_vec(), rule) }
 }

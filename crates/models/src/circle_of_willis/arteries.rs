@@ -174,6 +174,11 @@ impl Artery {
         side.map_or(self, |side| Self::PAIRED[number](side.other()))
     }
 
+    /// Its row in [`RING`]; `None` of an artery that is no segment of it.
+    pub fn in_ring(self) -> Option<usize> {
+        RING.iter().position(|segment| *segment == self)
+    }
+
     /// Its side; `None` in the midline.
     pub fn side(self) -> Option<BodySide> {
         self.parts().2
@@ -261,7 +266,7 @@ impl Completeness {
 impl Variant {
     /// Whether a segment of the ring is present; false for other arteries.
     pub fn has(&self, segment: Artery) -> bool {
-        RING.iter().position(|artery| *artery == segment).is_some_and(|row| self.present[row])
+        segment.in_ring().is_some_and(|row| self.present[row])
     }
 
     /// The segments of the ring that are absent.
@@ -271,7 +276,7 @@ impl Variant {
 
     /// Sets whether a segment of the ring is present.
     pub(crate) fn set(&mut self, segment: Artery, present: bool) {
-        if let Some(row) = RING.iter().position(|artery| *artery == segment) {
+        if let Some(row) = segment.in_ring() {
             self.present[row] = present;
         }
     }

@@ -273,13 +273,15 @@ const EXCHANGED: f64 = 0.003;
 const BEYOND: f64 = 0.005;
 
 /// The arteries that lie on the other side than the carotids of their name, or than M1 or A1 where the carotids are not both known: both of a
-/// pair, or one whose other is not known. Empty where no such pair is known.
+/// pair, or one whose other is not known. With what they were held against; nothing where no such pair is known.
 ///
 /// A mirrored file has none: its carotids lie on the other side too, which [`sides_look_exchanged`] looks at.
-pub(crate) fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> Vec<Artery> {
+fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> (Vec<Artery>, &'static str) {
     let pair = |artery: fn(BodySide) -> Artery| Some([*at.get(&artery(BodySide::Left))?, *at.get(&artery(BodySide::Right))?]);
-    let reference = [Artery::Ica, Artery::M1, Artery::Mca, Artery::A1].into_iter().find_map(pair);
-    let Some([left, right]) = reference else { return Vec::new() };
+    let references: [(fn(BodySide) -> Artery, &str); 4] =
+        [(Artery::Ica, "the carotids"), (Artery::M1, "both M1"), (Artery::Mca, "both MCA"), (Artery::A1, "both A1")];
+    let reference = references.into_iter().find_map(|(artery, name)| Some((pair(artery)?, name)));
+    let Some(([left, right], held_against)) = reference else { return (Vec::new(), "") };
     let (rightward, middle) = (unit(sub(right, left)), lerp(left, right, 0.5));
     let mut wrong = Vec::new();
     for (row, artery) in ASIDE.into_iter().chain(PAIRED).enumerate() {
@@ -297,7 +299,7 @@ pub(crate) fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> Vec<Artery> {
         }
     }
     wrong.sort_unstable();
-    wrong
+    (wrong, held_against)
 }
 
 const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of the input are left-handed (as LAS): front, top and right do not fit together";
@@ -306,11 +308,12 @@ const LOOKS_EXCHANGED: &str = "left and right look exchanged, unless the axes of
 pub(crate) fn side_notes(at: &BTreeMap<Artery, Point>) -> Vec<String> {
     let mut notes: Vec<String> =
         (sides_look_exchanged(at) == Some(true)).then(|| LOOKS_EXCHANGED.to_owned()).into_iter().collect();
-    let wrong: Vec<String> = on_the_wrong_side(at).iter().map(ToString::to_string).collect();
+    let (wrong, held_against) = on_the_wrong_side(at);
+    let wrong: Vec<String> = wrong.iter().map(ToString::to_string).collect();
     if !wrong.is_empty() {
         let lies = if wrong.len() == 1 { "lies" } else { "lie" };
         notes.push(format!(
-            "{} {lies} on the other side than the carotids: left and right look exchanged there",
+            "{} {lies} on the other side than {held_against}: left and right look exchanged there",
             wrong.join(", ")
         ));
     }
@@ -354,7 +357,7 @@ const LEAST_SHARE: f64 = 0.5;
 /// Which segments of [`RING`] are thin: below a diameter of `least`, m, or below half the diameter of their opposite. `diameters` in m; a segment
 /// without one is not.
 pub fn hypoplastic(diameters: &[Option<f64>; 7], least: f64) -> [bool; 7] {
-    let of = |artery: Artery| RING.iter().position(|other| *other == artery).and_then(|row| diameters[row]);
+    let of = |artery: Artery| artery.in_ring().and_then(|row| diameters[row]);
     RING.map(|artery| {
         let is_thin = |own: f64| own < least || of(artery.opposite()).is_some_and(|other| own < LEAST_SHARE * other);
         of(artery).is_some_and(is_thin)

@@ -6,6 +6,7 @@ use BodySide::{Left, Right};
 
 use super::arteries::{Artery, BodySide};
 use willis_core::error::Fault;
+use willis_core::network::path_places::{PathPlace, divided};
 use willis_core::network::{Network, Node, PathPoint, RadiusRule, Vessel, centerlines::Centerlines};
 use willis_io::formats::ICAFE_ARTERIES;
 
@@ -33,19 +34,18 @@ pub fn split_where_labels_change(network: &Network, lines: &Centerlines, rule: R
             split.add_vessel(ends, vessel.clone());
             continue;
         }
-        let (mut from, mut node) = (0, ends[0]);
-        for cut in cuts.into_iter().chain([names.len()]) {
-            let point = &vessel.path[cut];
-            let next = if cut == names.len() {
+        let pieces = divided(&vessel.path, cuts.iter().map(|point| PathPlace { point: *point, share: 0.0 }));
+        let mut from = ends[0];
+        for (at, (piece, first)) in pieces.into_iter().zip([0].iter().chain(&cuts)).enumerate() {
+            let last = piece[piece.len() - 1];
+            let to = if at == cuts.len() {
                 ends[1]
             } else {
-                let id = point.id.map_or_else(String::new, |id| id.to_string());
-                let at = Node { id, position: Some(point.position), radius: Some(point.radius), ..Node::default() };
-                split.add_node(at)
+                let id = last.id.map_or_else(String::new, |id| id.to_string());
+                split.add_node(Node { id, position: Some(last.position), radius: Some(last.radius), ..Node::default() })
             };
-            let piece = Vessel::along(vessel.path[from..=cut].to_vec(), rule);
-            split.add_vessel([node, next], Vessel { label: names[from].to_owned(), ..piece });
-            (from, node) = (cut, next);
+            split.add_vessel([from, to], Vessel { label: names[*first].to_owned(), ..Vessel::along(piece, rule) });
+            from = to;
         }
     }
     split

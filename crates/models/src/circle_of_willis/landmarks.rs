@@ -256,7 +256,11 @@ fn observed_degrees(network: &Network) -> Vec<usize> {
 /// The node of a landmark: the nearest one, for an inlet or outlet the nearest free end where one is near.
 pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<NearestNode, Fault> {
     let at = landmark.position;
+    let unplaced = || Fault::file("the nodes have no coordinates", "expected positions, or vessels with labels and no landmarks");
     let away = distance_to_lines(network, at);
+    if away.is_infinite() {
+        return Err(unplaced());
+    }
     if away > REACH {
         return Err(Fault::at(
             landmark.place.clone(),
@@ -277,10 +281,10 @@ pub(crate) fn nearest_node_of(network: &Network, landmark: &Landmark) -> Result<
     {
         return Ok(end);
     }
-    any.ok_or_else(|| Fault::file("the nodes have no coordinates", "expected positions, or vessels with labels and no landmarks"))
+    any.ok_or_else(unplaced)
 }
 
-/// The distance (m) to the nearest point of any vessel.
+/// The distance (m) to the nearest point of any vessel; infinite where none has positions.
 pub(crate) fn distance_to_lines(network: &Network, at: Point) -> f64 {
     let straight = |ends: [usize; 2]| ends.into_iter().filter_map(|node| network.node(node).position).collect::<Vec<_>>();
     let of = |(ends, vessel): ([usize; 2], &willis_core::network::Vessel)| {

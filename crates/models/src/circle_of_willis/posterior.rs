@@ -259,8 +259,9 @@ impl VariantFrequencies {
             table[index] += value;
         }
         let total: f64 = table.iter().sum();
-        if total <= 0.0 {
-            return Err(Fault::line(line, "no variant with a share", "expected missing,share with a share above 0"));
+        if !(total > 0.0 && total.is_finite()) {
+            let found = if total > 0.0 { "shares of more than 1e308 together" } else { "no variant with a share" };
+            return Err(Fault::line(line, found, "expected missing,share with a share above 0"));
         }
         let unnamed = table.iter().filter(|share| **share == 0.0).count().max(1) as f64;
         let spread = if table.contains(&0.0) { UNNAMED } else { 0.0 };
@@ -330,8 +331,8 @@ fn index_of(text: &str) -> Result<usize, String> {
     }
     let mut index = all;
     for part in text.split([',', ';']).map(str::trim) {
-        let artery: Option<Artery> = artery_of_label(part, LabelScheme::Names);
-        let segment = RING.iter().position(|ring| Some(*ring) == artery).ok_or_else(|| part.to_owned())?;
+        let artery = artery_of_label(part, LabelScheme::Names);
+        let segment = artery.and_then(Artery::in_ring).ok_or_else(|| part.to_owned())?;
         index &= !(1 << segment);
     }
     Ok(index)

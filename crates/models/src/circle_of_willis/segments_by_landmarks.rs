@@ -235,13 +235,13 @@ impl<'a, K: Fn(usize) -> bool> LandmarkRules<'a, K> {
         let touches = |row: &usize, nodes: &[usize]| self.network.ends(*row).iter().any(|node| nodes.contains(node));
         let at = |nodes: &[usize]| (0..self.network.vessel_count()).filter(|row| touches(row, nodes)).collect::<Vec<usize>>();
         let one = |node: Option<usize>| node.map_or_else(Vec::new, |node| at(&[node]));
-        // The last vessel of a path to a carotid belongs to the segment that leaves the carotid.
-        let last = |path: Option<Walk>| path.and_then(|path| path.edges.last().copied()).into_iter().collect::<Vec<usize>>();
         let a1 = BodySide::BOTH.map(|side| self.a1(side, &posterior));
-        let acomm = self.acomm(&posterior).map(|path| between(&path, &a1).edges).unwrap_or_default();
+        let acomm = self.acomm(&posterior);
         let [p1, pcomm] = self.posterior_segments(&feeders);
+        let [l_a1, r_a1] = [0, 1].map(|s| from_carotid(a1[s].as_ref(), acomm.as_ref(), points.anterior[s]));
+        let [l_pcomm, r_pcomm] = [0, 1].map(|s| from_carotid(pcomm[s].as_ref(), p1[s].as_ref(), points.posterior[s]));
+        let acomm = acomm.map(|path| between(&path, &a1).edges).unwrap_or_default();
         let p1 = self.proper_p1(&p1, &pcomm).map(|p1| p1.map(|(_, proper)| proper.edges).unwrap_or_default());
-        let [[l_a1, r_a1], [l_pcomm, r_pcomm]] = [a1.map(last), pcomm.map(last)];
         let [l_p1, r_p1] = p1;
         let [[l_a2, r_a2], [l_p2, r_p2]] = [points.a2, points.p2].map(|pair| pair.map(one));
         let [l_m1, r_m1] = [0, 1].map(|side| at(&points.middle_outlets(side)));
@@ -324,4 +324,13 @@ fn between(acomm: &Walk, a1: &[Option<Walk>; 2]) -> Walk {
 fn beyond(path: &Walk, other: &Walk, junction: Option<usize>) -> Walk {
     let landmark = junction.filter(|node| path.nodes.contains(node));
     landmark.map_or_else(|| path.after(other), |node| path.after(&Walk { nodes: vec![node], edges: Vec::new() }))
+}
+
+/// The vessels of the segment that leaves a carotid, by the path to it from an outlet: those from its junction on, where the other segment that
+/// begins there or a landmark tells it; else the vessel at the carotid.
+fn from_carotid(path: Option<&Walk>, other: Option<&Walk>, junction: Option<usize>) -> Vec<usize> {
+    let Some(path) = path else { return Vec::new() };
+    let is_known = other.is_some() || junction.is_some_and(|node| path.nodes.contains(&node));
+    let proper = if is_known { beyond(path, other.unwrap_or(&Walk::default()), junction).edges } else { Vec::new() };
+    if proper.is_empty() { path.edges.last().copied().into_iter().collect() } else { proper }
 }

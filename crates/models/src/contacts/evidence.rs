@@ -163,6 +163,14 @@ fn covers(places: &[Point], pairs: &[Pair], tubes: &[LumenTube], voxel: f64) -> 
     (0..pairs.len()).map(of).collect()
 }
 
+/// More ends than this are not paired.
+const MOST_PAIRED: usize = 8;
+
+/// The gains of pairing two of so many ends; zeros where they are too many.
+fn pairing_gains(table: &PairTable, ends: usize) -> PairTable {
+    if ends <= MOST_PAIRED { table.pairing_gains() } else { PairTable::of(ends, 0.0, |_, _| 0.0) }
+}
+
 /// The features of pairs, each a row of [`MASK_FEATURES`], and of [`IMAGE_FEATURES`] where there is an image.
 pub fn mask_features(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: &[Pair]) -> Vec<Vec<f64>> {
     let clusters: Vec<&[Pair]> = pairs.chunk_by(|a, b| a.cluster == b.cluster).collect();
@@ -178,12 +186,12 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         pairs.iter().zip(&tubes).map(|(p, tube)| of_tube(field, &arms[p.ends[0]], &arms[p.ends[1]], tube)).collect();
     let (places, shape, across_it) = around(field, c, &arms);
     let cover = covers(&places, pairs, &tubes, field.voxel());
-    let table = |f: &dyn Fn(&OfTube) -> f64| PairTable::over(pairs, arms.len(), -9.0, |row| f(&found[row]));
-    let straight = table(&|t| -t.miss[1]);
-    let signed = table(&|t| t.signed[1]);
-    let far = table(&|t| t.far[0]);
-    let ring = table(&|t| t.rings[1][0]);
-    let fit = table(&|t| t.signed[0] + t.signed[1]);
+    let table = |f: fn(&OfTube) -> f64| PairTable::over(arms.len(), -9.0, found.iter().map(f));
+    let straight = table(|t| -t.miss[1]);
+    let signed = table(|t| t.signed[1]);
+    let far = table(|t| t.far[0]);
+    let ring = table(|t| t.rings[1][0]);
+    let fit = table(|t| t.signed[0] + t.signed[1]);
     let mut areas: Vec<f64> = arms.iter().map(|a| a.area).collect();
     let widest = areas.iter().copied().fold(0.0, f64::max);
     areas.sort_by(|a, b| b.total_cmp(a));
@@ -194,6 +202,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let rivals = (arms.len() - 1) as f64;
     let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
+    let [fit_gains, straight_gains] = [&fit, &straight].map(|table| pairing_gains(table, arms.len()));
     let of_pair = |n: usize| -> Vec<f64> {
         let ends = pairs[n].ends;
         let [a, b] = ends.map(|end| &arms[end]);
@@ -204,7 +213,6 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         let [ring_margin, signed_margin, far_margin] = [&ring, &signed, &far].map(|table| table.margins(ends, 0.0));
         let own = fit.get(ends[0], ends[1]);
         let behind = sorted(ends.map(|end| better(end, own)));
-        let gain = |table: &PairTable| if arms.len() <= 8 { table.pairing_gain(ends) } else { 0.0 };
         let way = along_the_way(field, [a, b], &core);
         let normal = sorted([a, b].map(|arm| dot(arm.along, across_it).abs()));
         let [alone, with, without] = cover[n];
@@ -213,7 +221,9 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         row.extend([to_widest, elongation, miss_margin, t.rings[0], t.rings[1]].concat());
         row.extend([t.depth[1], t.depth[0], ring_margin[0], ring_margin[1], t.signed[1], t.signed[0], t.far[1], t.far[0]]);
         row.push(t.far_inside);
-        row.extend([signed_margin, far_margin, [gain(&fit), gain(&straight)], behind].concat());
+        row.extend(
+            [signed_margin, far_margin, [fit_gains.get(ends[0], ends[1]), straight_gains.get(ends[0], ends[1])], behind].concat(),
+        );
         row.extend(t.sections);
         row.extend(way);
         row.extend([murray, shape[0], shape[1], shape[2], (deepest / most_radius + 0.1).ln()]);
@@ -243,8 +253,6 @@ const OUTSIDE: [f64; 2] = [1.0, 1.5];
 const BEND: [f64; 2] = [0.7, 0.5];
 /// The lattice on which ways between ends are searched has at most so many steps to each side.
 const MOST_STEPS: f64 = 10.0;
-/// More ends than this are not paired.
-const MOST_PAIRED: usize = 8;
 
 /// The features of the pairs of one cluster, whose arms and tubes are given, a row of [`IMAGE_FEATURES`] each. Lengths in m.
 fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes: &[LumenTube], pairs: &[Pair]) -> Vec<Vec<f64>> {
@@ -264,13 +272,13 @@ fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes:
     };
     let shown: Vec<Vec<f64>> = pairs.iter().zip(tubes).map(see).collect();
     let saddle_of = |pair: &Pair| saddles[pair.ends[0] * arms.len() + pair.ends[1]] / dimmer(pair);
-    let table = |f: &dyn Fn(usize) -> f64| PairTable::over(pairs, arms.len(), -9.0, f);
-    let (tube, saddle) = (table(&|row| shown[row][0] + shown[row][1]), table(&|row| saddle_of(&pairs[row])));
+    let tube = PairTable::over(arms.len(), -9.0, shown.iter().map(|shown| shown[0] + shown[1]));
+    let saddle = PairTable::over(arms.len(), -9.0, pairs.iter().map(saddle_of));
     let ratio = PairTable::of(arms.len(), -9.0, |i, j| -(bright[i] / bright[j]).ln().abs());
+    let gains = [&tube, &saddle, &ratio].map(|table| pairing_gains(table, arms.len()));
     let of_pair = |(pair, shown): (&Pair, &Vec<f64>)| {
         let m = dimmer(pair);
         let [a, b] = pair.ends.map(|end| (bright[end] / brightest).ln());
-        let gain = |table: &PairTable| if arms.len() <= MOST_PAIRED { table.pairing_gain(pair.ends) } else { 0.0 };
         let [low, high] = sorted([a, b]);
         let mut out = vec![level.noise / m, (m / scene.typical).ln(), (a - b).abs(), low, high];
         out.extend_from_slice(shown);
@@ -278,7 +286,7 @@ fn of_image(scene: &Scene, field: &Field, c: &Cluster, arms: &[LumenArm], tubes:
         out.extend(tube.margins(pair.ends, 0.0));
         out.extend(saddle.margins(pair.ends, 0.0));
         out.extend(ratio.margins(pair.ends, -1.0));
-        out.extend([gain(&tube), gain(&saddle), gain(&ratio)]);
+        out.extend(gains.each_ref().map(|table| table.get(pair.ends[0], pair.ends[1])));
         out
     };
     pairs.iter().zip(&shown).map(of_pair).collect()

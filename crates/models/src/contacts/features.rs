@@ -177,15 +177,13 @@ pub struct PairTable {
 impl PairTable {
     /// The table of a function of two ends.
     pub fn of(size: usize, nothing: f64, value: impl Fn(usize, usize) -> f64) -> Self {
-        let pairs: Vec<Pair> = pairs_among(size).map(|ends| Pair { cluster: 0, ends }).collect();
-        Self::over(&pairs, size, nothing, |row| value(pairs[row].ends[0], pairs[row].ends[1]))
+        Self::over(size, nothing, pairs_among(size).map(|[i, j]| value(i, j)))
     }
 
-    /// The table of the pairs of a cluster, given the value of each row of them; `nothing` for ends that are no pair.
-    pub fn over(pairs: &[Pair], size: usize, nothing: f64, value: impl Fn(usize) -> f64) -> Self {
+    /// The table of so many ends, given the value of every pair of them in order; `nothing` for ends that are no pair.
+    pub fn over(size: usize, nothing: f64, of_pairs: impl Iterator<Item = f64>) -> Self {
         let mut values = vec![nothing; size * size];
-        for (row, [i, j]) in pairs.iter().map(|pair| pair.ends).enumerate() {
-            let value = value(row);
+        for ([i, j], value) in pairs_among(size).zip(of_pairs) {
             (values[i * size + j], values[j * size + i]) = (value, value);
         }
         Self { size, values }
@@ -203,21 +201,31 @@ impl PairTable {
         sorted([i, j].map(|end| self.get(i, j) - best(end)))
     }
 
-    /// What pairing these two, and the best two of the rest, gains on the best pairing that parts them; zero with fewer than four ends.
-    pub fn pairing_gain(&self, [i, j]: [usize; 2]) -> f64 {
-        let rest: Vec<usize> = (0..self.size).filter(|q| *q != i && *q != j).collect();
-        if rest.len() < 2 {
-            return 0.0;
-        }
-        let mut apart = f64::NEG_INFINITY;
-        let mut together = f64::NEG_INFINITY;
-        for p in &rest {
-            for q in rest.iter().filter(|q| *q != p) {
-                together = together.max(self.get(*p, *q));
-                apart = apart.max(self.get(i, *p) + self.get(j, *q));
-            }
-        }
-        self.get(i, j) + together - apart
+    /// What pairing two ends, and the best two of the rest, gains on the best pairing that parts them, for every two; zeros with fewer than four
+    /// ends.
+    pub fn pairing_gains(&self) -> Self {
+        let mut best_first: Vec<[usize; 2]> = pairs_among(self.size).collect();
+        best_first.sort_by(|[a, b], [c, d]| self.get(*c, *d).total_cmp(&self.get(*a, *b)));
+        let gain = |i: usize, j: usize| {
+            let is_other = |end: &usize| *end != i && *end != j;
+            let together = best_first.iter().find(|pair| pair.iter().all(is_other)).map_or(0.0, |[p, q]| self.get(*p, *q));
+            // Of the rest the best partner of an end, with its value, and the value of the second.
+            let partners = |end: usize| {
+                let (mut best, mut second) = ((f64::NEG_INFINITY, end), f64::NEG_INFINITY);
+                for (value, other) in (0..self.size).filter(is_other).map(|other| (self.get(end, other), other)) {
+                    if value > best.0 {
+                        (best, second) = ((value, other), best.0);
+                    } else {
+                        second = second.max(value);
+                    }
+                }
+                (best, second)
+            };
+            let [((of_i, p), next_of_i), ((of_j, q), next_of_j)] = [i, j].map(partners);
+            let apart = if p == q { (next_of_i + of_j).max(of_i + next_of_j) } else { of_i + of_j };
+            self.get(i, j) + together - apart
+        };
+        Self::of(self.size, 0.0, |i, j| if self.size < 4 { 0.0 } else { gain(i, j) })
     }
 }
 
@@ -263,6 +271,7 @@ fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 
     }
     let count = c.ends.len();
     let [near, far] = [0, 1].map(|of: usize| PairTable::of(count, -9.0, |i, j| -dot(along[i][of], along[j][of])));
+    let pairing_gains = far.pairing_gains();
     let length: Vec<f64> = c.ends.iter().map(|end| branches.branches[end.branch].length).collect();
     let beyond: Vec<(BTreeMap<usize, f64>, f64)> =
         c.ends.iter().zip(&length).map(|(end, length)| coarse.beyond(paths, cluster, *end, *length)).collect();
@@ -310,7 +319,7 @@ fn of_cluster(branches: &Branches, coarse: &Coarse, paths: [&mut ShortestPaths; 
         let step = (radii[0] - radii[1]).abs();
         let mut row = vec![near.get(i, j), far.get(i, j)];
         row.extend([near.margins(ends, -1.0), far.margins(ends, -1.0)].concat());
-        row.extend([far.pairing_gain(ends), step, thin - widest, wide - widest, murray, core.ln() - wide, low.ln() - thin]);
+        row.extend([pairing_gains.get(i, j), step, thin - widest, wide - widest, murray, core.ln() - wide, low.ln() - thin]);
         row.extend([radius.len() as f64, inside / core, lengths[0], lengths[1], ends.iter().filter(is_free).count() as f64]);
         row.extend([f64::from(u8::from(lengths[0] < 1.0)), (way / core).ln()]);
         row.extend([f64::from(u8::from(around > LONGEST_WAY * core)), (way / (length[i] + length[j] + core)).ln()]);

@@ -55,12 +55,10 @@ impl ContactTable {
 
     /// Per cluster the scores of its pairs, given those of all pairs.
     pub fn by_cluster(&self, scores: &[f64]) -> Vec<PairTable> {
-        let (mut pairs, mut scores) = (&self.pairs[..], scores);
+        let mut scores = scores.iter().copied();
         let of = |cluster: &Cluster| {
-            let (own, of_own);
-            (own, pairs) = pairs.split_at(pairs_among(cluster.ends.len()).count());
-            (of_own, scores) = scores.split_at(own.len());
-            PairTable::over(own, cluster.ends.len(), 0.0, |row| of_own[row])
+            let ends = cluster.ends.len();
+            PairTable::over(ends, 0.0, scores.by_ref().take(pairs_among(ends).count()))
         };
         self.branches.clusters.iter().map(of).collect()
     }

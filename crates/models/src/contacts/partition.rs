@@ -41,10 +41,7 @@ pub fn size_of(ends: usize) -> usize {
 pub fn partitions(ends: usize) -> Vec<Vec<usize>> {
     let mut out = vec![vec![0; ends.min(1)]];
     for _ in 1..ends {
-        let longer = |blocks: Vec<usize>| {
-            let new = blocks.iter().max().map_or(0, |most| most + 1);
-            (0..=new).map(move |block| [&blocks[..], &[block]].concat())
-        };
+        let longer = |blocks: Vec<usize>| (0..=block_count(&blocks)).map(move |block| [&blocks[..], &[block]].concat());
         out = out.into_iter().flat_map(longer).collect();
     }
     out
@@ -59,7 +56,7 @@ pub fn partition_features(blocks: &[usize], scores: &PairTable) -> [f64; PARTITI
         sum += scores.get(i, j);
         against += scores.get(i, j).min(0.0);
     }
-    let count = blocks.iter().max().map_or(0, |most| most + 1);
+    let count = block_count(blocks);
     let of_size = |size: usize| (0..count).filter(|b| blocks.iter().filter(|x| *x == b).count() == size).count();
     let pairs = if ends >= 4 { of_size(2) as f64 } else { 0.0 };
     let one_pair = ends > 2 && count == ends - 1;
@@ -87,7 +84,7 @@ pub struct Blocks {
 impl Blocks {
     /// How many blocks there are.
     pub fn count(&self) -> usize {
-        self.of_end.iter().max().map_or(0, |most| most + 1)
+        block_count(&self.of_end)
     }
 
     /// The probability that the ends are not all of one vessel; zero where the partitions are not summed.
@@ -96,21 +93,27 @@ impl Blocks {
     }
 }
 
+/// The set partitions of the ends of a cluster, with the logarithm of the weight of each.
+fn log_weights(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> (Vec<Vec<usize>>, Vec<f64>) {
+    let (theta, all) = (weights[size_of(ends)], partitions(ends));
+    let log_weight = |z: &Vec<usize>| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum();
+    let log = all.iter().map(log_weight).collect();
+    (all, log)
+}
+
 /// The most probable blocks of the ends of a cluster, given the scores of their pairs and the pairs that must stay apart, the lower end first.
 pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights, apart: &BTreeSet<[usize; 2]>) -> Blocks {
     if ends > MOST_ENDS {
         return greedy(scores, ends, apart);
     }
-    let theta = weights[size_of(ends)];
-    let all = partitions(ends);
-    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let (all, log) = log_weights(scores, ends, weights);
     let allowed = (0..all.len()).filter(|z| keeps_apart(&all[*z], apart));
     let best = allowed.max_by(|a, b| log[*a].total_cmp(&log[*b]).then(b.cmp(a))).unwrap_or(0);
     let weight: Vec<f64> = log.iter().map(|l| (l - log[best]).exp()).collect();
     let total: f64 = weight.iter().sum();
     let of_end = all[best].clone();
     let joined = pairs_of_blocks(&of_end, |a, b| {
-        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+        let [a, b] = [a, b].map(|block| members(&of_end, block));
         let joins = |z: &[usize]| a.iter().any(|i| b.iter().any(|j| z[*i] == z[*j]));
         all.iter().zip(&weight).filter(|(z, _)| joins(z)).map(|(_, w)| w).sum::<f64>() / total
     });
@@ -126,9 +129,7 @@ pub fn most_probable(scores: &PairTable, ends: usize, weights: &PartitionWeights
 
 /// Per pair of ends the probability that they are one vessel; only for clusters that are summed exactly.
 pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWeights) -> Vec<([usize; 2], f64)> {
-    let theta = weights[size_of(ends)];
-    let all = partitions(ends);
-    let log: Vec<f64> = all.iter().map(|z| partition_features(z, scores).iter().zip(theta).map(|(f, t)| f * t).sum()).collect();
+    let (all, log) = log_weights(scores, ends, weights);
     let most = log.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let weight: Vec<f64> = log.iter().map(|l| (l - most).exp()).collect();
     let total: f64 = weight.iter().sum();
@@ -138,35 +139,48 @@ pub fn pair_probabilities(scores: &PairTable, ends: usize, weights: &PartitionWe
 
 /// Pairs of blocks with a figure of each.
 fn pairs_of_blocks(of_end: &[usize], figure: impl Fn(usize, usize) -> f64) -> Vec<([usize; 2], f64)> {
-    let count = of_end.iter().max().map_or(0, |most| most + 1);
-    pairs_among(count).map(|[a, b]| ([a, b], figure(a, b))).collect()
+    pairs_among(block_count(of_end)).map(|[a, b]| ([a, b], figure(a, b))).collect()
 }
 
 /// Blocks put together two by two while the sum of the scores between them is positive, the largest sum first.
 fn greedy(scores: &PairTable, ends: usize, apart: &BTreeSet<[usize; 2]>) -> Blocks {
     let mut of_end: Vec<usize> = (0..ends).collect();
-    let between = |of_end: &[usize], a: usize, b: usize| {
-        let [a, b] = [a, b].map(|which| (0..ends).filter(|end| of_end[*end] == which).collect::<Vec<usize>>());
+    let between = |of_end: &[usize], blocks: [usize; 2]| {
+        let [a, b] = blocks.map(|block| members(of_end, block));
         a.iter().flat_map(|i| b.iter().map(|j| scores.get(*i, *j))).sum::<f64>()
     };
+    // A block has the number of its first end.
+    let mut sums: BTreeMap<[usize; 2], f64> = pairs_among(ends).map(|pair| (pair, between(&of_end, pair))).collect();
     loop {
+        let joined = |[a, b]: [usize; 2]| of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
         let mut best: Option<(f64, [usize; 2])> = None;
-        for [a, b] in pairs_among(ends) {
-            let there = |which: usize| of_end.contains(&which);
-            let sum = if there(a) && there(b) { between(&of_end, a, b) } else { 0.0 };
-            let joined = || of_end.iter().map(|block| if *block == b { a } else { *block }).collect::<Vec<usize>>();
-            if sum > best.map_or(0.0, |(most, _)| most) && keeps_apart(&joined(), apart) {
-                best = Some((sum, [a, b]));
+        for (pair, sum) in &sums {
+            if *sum > best.map_or(0.0, |(most, _)| most) && keeps_apart(&joined(*pair), apart) {
+                best = Some((*sum, *pair));
             }
         }
         let Some((_, [a, b])) = best else { break };
-        of_end.iter_mut().filter(|block| **block == b).for_each(|block| *block = a);
+        of_end = joined([a, b]);
+        sums.retain(|pair, _| !pair.contains(&b));
+        for (pair, sum) in sums.iter_mut().filter(|(pair, _)| pair.contains(&a)) {
+            *sum = between(&of_end, *pair);
+        }
     }
     let of_end = numbered(of_end);
-    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, a, b)));
+    let joined = pairs_of_blocks(&of_end, |a, b| sigmoid(between(&of_end, [a, b])));
     let within = pairs_among(ends).filter(|[i, j]| of_end[*i] == of_end[*j]);
     let log = within.map(|[i, j]| scores.get(i, j)).sum();
     Blocks { of_end, joined, ways: Vec::new(), log }
+}
+
+/// The ends of a block.
+fn members(of_end: &[usize], block: usize) -> Vec<usize> {
+    (0..of_end.len()).filter(|end| of_end[*end] == block).collect()
+}
+
+/// How many blocks there are.
+pub fn block_count(of_end: &[usize]) -> usize {
+    of_end.iter().max().map_or(0, |most| most + 1)
 }
 
 /// Blocks numbered in the order of their first ends.

@@ -6,7 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::{Deserialize, Serialize};
 
 use super::branches::Branches;
-use super::partition::{Blocks, numbered};
+use super::partition::{Blocks, block_count, numbered};
 use willis_core::decision::{RECONNECT, reconnected};
 use willis_core::network::path_places::{at_even_steps, length_of};
 use willis_core::network::paths::ShortestPaths;
@@ -258,7 +258,7 @@ impl Pairings {
         if ends.clone().any(|end| self.vessels[..end].contains(&self.vessels[end])) {
             return None;
         }
-        let mut groups = vec![Vec::new(); way.iter().max().map_or(0, |most| most + 1)];
+        let mut groups = vec![Vec::new(); block_count(way)];
         for (vessel, block) in self.vessels.iter().zip(way) {
             groups[*block].push(self.outside(graph, *vessel).map(|x| (millimetres(x) * 1e3).round() / 1e3));
         }
@@ -289,12 +289,11 @@ impl Pairings {
 
     /// A way in words: vessels of one block with a plus between them, blocks with a bar, as in `12+45 | 31+46`.
     pub fn told(&self, way: &[usize]) -> String {
-        let count = way.iter().max().map_or(0, |most| most + 1);
         let block = |which: usize| {
             let own = self.vessels.iter().zip(way).filter(|(_, block)| **block == which);
             own.map(|(vessel, _)| vessel.to_string()).collect::<Vec<String>>().join("+")
         };
-        (0..count).map(block).collect::<Vec<String>>().join(" | ")
+        (0..block_count(way)).map(block).collect::<Vec<String>>().join(" | ")
     }
 
     /// The vessels at this place once some were divided: of both parts the nearer one. `divided` are pairs of rows.

@@ -95,7 +95,7 @@ impl NamedCircle {
     #[must_use]
     pub fn mirrored(self) -> Self {
         fn exchanged<T: Copy>(of: [T; 7]) -> [T; 7] {
-            RING.map(|artery| of[RING.iter().position(|other| *other == artery.opposite()).unwrap_or_default()])
+            RING.map(|artery| of[artery.opposite().in_ring().unwrap_or_default()])
         }
         let other = |name: String| label_named(&name).map_or(name, |label| name_of(mirrored(label)));
         Self {
@@ -286,10 +286,7 @@ impl Names {
     /// Too few arteries; no inlet among them.
     pub fn located(&self, network: &Network, model: &NamingModel) -> Result<(Circle, Vec<String>), Fault> {
         if !self.is_circle() {
-            return Err(Fault::file(
-                "no arteries of a circle of Willis could be named",
-                "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`",
-            ));
+            return Err(nothing_named(network));
         }
         let listed = self.landmarks(model);
         let mut sure: Vec<&NamedPlace> = listed.iter().filter(|place| place.probability >= SURE).collect();
@@ -324,6 +321,14 @@ impl Names {
         own.extend(notes);
         Ok((circle, own))
     }
+}
+
+/// That no circle of Willis could be named in a network.
+pub fn nothing_named(network: &Network) -> Fault {
+    let found =
+        if network.has_positions() { "no arteries of a circle of Willis could be named" } else { "a node without coordinates" };
+    let accepted = "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`";
+    Fault::file(found, accepted)
 }
 
 /// Nodes of two arteries that meet are no further apart, mm.

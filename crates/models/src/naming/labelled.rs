@@ -1,12 +1,18 @@
 //! The vessels of a network with their names, divided where the name changes along them.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use super::Names;
 use super::atlas::{ArteryLabel, OTHER, most_probable, name_of};
+use super::nodes::is_traced;
+use willis_core::network::path_places::{PathPlace, divided};
 use willis_core::network::walks::{edges_at, other};
-use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, units::metres};
-use willis_core::support::{arc_lengths::in_direction, geometry::distance, numbered::grouped};
+use willis_core::network::{Network, Node, Origin, RadiusRule, Vessel, units::metres};
+use willis_core::support::{
+    arc_lengths::{ArcWalk, arc_lengths, in_direction},
+    numbered::grouped,
+};
 
 /// A contact from this probability on is a connection.
 const CONNECTED: f64 = 0.5;
@@ -14,61 +20,57 @@ const CONNECTED: f64 = 0.5;
 /// A piece of a vessel: its nodes, and the probability of its name.
 type NamedPiece = ([usize; 2], Vessel, Option<f64>);
 
-/// A run of one name along a vessel: from and to (m along it), the name, and its mean probability.
+/// A run of one name along a vessel: how far (m along it), the name, and its mean probability.
 struct NameRun {
     until: f64,
     label: ArteryLabel,
     probability: f64,
 }
 
-/// The observed vessels of a graph with their names, and the probability of each name; vessels without one have an empty label and
+/// The traced vessels of a graph with their names, and the probability of each name; vessels without one have an empty label and
 /// none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
-/// vessel.
-pub fn labelled_network(graph: &Network, own: &[Node], names: &Names) -> (Network, Vec<Option<f64>>) {
+/// vessel. Vessels that are divided or put together again have radii by the `rule`.
+pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: RadiusRule) -> (Network, Vec<Option<f64>>) {
     let places = names.nodes.place.iter().enumerate();
     let by_vessel = grouped(graph.vessel_count(), places.map(|(n, place)| (place.vessel, n)));
+    let traced = is_traced(graph);
     let mut nodes: Vec<Node> = own.iter().chain(graph.nodes().skip(own.len())).cloned().collect();
+    let mut taken: BTreeSet<String> = nodes.iter().map(|node| node.id.clone()).collect();
     let mut pieces: Vec<Option<NamedPiece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
-        match vessel.origin {
-            Origin::Observed => {}
-            Origin::Contact if vessel.evidence().is_some_and(|e| e.probability >= CONNECTED) => {
-                pieces.push(Some((ends, Vessel { origin: Origin::Observed, evidence: None, ..vessel.clone() }, None)));
-                continue;
-            }
-            _ => continue,
+        let connects = vessel.origin == Origin::Contact && vessel.evidence().is_some_and(|e| e.probability >= CONNECTED);
+        if !traced[row] && !connects {
+            continue;
         }
         let runs = runs_of(&by_vessel[row], names);
         let path = graph.path_of(row);
-        let mut rest = &path[..];
-        let (mut from, mut begun) = (ends[0], Vec::new());
-        let mut along = 0.0;
-        for run in runs.iter().take(runs.len().saturating_sub(1)) {
-            // Points up to the place where the name changes, and a new node there.
-            while rest.len() > 1 && along + distance(rest[0].position, rest[1].position) <= run.until {
-                along += distance(rest[0].position, rest[1].position);
-                begun.push(rest[0]);
-                rest = &rest[1..];
-            }
-            let (Some(a), Some(b)) = (rest.first(), rest.get(1)) else { break };
-            let step = distance(a.position, b.position);
-            let share = if step > 0.0 { ((run.until - along) / step).clamp(0.0, 1.0) } else { 0.0 };
-            let at = a.towards(*b, share);
-            begun.push(*a);
-            begun.push(at);
-            let id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
-            nodes.push(Node { id, position: Some(at.position), radius: Some(at.radius), ..Node::default() });
-            let to = nodes.len() - 1;
-            pieces.push(Some(piece([from, to], &begun, vessel, run)));
-            (from, begun) = (to, vec![at]);
-            rest = &rest[1..];
-            along += step;
+        let arc = arc_lengths(path.iter().map(|point| point.position));
+        let whole = arc[arc.len() - 1];
+        if runs.len() < 2 || whole <= 0.0 {
+            pieces.push(Some(named(ends, vessel.clone(), runs.first())));
+            continue;
         }
-        begun.extend_from_slice(rest);
-        let last = NameRun { until: f64::INFINITY, label: OTHER, probability: 1.0 };
-        pieces.push(Some(piece([from, ends[1]], &begun, vessel, runs.last().unwrap_or(&last))));
+        let mut walk = ArcWalk::new(&arc);
+        let changes = runs[..runs.len() - 1].iter().map(|run| walk.to(run.until));
+        let changes = changes.map(|(point, share)| PathPlace { point, share });
+        let (mut from, last) = (ends[0], runs.len() - 1);
+        for (at, (piece, run)) in divided(&path, changes).into_iter().zip(&runs).enumerate() {
+            let to = if at == last {
+                ends[1]
+            } else {
+                let mut id = format!("{}~{}", graph.node(ends[0]).id, nodes.len());
+                while !taken.insert(id.clone()) {
+                    id.push('~');
+                }
+                let end = piece[piece.len() - 1];
+                nodes.push(Node { id, position: Some(end.position), radius: Some(end.radius), ..Node::default() });
+                nodes.len() - 1
+            };
+            pieces.push(Some(named([from, to], vessel.part(piece, whole, rule), Some(run))));
+            from = to;
+        }
     }
-    merge(&mut pieces, nodes.len(), own.len(), graph.node_count());
+    merge(&mut pieces, nodes.len(), own.len()..graph.node_count(), rule);
     let mut out = Network::new();
     out.frame = graph.frame;
     let mut row = vec![usize::MAX; nodes.len()];
@@ -100,18 +102,18 @@ fn runs_of(own: &[usize], names: &Names) -> Vec<NameRun> {
     runs.iter().enumerate().map(run).collect()
 }
 
-fn piece(ends: [usize; 2], path: &[PathPoint], whole: &Vessel, run: &NameRun) -> NamedPiece {
-    let is_named = run.label != OTHER;
-    let label = if is_named { name_of(run.label) } else { String::new() };
-    let vessel = Vessel { label, certain: whole.certain, ..Vessel::along(path.to_vec(), RadiusRule::Mean) };
-    (ends, vessel, is_named.then_some(run.probability))
+/// A vessel with the name of a run; without one it has none.
+fn named(ends: [usize; 2], vessel: Vessel, run: Option<&NameRun>) -> NamedPiece {
+    let run = run.filter(|run| run.label != OTHER);
+    let label = run.map_or_else(String::new, |run| name_of(run.label));
+    (ends, Vessel { label, origin: Origin::Observed, evidence: None, ..vessel }, run.map(|run| run.probability))
 }
 
 /// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
-fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, original: usize, divided: usize) {
+fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, divided: Range<usize>, rule: RadiusRule) {
     let ends = |(row, piece): (usize, &Option<NamedPiece>)| piece.as_ref().map(|(ends, ..)| (row, *ends));
     let mut at = edges_at(nodes, pieces.iter().enumerate().filter_map(ends));
-    for node in original..divided {
+    for node in divided {
         let [first, second] = at[node][..] else { continue };
         if first == second {
             continue;
@@ -121,10 +123,12 @@ fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, original: usize, divid
             continue;
         }
         let [from, to] = [ends_a, ends_b].map(|ends| other(ends, node));
-        let mut path = in_direction(a.path, ends_a[1] == node);
+        let mut path = in_direction(a.path.clone(), ends_a[1] == node);
         path.extend(in_direction(b.path, ends_b[1] != node).into_iter().skip(1));
-        let probability = p.zip(q).map(|(p, q)| (p * a.length + q * b.length) / (a.length + b.length).max(1e-12));
-        let vessel = Vessel { label: a.label, certain: a.certain, ..Vessel::along(path, RadiusRule::Mean) };
+        let length = a.length + b.length;
+        let probability = p.zip(q).map(|(p, q)| (p * a.length + q * b.length) / length.max(1e-12));
+        let resistance = a.resistance.zip(b.resistance).map(|(a, b)| a + b);
+        let vessel = Vessel { length, radius: rule.radius(&path), resistance, path, ..a };
         pieces[first] = Some(([from, to], vessel, probability));
         pieces[second] = None;
         at[to].iter_mut().filter(|row| **row == second).for_each(|row| *row = first);

@@ -16,7 +16,7 @@ pub mod pieces;
 pub mod pose;
 pub mod presence;
 
-pub use circle::{CirclePrior, NamedCircle, NamedPlace, log_odds, topologies_say};
+pub use circle::{CirclePrior, NamedCircle, NamedPlace, log_odds, nothing_named, topologies_say};
 pub use labelled::labelled_network;
 pub use model::{NamingModel, NamingScores};
 pub use nodes::Nodes;
@@ -30,11 +30,12 @@ use crate::circle_of_willis::RING;
 use atlas::{ArteryLabel, Atlas, LABELS, OTHER, STATES, label_of, most_probable, states_of};
 use belief::{Beliefs, NamingForest};
 use emission::{Pose, Search};
+use nodes::is_traced;
 use pieces::{PIECE_FEATURES, exclusion, label_probabilities, piece_features};
 use pose::{Core, Scored, core_at, find_core};
 use presence::Seen;
 use willis_core::error::Result;
-use willis_core::network::{Frame, Network};
+use willis_core::network::{Frame, Network, path_places::length_of, units::millimetres};
 
 /// Rounds in which pieces of arteries that are taken twice settle.
 const ROUNDS: usize = 3;
@@ -44,6 +45,8 @@ const LEAST_EVIDENCE: f64 = 1e-3;
 const NEAR: f64 = 0.1;
 /// A case has at least so much (mm) of pieces that are not false.
 const LEAST_TRUE: f64 = 20.0;
+/// More length (mm) than this is not named: some four million nodes.
+const LONGEST: f64 = 4e6;
 
 /// The names of the nodes of a case.
 #[derive(Debug, Clone)]
@@ -95,19 +98,11 @@ struct NamingPass {
 /// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
 /// network without a vessel or without positions.
 pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
-    if !network.has_positions() {
-        return None;
-    }
-    let all = Nodes::of(network);
-    if all.is_empty() {
-        return None;
-    }
-    let atlas = &model.atlas;
     let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
     let mut found: Vec<(Frame, Core, Vec<Scored>)> = Vec::new();
     for frame in frames {
-        let seen = if network.frame.is_known() || *frame == Frame::Ras { all.clone() } else { all.turned_about_vertical() };
-        found.extend(find_core(seen, atlas).map(|(core, poses)| (*frame, core, poses)));
+        let core = find_core(nodes_of(network, *frame)?, &model.atlas);
+        found.extend(core.map(|(core, poses)| (*frame, core, poses)));
     }
     // Pieces that are false may outweigh the others while the pose is searched: where the frames are that near to each other, the one counts
     // that fits better without such pieces.
@@ -122,11 +117,20 @@ pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
     named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
 }
 
+/// The nodes of a network in a frame; `None` where there is none to name, or as many as no head has, which would fill the memory: a coordinate with a wrong
+/// exponent.
+fn nodes_of(network: &Network, frame: Frame) -> Option<Nodes> {
+    let traced = is_traced(network);
+    let along = |row: usize| length_of(&network.path_of(row));
+    let length: f64 = (0..traced.len()).filter(|row| traced[*row]).map(along).sum();
+    (network.has_positions() && millimetres(length) <= LONGEST)
+        .then(|| Nodes::of(network, frame))
+        .filter(|nodes| !nodes.is_empty())
+}
+
 /// The names of the arteries in a network that lies where `like` was found to lie: the same vessels, with other candidates.
 pub fn name_again(network: &Network, model: &NamingModel, like: &Bearings) -> Option<Names> {
-    let all = Nodes::of(network);
-    let all = if !network.frame.is_known() && like.frame == Frame::Lps { all.turned_about_vertical() } else { all };
-    let core = core_at(all, &model.atlas, &like.pose)?;
+    let core = core_at(nodes_of(network, like.frame)?, &model.atlas, &like.pose)?;
     names_at(network, model, like.frame, core, &[like.pose], true)
 }
 

@@ -136,6 +136,9 @@ impl NamingModel {
         let mut length = vec![0.0; STATES];
         for row in &file.states {
             let state = of(&row.name)?;
+            if !(0.0..1e9).contains(&row.length) {
+                return Err(wrong(format!("length {} of state \"{}\"", row.length, row.name), "expected mm from 0 on"));
+            }
             length[state] = row.length;
             length[tables.mirrored[state]] = row.length;
             if state == NOWHERE {
@@ -175,6 +178,9 @@ impl NamingModel {
         }
         if !(file.other_radius[1] > 0.0 && file.share.iter().all(|s| *s > 0.0 && *s < 1.0)) {
             return Err(wrong("other_radius or share".into(), "expected a positive spread, and shares between 0 and 1"));
+        }
+        if !file.other_radius.iter().chain(&file.centroid).all(|x| x.abs() < 1e9) {
+            return Err(wrong("other_radius or centroid".into(), "expected numbers below 1e9"));
         }
         let NamingFile { other_radius, centroid, false_pieces, presence, share, provenance, figures, .. } = file;
         let pieces = pieces.into_iter().flatten().collect();

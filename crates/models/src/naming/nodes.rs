@@ -96,9 +96,9 @@ struct BranchPoint {
 }
 
 impl Nodes {
-    /// The nodes of a network with positions; its frame is taken for RAS where it is not LPS.
-    pub fn of(network: &Network) -> Self {
-        let sign = if network.frame == Frame::Lps { -1.0 } else { 1.0 };
+    /// The nodes of a network with positions in a frame; one that is not LPS is taken for RAS.
+    pub fn of(network: &Network, frame: Frame) -> Self {
+        let sign = if frame == Frame::Lps { -1.0 } else { 1.0 };
         let to_ras = |p: Point| [sign * millimetres(p[0]), sign * millimetres(p[1]), millimetres(p[2])];
         let traced = is_traced(network);
         let vessels_at = vessels_at(network, |row| traced[row]);
@@ -156,19 +156,6 @@ impl Nodes {
         middle.map_or(0.0, |n| self.log_radius[*n])
     }
 
-    /// The same nodes seen from a frame that is turned by 180 degrees about the vertical axis: RAS for LPS.
-    #[must_use]
-    pub fn turned_about_vertical(&self) -> Self {
-        let mut turned = self.clone();
-        for at in &mut turned.at {
-            *at = [-at[0], -at[1], at[2]];
-        }
-        for d in &mut turned.direction {
-            (d[4], d[5]) = (-d[4], -d[5]);
-        }
-        turned
-    }
-
     /// Adds the nodes of a branch; `passed` are the network's nodes along it with the number of their point.
     fn add_branch(&mut self, points: &[BranchPoint], passed: &[(usize, usize)], node_at: &mut [usize]) {
         let (Some(first), Some(last)) = (passed.first(), passed.last()) else { return };
@@ -197,17 +184,21 @@ impl Nodes {
         let mut rows = Vec::with_capacity(pieces + 1);
         for (j, point) in sampled.iter().enumerate() {
             let at_end = [(0, first.0), (pieces, last.0)].into_iter().find(|(at, _)| *at == j).map(|(_, node)| node);
-            let known = at_end.map(|node| node_at[node]).filter(|row| *row != usize::MAX);
-            let row = known.unwrap_or_else(|| {
+            let (known, own) = (at_end.map(|node| node_at[node]), radius(j).max(LEAST_RADIUS).ln());
+            let row = if let Some(row) = known.filter(|row| *row != usize::MAX) {
+                // A junction lies in the lumen of its widest vessel.
+                self.log_radius[row] = self.log_radius[row].max(own);
+                row
+            } else {
                 self.at.push(point.at);
-                self.log_radius.push(radius(j).max(LEAST_RADIUS).ln());
+                self.log_radius.push(own);
                 self.direction.push([0.0; 6]);
                 self.neighbours.push(Vec::new());
                 self.branch.push(self.branches);
                 self.place.push(point.place);
                 self.id.push(point.id);
                 self.at.len() - 1
-            });
+            };
             if let Some(node) = at_end {
                 node_at[node] = row;
             }

@@ -12,7 +12,7 @@ use willis_core::support::geometry::{Point, distance, dot};
 use willis_core::support::in_order;
 use willis_io::formats::{is_there, open_regular, regular_bytes_of, tables::reader::TableReader};
 use willis_models::candidates::{CandidateOptions, build_with_evidence, model::Weights};
-use willis_models::circle_of_willis::{Artery, BodySide, LabelScheme, RING, artery_of_label};
+use willis_models::circle_of_willis::{Artery, BodySide, LabelScheme, artery_of_label};
 use willis_models::naming::Nodes;
 use willis_models::naming::atlas::{
     ArteryLabel, AtlasState, LABELS, NOWHERE, OTHER, artery_of, begins_at, in_atlas, label_named, name_of, state_at,
@@ -65,7 +65,7 @@ struct StatedSegment {
 ///
 /// # Errors
 ///
-/// A folder without a case; a file that cannot be read; a label that is no artery; a point that is not in the tracing.
+/// A folder without a case; a file that cannot be read; a label that is no artery. Labels of points that are not in the tracing are passed over.
 pub fn read_labelled_cases(folders: &[PathBuf]) -> Result<Vec<LabelledCase>> {
     let mut found = Vec::new();
     for folder in folders {
@@ -101,7 +101,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     let mut present = [None; 7];
     for segment in &truth.phenotype {
         let artery = artery_of_label(&segment.segment, LabelScheme::Names);
-        let Some(row) = RING.iter().position(|ring| Some(*ring) == artery) else {
+        let Some(row) = artery.and_then(Artery::in_ring) else {
             let why =
                 Fault::item(format!("segment \"{}\"", segment.segment), "is none", "expected one of the ring, such as L-A1");
             return Err(why.in_file(&truth_file));
@@ -110,7 +110,7 @@ fn read_case(folder: &Path, weights: &Weights) -> Result<LabelledCase> {
     }
     let graph = build_with_evidence(&network, &[], &CandidateOptions::default(), weights)?.0;
     // Nodes have the labels of the points that they lie nearest to.
-    let nodes = Nodes::of(&graph);
+    let nodes = Nodes::of(&graph, graph.frame);
     let label: Vec<ArteryLabel> = nodes.id.iter().map(|id| id.and_then(|id| labels.get(&id)).copied().unwrap_or(OTHER)).collect();
     Ok(LabelledCase {
         subject: truth.subject,
