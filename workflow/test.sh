@@ -11,7 +11,9 @@ here=$(mktemp -d)
 trap 'rm -rf "$here"' EXIT
 cd "$here"
 mkdir scans
-cp "$root/data/broken-circle-of-willis.swc" "$root/data/circle-of-willis/without-L-PComm.graphml" scans
+cp "$root/data/circle-of-willis/without-L-PComm.graphml" scans
+# Its subject has the name without both endings.
+gzip -c "$root/data/broken-circle-of-willis.swc" > scans/broken-circle-of-willis.swc.gz
 printf '1 0 a b c d -1\n' > scans/unreadable.swc
 
 # A path to the command with a space would need quotes of its own.

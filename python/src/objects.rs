@@ -1,5 +1,6 @@
 //! What Python holds on to: an input, a run, a simulation, a modulation, a phenotype. Each is one call of the library.
 
+use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -9,10 +10,11 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use willis::cli::words;
 use willis::internals::network::Edit;
+use willis::internals::output::StagedFolder;
 use willis::internals::report::Outcome;
 use willis::{
-    BoundaryOptions, Change, ConnectionDecision, Error, FlowOptions, GraphEdit, Inference, Input, ModulationOptions, Network,
-    Result, SamplingOptions, SaveOptions, Silent,
+    BoundaryOptions, Change, ConnectionDecision, Error, GraphEdit, Inference, Input, ModulationOptions, Network, Result,
+    SamplingOptions, SaveOptions, Silent, SimulationRun,
 };
 
 use crate::errors::raised;
@@ -312,15 +314,26 @@ impl Run {
 /// The flow in a network as it is, and with its changes.
 #[pyclass(frozen, module = "willis._willis")]
 pub struct Simulation {
-    input: Arc<Input>,
-    options: FlowOptions,
-    changes: Vec<(String, Change)>,
+    run: SimulationRun<'static>,
 }
 
-impl Simulation {
-    fn solve(&self) -> Result<willis::SimulationRun<'_>> {
-        let changes: Vec<(&str, Change)> = self.changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
-        willis::simulate(&self.input, &changes, &self.options)
+/// A simulation that stands without its input.
+fn owned(run: SimulationRun<'_>) -> SimulationRun<'static> {
+    let SimulationRun { network, boundary, outlets, provenance, radius_rule, perturbations, .. } = run;
+    let SimulationRun { result, viscosity, transports, closures, pulses, .. } = run;
+    let (network, provenance) = (Cow::Owned(network.into_owned()), Cow::Owned(provenance.into_owned()));
+    SimulationRun {
+        network,
+        boundary,
+        outlets,
+        provenance,
+        radius_rule,
+        perturbations,
+        result,
+        viscosity,
+        transports,
+        closures,
+        pulses,
     }
 }
 
@@ -329,49 +342,45 @@ impl Simulation {
 pub fn simulate(py: Python<'_>, scan: &Scan, words: Vec<String>, line: String) -> PyResult<Simulation> {
     let made = detached(py, || {
         let (options, changes) = words::simulate(scan.path(), &words)?;
-        let made = Simulation { input: Arc::new(scan.input.as_ref().clone().with_command(line)), options, changes };
-        made.solve().map(drop)?;
-        Ok(made)
+        let changes: Vec<(&str, Change)> = changes.iter().map(|(name, change)| (name.as_str(), *change)).collect();
+        let input = scan.input.as_ref().clone().with_command(line);
+        willis::simulate(&input, &changes, &options).map(owned)
     });
-    made.map_err(|e| raised(py, &e))
+    made.map(|run| Simulation { run }).map_err(|e| raised(py, &e))
 }
 
 #[pymethods]
 impl Simulation {
     /// The columns of nodes.csv and of edges.csv.
     fn tables<'py>(&self, py: Python<'py>) -> PyResult<[Bound<'py, PyDict>; 2]> {
-        let [nodes, vessels] = detached(py, || self.solve().map(|run| run.tables())).map_err(|e| raised(py, &e))?;
+        let [nodes, vessels] = detached(py, || self.run.tables());
         Ok([tables::dict(py, nodes)?, tables::dict(py, vessels)?])
     }
 
     /// The columns of territories.csv and of transit.csv, if the blood was followed.
     fn transport<'py>(&self, py: Python<'py>) -> PyResult<Option<[Bound<'py, PyDict>; 2]>> {
-        let found = detached(py, || self.solve().map(|run| run.transport_tables())).map_err(|e| raised(py, &e))?;
-        let Some([territories, transit]) = found else { return Ok(None) };
+        let Some([territories, transit]) = detached(py, || self.run.transport_tables()) else { return Ok(None) };
         Ok(Some([tables::dict(py, territories)?, tables::dict(py, transit)?]))
     }
 
     /// The columns of occlusions.csv, if each vessel was closed in turn.
     fn occlusions<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let found = detached(py, || self.solve().map(|run| run.occlusion_table())).map_err(|e| raised(py, &e))?;
-        found.map(|columns| tables::dict(py, columns)).transpose()
+        detached(py, || self.run.occlusion_table()).map(|columns| tables::dict(py, columns)).transpose()
     }
 
     /// The arrays of waveforms.npz, if the flow pulsates.
     fn waveforms<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
-        let found = detached(py, || self.solve().map(|run| run.waveforms())).map_err(|e| raised(py, &e))?;
-        found.map(|arrays| tables::arrays(py, arrays)).transpose()
+        detached(py, || self.run.waveforms()).map(|arrays| tables::arrays(py, arrays)).transpose()
     }
 
     /// What the command says of it: facts under headings.
-    fn said(&self, py: Python<'_>) -> PyResult<Said> {
-        detached(py, || self.solve().map(|run| words::said_of_simulation(&run))).map_err(|e| raised(py, &e))
+    fn said(&self) -> Said {
+        words::said_of_simulation(&self.run)
     }
 
     /// Writes the folder of the command; what a person should know.
     fn save(&self, py: Python<'_>, folder: PathBuf, force: bool, dpi: u32) -> PyResult<Vec<String>> {
-        let saved = detached(py, || self.solve()?.save(&folder, force, &SaveOptions { dpi }));
-        saved.map_err(|e| raised(py, &e))
+        detached(py, || self.run.save(&folder, force, &SaveOptions { dpi })).map_err(|e| raised(py, &e))
     }
 }
 
@@ -411,12 +420,14 @@ pub fn modulate(
 
 #[pymethods]
 impl Modulation {
-    /// Writes the files of the command into a folder that is there.
-    fn write(&self, py: Python<'_>, folder: PathBuf, instances: bool, dpi: u32) -> PyResult<()> {
+    /// Writes the folder of the command.
+    fn save(&self, py: Python<'_>, folder: PathBuf, instances: bool, dpi: u32) -> PyResult<()> {
         let Self { input, boundary, options, threshold, .. } = self;
         interruptible(py, &Watch::default(), None, None, None, |follower| {
+            let staged = StagedFolder::new(&folder, false)?;
             let run = willis::modulate_with(input, boundary, options, *threshold, follower)?;
-            run.write(&folder, instances, &SaveOptions { dpi })
+            run.write(&staged.path(), instances, &SaveOptions { dpi })?;
+            staged.commit()
         })?
     }
 }
@@ -448,10 +459,5 @@ impl Phenotype {
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.phenotype.notes.clone()
-    }
-
-    /// Writes the files of the command into a folder that is there.
-    fn write(&self, py: Python<'_>, folder: PathBuf, subject: &str) -> PyResult<()> {
-        detached(py, || self.phenotype.write(&folder, subject)).map_err(|e| raised(py, &e))
     }
 }

@@ -86,6 +86,49 @@ def test_likelihood_is_that_of_the_file(tmp_path):
     assert (run.likelihood != run.likelihood.T).nnz == 0
 
 
+def test_a_refused_edit_leaves_the_review_as_it_was():
+    run = willis.infer(BROKEN, samples=64)
+    review = Review(run)
+    row = int(np.flatnonzero((run.edges["origin"] == "candidate") & ~run.kept)[0])
+    review.decide(row, "accept")
+    assert review.run.kept[row]
+    with pytest.raises(willis.WillisError):
+        review.edit("join", [[(0, 0, 0), (1000, 1000, 1000)]])
+    assert review.run.kept[row] and [made.word for made in review.made] == ["accept"]
+
+
+def test_an_argument_that_is_missing_has_its_name():
+    with pytest.raises(willis.WillisError, match="INPUT: is needed") as raised:
+        willis.measure([])
+    assert raised.value.item == "INPUT"
+    with pytest.raises(willis.WillisError, match="compare=?: is needed"):
+        willis.measure(BROKEN, measures=["length_mm"])
+
+
+def test_numbers_of_numpy_are_numbers(tmp_path):
+    circle = "data/circle-of-willis/complete.graphml"
+    longer = [willis.simulate(circle, tortuosity={"edge:0": factor}) for factor in (1.3, np.float64(1.3))]
+    assert str(longer[0]) == str(longer[1])
+    run = willis.modulate(circle, classes=np.array([[0, 0.2], [0.2, 0.3]]), samples=8, progress=False)
+    assert run.record["parameters"]["classes"] == ["0:0.2", "0.2:0.3"]
+    # What cannot be written leaves nothing behind.
+    with pytest.raises(willis.WillisError, match="dpi"):
+        run.save(tmp_path / "out", dpi=5)
+    assert not (tmp_path / "out").exists()
+    run.save(tmp_path / "out", dpi=36)
+    with pytest.raises(willis.WillisError, match="exists"):
+        run.save(tmp_path / "out")
+
+
+def test_a_run_from_its_folder_has_the_graph_that_was_sampled(tmp_path):
+    run = willis.infer(BROKEN, samples=64)
+    run.save(tmp_path / "out")
+    saved = willis.load(tmp_path / "out")
+    assert saved.graph.n_edges == len(saved.kept) == run.graph.n_edges
+    np.testing.assert_allclose(saved.graph.edges["radius_mm"], saved.edges["radius_mm"], rtol=1e-12)
+    assert saved.topology.n_edges == run.topology.n_edges < saved.graph.n_edges
+
+
 def test_rekeep_and_pickle():
     run = willis.infer(BROKEN, samples=256)
     median = run.rekeep("median")

@@ -12,7 +12,7 @@ from . import _willis
 from ._errors import Note
 from ._following import PathLike, Progress, followed, say
 from ._network import Source, Table, defaults_of, network_of
-from ._words import Repeated, text, words
+from ._words import Repeated, conditions, text, words
 
 
 class Simulation:
@@ -81,7 +81,6 @@ def simulate(
     one period (``time_s``, and ``pressure_mmHg`` or ``flow_mL_per_min``), or a path for each of several inlets by name. The options
     after it go with it, as texts of the command (``wall="pwv=8m/s"``).
     """
-    rule = outlets if isinstance(outlets, str) else None
     narrowed = {name: by if isinstance(by, str) else f"{100 * by:.15g}%" for name, by in (stenosis or {}).items()}
     if isinstance(pulse, Mapping):
         waves = [f"{node}={text(file)}" for node, file in pulse.items()]
@@ -90,13 +89,10 @@ def simulate(
     given = {
         "stenosis": Repeated([f"{name}={by}" for name, by in narrowed.items()]),
         "occlude": Repeated(occlude),
-        "tortuosity": Repeated([f"{name}={factor!r}" for name, factor in (tortuosity or {}).items()]),
+        "tortuosity": Repeated([f"{name}={text(factor)}" for name, factor in (tortuosity or {}).items()]),
         "viscosity": viscosity,
-        "inlet": Repeated(inlets),
-        "outlet": Repeated(None if rule else outlets),
-        "flow": Repeated(flows),
+        **conditions(inlets, outlets, flows),
         "bc": bc,
-        "outlets": rule,
         "transport": transport,
         "occlude_each": occlude_each,
         "pulse": Repeated(waves),
@@ -129,9 +125,8 @@ class Modulation:
         return record
 
     def save(self, folder: PathLike, *, save_samples: bool = False, dpi: int = 150) -> None:
-        """Writes the files of ``willis modulate`` into a new folder."""
-        Path(folder).mkdir()
-        self._modulation.write(Path(folder), save_samples, dpi)
+        """Writes the folder that ``willis modulate`` writes."""
+        self._modulation.save(Path(folder), save_samples, dpi)
 
 
 def modulate(
@@ -153,7 +148,7 @@ def modulate(
     ``classes`` are pairs, low and high, of u; ``threshold`` is in mmHg/mm2; ``unfed="drop"`` leaves out vessels that no inlet feeds.
     """
     given = {
-        "classes": ",".join(f"{low!r}:{high!r}" for low, high in classes),
+        "classes": ",".join(f"{text(low)}:{text(high)}" for low, high in classes),
         "samples": samples,
         "seed": seed,
         "reading": reading,

@@ -167,10 +167,10 @@ class Review:
         """The run with decisions; one that is refused changes nothing."""
         rows = {word: [one.row for one in made if one.word == word and one.row is not None] for word in _ON_ROWS}
         edits = [f"{one.word} {one.places}" for one in made if one.row is None]
-        self.run = self.first
+        run = self.first
         if rows["accept"] or rows["reject"] or edits:
-            self.run = Run(self.first._run.decide(rows["accept"], rows["reject"], edits, self.who, now()))
-        self.made, self.lines = made, self.run.graph.lines()[1]
+            run = Run(self.first._run.decide(rows["accept"], rows["reject"], edits, self.who, now()))
+        self.run, self.made, self.lines = run, made, run.graph.lines()[1]
 
     def save(self, folder: PathLike, name: str) -> list[Path]:
         """Writes ``NAME-decisions.csv``, as the page of a run does, and ``NAME-verdicts.csv``; none that somebody else wrote is replaced."""

@@ -21,8 +21,8 @@ import numpy.typing as npt
 from . import _willis
 from ._errors import Note, WillisError, library
 from ._following import PathLike, Progress, followed, say
-from ._network import Network, Source, Table, defaults_of, network_of, numbers, read
-from ._words import Repeated, words
+from ._network import Network, Source, Table, defaults_of, network_of, numbers, read, read_run
+from ._words import conditions, words
 
 Place = Sequence[float]
 """Three numbers of mm."""
@@ -355,9 +355,7 @@ def infer(
 def _prepared(
     network: Network, given: dict[str, Any], defaults: dict[str, Any], watch: _willis.Watch, threads: int | None
 ) -> _willis.Prepared:
-    inlets, outlets, flows = (given.pop(name) for name in ("inlets", "outlets", "flows"))
-    rule = outlets if isinstance(outlets, str) else None
-    given |= {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
+    given |= conditions(*(given.pop(name) for name in ("inlets", "outlets", "flows")))
     return _willis.prepare(network._scan, network._reading + words(given, defaults), watch, threads, say)
 
 
@@ -447,7 +445,7 @@ class SavedRun:
     @property
     def graph(self) -> Network:
         """The over-connected graph that was sampled."""
-        return read(self.folder)
+        return read_run(self.folder)
 
     @property
     def topology(self) -> Network:

@@ -6,7 +6,8 @@ import json
 import os
 import tempfile
 import warnings
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Literal
 
@@ -15,7 +16,7 @@ from ._errors import Note, WillisError
 from ._following import PathLike, say
 from ._network import _Axes, Network, Source, Table, defaults_of, network_of, read, read_run
 from ._run import Run, SavedRun, infer, table_of
-from ._words import Repeated, words
+from ._words import Repeated, conditions, words
 
 
 class Phenotype:
@@ -51,22 +52,25 @@ def classify(
     options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen, "arteries": arteries}
     options["hypoplastic"] = hypoplastic
     made = words(options, {})
+    with _with_folder(source) as given:
+        is_folder = isinstance(given, (str, os.PathLike)) and Path(given).is_dir()
+        network = read_run(given) if is_folder else network_of(given)
+        found = _willis.classify(network._scan, network._reading + made, "")
+    for note in found.notes:
+        say("note", note)
+    return Phenotype(found)
+
+
+@contextmanager
+def _with_folder(source: Any) -> Iterator[Any]:
+    """A run as its folder, which stands for so long; anything else as it is."""
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(source, Run):
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore", Note)
                 source.save(Path(folder, "run"), dpi=36)
-                network = read_run(Path(folder, "run"))
-        elif isinstance(source, SavedRun):
-            network = read_run(source.folder)
-        elif isinstance(source, (str, os.PathLike)) and Path(source).is_dir():
-            network = read_run(source)
-        else:
-            network = network_of(source)
-        found = _willis.classify(network._scan, network._reading + made, "")
-    for note in found.notes:
-        say("note", note)
-    return Phenotype(found)
+            source = Path(folder, "run")
+        yield source.folder if isinstance(source, SavedRun) else source
 
 
 class Labelled:
@@ -143,20 +147,11 @@ def measure(
     ``participants`` is a table with a row for each subject, ``compare`` the column of it that makes two groups, which then are compared in all
     ``measures``, columns of ``subjects``. ``readers`` are the decisions of two readers on the connections of runs, with ``{}`` for the input.
     """
-    with tempfile.TemporaryDirectory() as temporary:
+    with tempfile.TemporaryDirectory() as temporary, _with_folder(source) as given:
         folder = Path(temporary)
-        if isinstance(source, Run):
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore", Note)
-                source.save(folder / "run", dpi=36)
-            inputs: list[PathLike] = [folder / "run"]
-        elif isinstance(source, SavedRun):
-            inputs = [source.folder]
-        elif isinstance(source, Network):
-            source.save(folder / "network.graphml")
-            inputs = [folder / "network.graphml"]
-        else:
-            inputs = [source] if isinstance(source, (str, os.PathLike)) else list(source)
+        if isinstance(given, Network):
+            given.save(folder / "network.graphml")
+            given = folder / "network.graphml"
         made = words(
             {
                 "smoothing": smoothing,
@@ -171,7 +166,7 @@ def measure(
             },
             {},
         )
-        _willis.call(["measure", *[os.fspath(path) for path in inputs], "-o", str(folder / "measured"), *made])
+        _willis.call(["measure", *_inputs(given), "-o", str(folder / "measured"), *made])
         return Measured(folder / "measured")
 
 
@@ -218,9 +213,7 @@ def cohort(paths: Sequence[PathLike] | PathLike, output: PathLike | None = None,
     unknown = sorted(set(options) - set(defaults) | set(options) & {"part", "background", "threads", "progress"})
     if unknown:
         raise WillisError(f"{unknown[0]}: no option of a cohort; expected those of read and infer", item=unknown[0])
-    inlets, outlets, flows = (options.pop(name, None) for name in ("inlets", "outlets", "flows"))
-    rule = outlets if isinstance(outlets, str) else None
-    options |= {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
+    options |= conditions(*(options.pop(name, None) for name in ("inlets", "outlets", "flows")))
     return _made("infer", inputs, output, words(options, defaults))
 
 

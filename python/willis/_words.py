@@ -37,6 +37,12 @@ def words(given: dict[str, Any], defaults: dict[str, Any]) -> list[str]:
     return out
 
 
+def conditions(inlets: Any, outlets: Any, flows: Any) -> dict[str, Any]:
+    """The options of boundary conditions; ``outlets`` as one text is the rule for those that are found."""
+    rule = outlets if isinstance(outlets, str) else None
+    return {"inlet": Repeated(inlets), "outlet": Repeated(None if rule else outlets), "flow": Repeated(flows), "outlets": rule}
+
+
 def _pair(flag: str, value: str) -> tuple[str, ...]:
     """An option and its value; in one word where the value looks like an option."""
     return (f"{flag}={value}",) if value.startswith("-") and flag.startswith("--") else (flag, value)

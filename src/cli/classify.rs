@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::subjects::{Inputs, Subject, expand, name_of};
+use super::subjects::{Inputs, Subject, check_output, expand, name_of};
 use super::{
     args::ArteryArgs, args::reading::RunsArgs, args::source_for, checkpoint::Follower, cohort::Cohort, cohort::Work,
     command_line::command_line, command_line::parsed, print::TextTerminal, print::inference::say_collaterals,
@@ -65,7 +65,7 @@ impl ClassifyArgs {
                 return done;
             }
         };
-        StagedFolder::check(&self.output, force)?;
+        check_output(&self.output, force, [&*input])?;
         let phenotype = self.phenotype(&input, command_line("again"), terminal)?;
         let folder = StagedFolder::new(&self.output, force)?;
         phenotype.write(&folder.path(), &name_of(&input))?;
@@ -112,7 +112,7 @@ impl ClassifyArgs {
 /// The true segments of each subject, by a column of their manifest; none where it is empty.
 fn truths(column: &str, subjects: &[Subject]) -> Result<Vec<Option<Segments>>> {
     let of = |subject: &Subject| {
-        let said = subject.row.iter().flat_map(|row| &row.covariates).find(|(name, _)| name == column);
+        let said = subject.covariates().iter().find(|(name, _)| name == column);
         let missing = || Error::parameter("truth", column, "goes with a manifest that has the column");
         let (_, text) = said.ok_or_else(missing)?;
         let wrong = |accepted| subject.fault(Error::parameter(column, format!("\"{text}\""), accepted));
@@ -133,10 +133,11 @@ impl Work for ClassifyArgs {
     fn files(&self, input: &Path) -> Vec<PathBuf> {
         let record = Some(input.join(RECORD)).filter(|path| is_there(path));
         let landmarks = self.source(input).as_ref().and_then(ArterySource::file).map(Path::to_owned);
-        [self.runs.reading.loops(input), landmarks, record].into_iter().flatten().collect()
+        let named = [self.runs.reading.loops(input), landmarks, record].into_iter().flatten();
+        named.chain(self.arteries.phenotypes.files()).collect()
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
-        self.phenotype(&subject.input, subject.line.clone(), terminal)?.write(&folder.path(), &subject.name)
+        self.phenotype(&subject.input, subject.line("again"), terminal)?.write(&folder.path(), &subject.name)
     }
 }

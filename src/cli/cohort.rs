@@ -9,10 +9,10 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 use super::print::{TextTerminal, counted, plural, say_notes};
-use super::subjects::{Subject, named, paths};
+use super::subjects::{Subject, check_output, named, paths};
 use super::{command_line::command_line, command_line::with_flags, shell::print_json, signals::is_stopped, signals::listen};
 use crate::internals::formats::{Covariates, checksum_of_file, companion_files, is_there, open_regular};
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
+use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, FAILURE, GRAPH, PAGE, RECORD, TOPOLOGY};
 use crate::internals::output::{InProgress, StagedFiles, StagedFolder, read_json, relative, write_json};
 use crate::internals::pipeline::{RunOptions, require_in};
 use crate::internals::report::cohort::{CohortRow, Figures, infer_figures, row_records, write_cohort};
@@ -187,11 +187,15 @@ impl Cohort<'_> {
             let accepted = format!("{pattern} stands for an input in `landmarks`, `bc` and `loops`; expected one folder for all");
             return Err(Error::parameter("output", self.output.display(), accepted));
         }
-        let own = subjects.iter().map(|subject| subject.own_words().map(W::of).transpose().map_err(|error| subject.fault(error)));
-        let own = own.collect::<Result<Vec<Option<W>>>>()?;
-        let work_of = |at: usize| own[at].as_ref().unwrap_or(work);
-        let covariates = |subject: &Subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone());
-        let columns: Vec<String> = subjects.first().map(covariates).into_iter().flatten().map(|(column, _)| column).collect();
+        // What is done with a subject that has options of its own.
+        let mut own = BTreeMap::new();
+        for (at, subject) in subjects.iter().enumerate() {
+            if let Some(words) = subject.own_words() {
+                own.insert(at, W::of(&words).map_err(|error| subject.fault(error))?);
+            }
+        }
+        let work_of = |at: usize| own.get(&at).unwrap_or(work);
+        let columns: Vec<&str> = subjects.iter().take(1).flat_map(Subject::covariates).map(|(column, _)| &**column).collect();
         if !columns.is_empty() {
             let columns = columns.join(", ");
             terminal.say("note", format!("columns of the manifest that are no options go into cohort.csv: {columns}"));
@@ -217,7 +221,7 @@ impl Cohort<'_> {
             let page = (!self.output.join(name).join(PAGE).is_file()).then(|| format!("{name}/{RECORD}"));
             let figures = failure.map_or_else(|| record().map(W::FIGURES), Err);
             let (input, sha256) = (entry.input.clone(), entry.sha256().unwrap_or_default().to_owned());
-            CohortRow { subject: name.clone(), input, sha256, covariates: covariates(&subjects[at]), page, figures }
+            CohortRow { subject: name.clone(), input, sha256, covariates: subjects[at].covariates().to_vec(), page, figures }
         };
         let rows: Vec<CohortRow> = (0..subjects.len()).map(row).collect();
         say_notes_of(records.iter().flatten(), terminal);
@@ -242,6 +246,7 @@ impl Cohort<'_> {
             ledger.resumes(&earlier, self.output)?;
             return Ok(earlier);
         }
+        check_output(self.output, self.force, ledger.subjects.iter().flat_map(|entry| entry.files.keys()).map(Path::new))?;
         let empty = Ledger { subjects: Vec::new(), ..ledger.clone() };
         let folder = StagedFolder::new(self.output, self.force)?;
         empty.write(&folder.path())?;
@@ -255,10 +260,10 @@ impl Cohort<'_> {
         let stale: Vec<PathBuf> = folders.filter(|folder| folder.exists()).collect();
         stale.iter().try_for_each(|folder| StagedFolder::check(folder, true))?;
         stale.iter().try_for_each(|folder| StagedFolder::remove(folder))?;
-        if done.iter().any(|done| !done) {
-            for path in [COHORT_TABLE, COHORT_PAGE].iter().map(|name| self.output.join(name)).filter(|path| path.exists()) {
-                fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
-            }
+        // What is compared with the truth follows the manifest too, which may have changed.
+        let tables = if done.iter().all(|done| *done) { &[ACCURACY][..] } else { &[COHORT_TABLE, COHORT_PAGE, ACCURACY] };
+        for path in tables.iter().map(|name| self.output.join(name)).filter(|path| path.exists()) {
+            fs::remove_file(&path).map_err(|source| Error::Write { path, source })?;
         }
         Ok(())
     }
@@ -440,6 +445,7 @@ pub fn gather(
         parameters[*option] = "of each subject".into();
     }
     let cohort = Cohort { parameters, ..*cohort };
+    check_output(output, cohort.force, folders.iter().map(|folder| &**folder))?;
     let folder = StagedFolder::new(output, cohort.force)?;
     Ledger::new(cohort.command, &cohort.parameters, entries.collect()).write(&folder.path())?;
     cohort.write_table(&folder.path(), &rows)?;
@@ -482,11 +488,9 @@ impl<'a> SeparateRun<'a> {
     fn check(&self, first: &Self, before: &[Self]) -> Result<()> {
         let refused = |found: String, expected: &str| Err(Fault::file(found, expected).in_file(self.folder));
         let (mut here, mut there) = (self.parameters.clone(), first.parameters.clone());
-        if self.record.is_err() != first.record.is_err() {
-            // A run that failed does not know the content of a file of priors.
-            (here["prior"], there["prior"]) = (Value::Null, Value::Null);
-        }
-        for option in OF_SUBJECT {
+        // A run that failed knows neither the content of a file of priors nor a spacing that nothing states, with its unit.
+        let unknown = if self.record.is_err() == first.record.is_err() { &[][..] } else { &["prior", "unit"] };
+        for option in OF_SUBJECT.iter().chain(unknown).copied() {
             (here[option], there[option]) = (Value::Null, Value::Null);
         }
         if let Some((option, [here, there])) = differing(&here, &there) {

@@ -1,91 +1,173 @@
 //! The command line that is at work: its words, the line that repeats its run, what its parser refuses, and options as they are typed.
 
-use std::{path::Path, path::PathBuf, sync::RwLock};
+use std::{borrow::Cow, collections::HashSet, path::Path, path::PathBuf, sync::RwLock};
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
 use crate::{Error, Result, internals::support::suggestions::did_you_mean};
 
-/// Options that change no result: those that a value follows, and the others.
-const VALUED: [&str; 6] = ["-o", "--output", "--threads", "--checkpoint", "--n-cpus", "--n_cpus"];
-const IMMATERIAL: [&str; 7] = ["-q", "--quiet", "-v", "--verbose", "--force", "--json", "--record-failure"];
-const NO_VALIDATOR: [&str; 2] = ["--skip-bids-validator", "--skip_bids_validator"];
+/// Options that change no result.
+const IMMATERIAL: [&str; 9] =
+    ["output", "threads", "checkpoint", "quiet", "verbose", "force", "json", "record-failure", "skip-bids-validator"];
 
 /// Options of `willis bids` that choose the masks.
-const CHOICES: [&str; 5] = ["--participant-label", "--participant_label", "--session-label", "--session_label", "--filter"];
+const CHOICES: [&str; 3] = ["participant-label", "session-label", "filter"];
+
+/// A part of a command line: an option with its values, or a word by itself, of which the first is the subcommand.
+#[derive(Debug, Clone)]
+pub struct Part {
+    /// The long name of the option, however it was typed.
+    option: Option<String>,
+    words: Vec<String>,
+}
+
+impl Part {
+    fn alone(word: &str) -> Self {
+        Self { option: None, words: vec![word.to_owned()] }
+    }
+
+    /// An option with its value.
+    pub fn option(name: &str, value: &str) -> Self {
+        Self { option: Some(name.to_owned()), words: vec![format!("--{name}"), value.to_owned()] }
+    }
+
+    /// The path of an input, which may begin as an option does.
+    fn input(path: &Path) -> Self {
+        let path = path.to_string_lossy();
+        Self::alone(&if path.starts_with('-') { format!("./{path}") } else { path.into_owned() })
+    }
+
+    fn is_one_of(&self, options: &[&str]) -> bool {
+        self.option.as_ref().is_some_and(|option| options.contains(&&**option))
+    }
+}
+
+/// The parts of a command line, given by its words after the name of the program.
+pub fn parts(parser: &clap::Command, words: &[String]) -> Vec<Part> {
+    let command = subcommand(parser, words).and_then(|name| parser.find_subcommand(name));
+    let own = command.into_iter().flat_map(clap::Command::get_arguments);
+    let known: Vec<&clap::Arg> = own.chain(parser.get_arguments()).collect();
+    let (mut parts, mut rest) = (Vec::new(), words.iter().peekable());
+    while let Some(word) = rest.next() {
+        let options = options_in(word, &known);
+        if options.is_empty() {
+            parts.push(Part::alone(word));
+        }
+        for (arg, typed) in options {
+            let name = arg.get_long().unwrap_or(arg.get_id().as_str());
+            let mut part = Part { option: Some(name.to_owned()), words: vec![typed] };
+            if arg.get_action().takes_values() && is_bare(&part.words[0]) {
+                let values = arg.get_num_args().unwrap_or(1.into());
+                let is_value = |n: usize, word: &str| n <= values.min_values() || !word.starts_with('-');
+                while part.words.len() <= values.max_values()
+                    && let Some(value) = rest.next_if(|word| is_value(part.words.len(), word))
+                {
+                    part.words.push(value.clone());
+                }
+            }
+            parts.push(part);
+        }
+        if word == "--" {
+            parts.extend(rest.by_ref().map(|word| Part::alone(word)));
+        }
+    }
+    parts
+}
+
+/// The options in a word, each as it is typed by itself: `-qn64` is -q and -n64. None in a word that is no option.
+fn options_in<'a>(word: &str, known: &[&'a clap::Arg]) -> Vec<(&'a clap::Arg, String)> {
+    if let Some(long) = word.strip_prefix("--") {
+        let name = long.split('=').next().unwrap_or_default();
+        let has_alias = |arg: &clap::Arg| arg.get_all_aliases().is_some_and(|aliases| aliases.contains(&name));
+        let arg = known.iter().find(|arg| arg.get_long() == Some(name) || has_alias(arg));
+        return arg.map(|arg| (*arg, word.to_owned())).into_iter().collect();
+    }
+    let (mut found, mut letters) = (Vec::new(), word.strip_prefix('-').unwrap_or_default());
+    while let Some(letter) = letters.chars().next()
+        && let Some(arg) = known.iter().find(|arg| arg.get_short() == Some(letter))
+    {
+        let length = if arg.get_action().takes_values() { letters.len() } else { letter.len_utf8() };
+        let (typed, rest) = letters.split_at(length);
+        found.push((*arg, format!("-{typed}")));
+        letters = rest;
+    }
+    found
+}
+
+/// Whether an option is typed without a value: `--name`, `-n`.
+fn is_bare(typed: &str) -> bool {
+    if typed.starts_with("--") { !typed.contains('=') } else { typed.chars().count() == 2 }
+}
 
 /// This process's command line without the options that change no result, quoted for a shell, with `-o` and an output that is called
 /// `again`, where that is not empty: it repeats the run as it stands.
 pub fn command_line(again: &str) -> String {
-    line_of_words(words_at_work(), again)
+    line_of(parts_at_work(), again)
 }
 
-/// The words `all` of a command line for one `input` alone of those that were `given`, with `options` of its own, by name and value,
-/// in the place of those of all.
-pub fn row_words(
-    mut all: impl Iterator<Item = String>,
-    input: &Path,
-    given: &[PathBuf],
-    options: &[(String, String)],
-) -> Vec<String> {
-    let own: Vec<_> = options.iter().map(|(name, value)| (format!("--{}", name.replace('_', "-")), value.as_str())).collect();
-    let (mut words, mut input) = (Vec::new(), Some(input.to_string_lossy().into_owned()));
-    while let Some(word) = all.next() {
-        if own.iter().any(|(name, _)| *name == word) {
-            all.next();
-        } else if given.iter().any(|path| path.to_string_lossy() == *word) {
-            words.extend(input.take());
-        } else if !own.iter().any(|(name, _)| is_joined(&word, name)) {
-            words.push(word);
+/// The name of the part in whose place the input of each row goes.
+const INPUT: &str = "INPUT";
+
+/// The parts of a command line that all rows of a cohort share, with one place for an input where some were `given`.
+pub fn shared_parts(all: Vec<Part>, given: &[PathBuf]) -> Vec<Part> {
+    let given: HashSet<Cow<'_, str>> = given.iter().map(|path| path.to_string_lossy()).collect();
+    let (mut parts, mut is_command, mut has_place) = (Vec::new(), true, false);
+    for part in all {
+        let is_input = part.option.is_none() && !is_command && given.contains(&*part.words[0]);
+        is_command &= part.option.is_some();
+        if !is_input {
+            parts.push(part);
+        } else if !has_place {
+            has_place = true;
+            parts.push(Part { option: Some(INPUT.to_owned()), words: Vec::new() });
         }
     }
-    words.extend(own.iter().map(|(name, value)| format!("{name}={value}")));
-    words
+    parts
 }
 
-/// The words of `willis infer` for one mask of those that `willis bids` was given; `places` are the words that say which dataset, where to
-/// and which level.
-pub fn infer_words(given: impl Iterator<Item = String>, input: &str, places: &[String]) -> Vec<String> {
-    let (mut words, mut places) = (Vec::new(), places.to_vec());
-    let (mut is_infer, mut is_chosen) = (false, false);
-    for word in given {
-        if word == "bids" && !is_infer {
+/// The parts of a command line for one `input` alone, with `options` of its own, by name and value, in the place of those that all share.
+pub fn row_parts(shared: &[Part], input: &Path, options: &[(String, String)]) -> Vec<Part> {
+    let own: Vec<(String, &String)> = options.iter().map(|(name, value)| (name.replace('_', "-"), value)).collect();
+    let is_own = |part: &&Part| own.iter().any(|(name, _)| part.is_one_of(&[name.as_str()]));
+    let parts = shared.iter().filter(|part| !is_own(part));
+    let parts = parts.map(|part| if part.is_one_of(&[INPUT]) { Part::input(input) } else { part.clone() }).collect();
+    let own = own.iter().map(|(name, value)| Part { option: Some(name.clone()), words: vec![format!("--{name}={value}")] });
+    with_options(parts, own)
+}
+
+/// The parts of `willis infer` for one mask of those that `willis bids` was given.
+pub fn infer_parts(given: Vec<Part>, mask: &Path) -> Vec<Part> {
+    let (mut parts, mut is_infer) = (Vec::new(), false);
+    for part in given.into_iter().filter(|part| !part.is_one_of(&CHOICES)) {
+        if part.option.is_some() {
+            parts.push(part);
+        } else if !is_infer {
             is_infer = true;
-            words.extend(["infer".to_owned(), input.to_owned()]);
-        } else if CHOICES.iter().any(|name| word == *name || is_joined(&word, name)) {
-            is_chosen = !word.contains('=');
-        } else if is_chosen && !word.starts_with('-') {
-            // A value of the choice, which may have several.
-        } else if let Some(at) = places.iter().position(|place| *place == word) {
-            places.remove(at);
-        } else {
-            is_chosen = false;
-            words.push(word);
+            parts.extend([Part::alone("infer"), Part::input(mask)]);
         }
     }
-    words
+    parts
 }
 
-/// The command line of these words, of which those count that change a result.
-pub fn line_of_words(mut rest: impl Iterator<Item = String>, again: &str) -> String {
-    let mut words = vec!["willis".to_owned()];
-    while let Some(word) = rest.next() {
-        let has_value = VALUED.iter().any(|name| is_joined(&word, name));
-        if VALUED.contains(&&*word) {
-            rest.next();
-        } else if !has_value && IMMATERIAL.iter().chain(&NO_VALIDATOR).all(|name| word != *name) {
-            words.push(quoted(&word));
-        }
-    }
-    if !again.is_empty() {
-        words.extend(["-o".to_owned(), again.to_owned()]);
-    }
-    words.join(" ")
+/// The same with options at the end, where no `--` makes words of them.
+pub fn with_options(mut parts: Vec<Part>, options: impl IntoIterator<Item = Part>) -> Vec<Part> {
+    let end = parts.iter().position(|part| part.option.is_none() && part.words[0] == "--").unwrap_or(parts.len());
+    parts.splice(end..end, options);
+    parts
 }
 
-/// `--output=x` or `-ox`.
-fn is_joined(word: &str, name: &str) -> bool {
-    word.strip_prefix(name).is_some_and(|rest| rest.starts_with('=') || !name.starts_with("--"))
+/// The words of some parts.
+pub fn words_of(parts: Vec<Part>) -> Vec<String> {
+    parts.into_iter().flat_map(|part| part.words).collect()
+}
+
+/// The command line of the parts that change a result.
+pub fn line_of(mut parts: Vec<Part>, again: &str) -> String {
+    parts.retain(|part| !part.is_one_of(&IMMATERIAL));
+    let output = ["-o".to_owned(), again.to_owned()].into();
+    let output = (!again.is_empty()).then(|| Part { option: Some("output".to_owned()), words: output });
+    let words = words_of(with_options(parts, output));
+    ["willis".to_owned()].into_iter().chain(words.iter().map(|word| quoted(word))).collect::<Vec<_>>().join(" ")
 }
 
 /// A word as a POSIX shell takes it.
@@ -119,11 +201,16 @@ impl CommandLine {
 /// Makes a command line, given by its words after the name of the program, the one that is at work; whether errors name its options as they
 /// are typed.
 pub fn begin(words: Vec<String>, parser: clap::Command, as_typed: bool) {
-    let is_command = |word: &&String| *word != "help" && parser.get_subcommands().any(|own| own.get_name() == *word);
-    let command = words.iter().find(is_command).cloned();
+    let command = subcommand(&parser, &words).map(str::to_owned);
     if let Ok(mut now) = AT_WORK.write() {
         *now = Some(CommandLine { words, parser, command, as_typed });
     }
+}
+
+/// The first word that is the name of a subcommand.
+fn subcommand<'a>(parser: &clap::Command, words: &'a [String]) -> Option<&'a str> {
+    let is_command = |word: &&str| *word != "help" && parser.get_subcommands().any(|own| own.get_name() == *word);
+    words.iter().map(String::as_str).find(is_command)
 }
 
 /// What a function says of the command line that is at work; `None` where there is none.
@@ -131,9 +218,9 @@ fn of_line<T>(say: impl FnOnce(&CommandLine) -> Option<T>) -> Option<T> {
     AT_WORK.read().ok()?.as_ref().and_then(say)
 }
 
-/// The words of the command line.
-pub fn words_at_work() -> impl Iterator<Item = String> {
-    of_line(|line| Some(line.words.clone())).unwrap_or_default().into_iter()
+/// The parts of the command line.
+pub fn parts_at_work() -> Vec<Part> {
+    of_line(|line| Some(parts(&line.parser, &line.words))).unwrap_or_default()
 }
 
 /// Whether a word is the name of an option of any command.
@@ -256,6 +343,7 @@ pub fn as_error(error: &clap::Error) -> Error {
             format!("does not go with {other}")
         }
         ErrorKind::UnknownArgument => "is no option of this command".to_owned(),
+        ErrorKind::MissingRequiredArgument => return Error::parameter(name, "", "is needed here"),
         _ => match (std::error::Error::source(error), text(ContextKind::ValidValue)) {
             (Some(source), _) => source.to_string(),
             (None, Some(valid)) if !valid.is_empty() => format!("expected one of {valid}"),
@@ -265,10 +353,10 @@ pub fn as_error(error: &clap::Error) -> Error {
     Error::parameter(name, format!("\"{value}\""), accepted)
 }
 
-/// The field that an option is: `max_gap` for `--max-gap <LENGTH>`.
+/// The field that an argument is: `max_gap` for `--max-gap <LENGTH>`, `INPUT` for `<INPUT>...`.
 fn field(arg: &str) -> String {
-    let name = arg.split([' ', '=', '[', '<']).next().unwrap_or_default();
-    name.trim_start_matches('-').replace('-', "_")
+    let name = arg.trim_start_matches(['-', '<']).split([' ', '=', '[', '<', '>']).next();
+    name.unwrap_or_default().replace('-', "_")
 }
 
 /// What the parser refuses of the command line that is at work, in one line that says what to type instead.

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::args::{boundary_for, unfed, viscosity};
-use super::print::{TextTerminal, plural, say_read};
+use super::print::{TextTerminal, plural};
 use super::{
     args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json,
 };
@@ -101,11 +101,11 @@ impl ConvertArgs {
         let (found, accepted) = (target.format.name(), "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`");
         require(model.is_none() || target.format.is(FormatTrait::Model), "to", format!("for {found}"), accepted)?;
         StagedFiles::check(&target.path, &target.nodes, force)?;
-        let mut input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
         let is_meant = command != "skeleton" || input.format.is_some_and(Format::is_mask);
         let accepted = format!("expected a mask: {}; convert rewrites centerlines", Format::short(FormatTrait::Mask));
         require_in(path, is_meant, format!("a file of {}", input.provenance.format), accepted)?;
-        say_read(terminal, &input, self.input.reading.units.is_none());
+        let mut input = self.input.reading.said(input, terminal);
         if let Some(options) = &model {
             (input.network, target.setting) = solver_model(&input, options, &mut Follower::new(terminal))?;
         }

@@ -6,9 +6,9 @@ use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
 use super::args::{ArteryArgs, CandidateArgs, boundary_for, file_of, probability, source_for, viscosity, whole, words};
 use super::checkpoint::{Follower, Interval, parse_interval};
 use super::cohort::{Cohort, FailedInput, Failure, Work};
-use super::command_line::{command_line, parsed, with_flags};
+use super::command_line::{Part, command_line, line_of, parsed, with_flags, with_options};
 use super::print::inference::{say_outcome, say_variant};
-use super::subjects::{Inputs, Subject, expand};
+use super::subjects::{Inputs, Subject, check_output, expand};
 use super::{print::TextTerminal, shell::print_json, signals::listen};
 use crate::internals::formats::{checksum_of_file, write_csv};
 use crate::internals::output::{StagedFolder, write_error, write_file};
@@ -16,8 +16,8 @@ use crate::internals::pipeline::{RunOptions, require, require_in};
 use crate::internals::report::cohort::{Figures, infer_figures};
 use crate::internals::report::{RunRecord, agreement};
 use crate::{
-    ArterySource, BoundaryOptions, Error, InferOptions, Keep, Prepared, Preset, Prior, Result, SamplingOptions, SaveOptions,
-    Solver, Uncertain, Weight, internals::output::names::AGREEMENT, internals::report::figures::DEFAULT_DPI, prepare,
+    ArterySource, BoundaryOptions, Error, InferOptions, Keep, Prepared, Preset, Result, SamplingOptions, SaveOptions, Solver,
+    Uncertain, Weight, internals::output::names::AGREEMENT, internals::report::figures::DEFAULT_DPI, prepare,
 };
 
 /// Infer the plausible topology of centerlines or of a candidate graph
@@ -152,16 +152,13 @@ impl InferArgs {
         let input = match expand(&self.inputs, false)? {
             Inputs::One(input) => input,
             Inputs::Many(subjects) => {
-                let mut work = work;
-                // The arteries of every input are named, if it has a circle and nobody says where they are.
-                work.names_by_itself = work.options.arteries.is_none();
-                work.options.arteries = work.options.arteries.or(Some(ArterySource::Geometry));
+                let work = work.of_a_cohort();
                 let (parameters, json) = (work.of_many()?, work.args.json);
                 let cohort = Cohort { command: "infer", parameters, output: &self.output, force, json };
                 return cohort.run(&subjects, &work, terminal);
             }
         };
-        StagedFolder::check(&self.output, force)?;
+        check_output(&self.output, force, [&*input])?;
         let records_failure = work.args.sampling.record_failure;
         if records_failure {
             work.args.reading.shared()?;
@@ -211,15 +208,24 @@ impl Inferences {
         Ok(Self { args, options, runs, save, names_by_itself: false })
     }
 
+    /// The same for an input of several: its arteries are named, if it has a circle and nobody says where they are.
+    fn of_a_cohort(mut self) -> Self {
+        self.names_by_itself = self.options.arteries.is_none();
+        self.options.arteries = self.options.arteries.or(Some(ArterySource::Geometry));
+        self
+    }
+
     /// The command line that repeats the run of a subject.
     fn line_of(&self, subject: &Subject) -> String {
-        let before = subject.line.strip_suffix(" -o again").filter(|_| self.names_by_itself);
-        before.map_or_else(|| subject.line.clone(), |before| format!("{before} --landmarks auto -o again"))
+        let named = self.names_by_itself.then(|| Part::option("landmarks", "auto"));
+        line_of(with_options(subject.parts.clone(), named), "again")
     }
 
     /// Why an input gave no run.
     pub fn failure(&self, input: &Path, command: String, error: String) -> Result<Failure> {
-        let options = RunOptions { read: self.args.reading.options(input)?, infer: self.for_input(input) };
+        // Of an input that does not state its spacing, what all inputs share.
+        let read = self.args.reading.options(input).or_else(|_| self.args.reading.shared())?;
+        let options = RunOptions { read, infer: self.for_input(input) };
         let input = FailedInput { path: input.display().to_string(), sha256: checksum_of_file(input).ok() };
         Ok(Failure { willis: env!("CARGO_PKG_VERSION").to_owned(), command, input, options, error })
     }
@@ -314,15 +320,11 @@ impl Work for Inferences {
     fn of(words: &[String]) -> Result<Self> {
         let work = Self::new(parsed::<InferArgs>(words)?.inference)?;
         work.args.reading.shared()?;
-        Ok(work)
+        Ok(work.of_a_cohort())
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
-        let options = self.for_input(input);
-        let landmarks = options.arteries.as_ref().and_then(ArterySource::file).map(Path::to_owned);
-        let prior = if let Some(Prior::File(path)) = options.prior { Some(path) } else { None };
-        let loops = self.args.reading.loops(input);
-        [loops, options.boundary.conditions, prior, landmarks, options.decisions].into_iter().flatten().collect()
+        self.args.reading.loops(input).into_iter().chain(self.for_input(input).files()).collect()
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {

@@ -103,11 +103,11 @@ impl Work for LabelArgs {
     }
 
     fn files(&self, input: &Path) -> Vec<PathBuf> {
-        [self.reading.loops(input), self.model.clone()].into_iter().flatten().collect()
+        self.reading.loops(input).into_iter().chain(self.options().files()).collect()
     }
 
     fn write(&self, subject: &Subject, folder: &StagedFolder, terminal: TextTerminal) -> Result<()> {
-        let found = self.label(&subject.input, format!("{}.graphml", subject.line), terminal)?;
+        let found = self.label(&subject.input, subject.line("again.graphml"), terminal)?;
         found.write(&Target::new(&folder.path().join(LABELLED), None)?, false)?;
         write_record(&folder.path(), &found.record())
     }

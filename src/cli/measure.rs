@@ -7,8 +7,11 @@ use serde_json::{Value, json};
 use super::args::{boundary_for, file_of, length, whole};
 use super::cohort::{failed, make_each};
 use super::print::{TextTerminal, plural};
-use super::subjects::{Inputs, Subject, expand, name_of, rows_of_participants};
-use super::{args::reading::RunsArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::listen};
+use super::subjects::{Inputs, Subject, check_output, expand, name_of, rows_of_participants};
+use super::{
+    args::reading::RunsArgs, checkpoint::Follower, command_line::command_line, command_line::parts_at_work, shell::print_json,
+    signals::listen,
+};
 use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::{StagedFolder, write_file, write_record};
@@ -74,13 +77,13 @@ impl MeasureArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.runs.reading.refuse_candidates("measure")?;
         self.runs.reading.shared()?;
-        StagedFolder::check(&self.output, force)?;
         let subjects = match expand(&self.runs.inputs, true)? {
             Inputs::Many(subjects) => subjects,
             Inputs::One(input) => {
-                vec![Subject { name: name_of(&input), input, line: command_line("again"), row: None }]
+                vec![Subject { name: name_of(&input), input, parts: parts_at_work(), row: None }]
             }
         };
+        check_output(&self.output, force, subjects.iter().map(|subject| &*subject.input))?;
         if let Some(subject) = subjects.iter().find(|subject| !subject.own().is_empty()) {
             let own = subject.own().join(" ");
             return Err(subject.fault(Error::parameter("manifest", own, "measure takes no options from a manifest")));
@@ -123,7 +126,7 @@ impl MeasureArgs {
 
     fn measure(&self, subject: &Subject, terminal: TextTerminal) -> Result<(Measurement, Vec<TwiceRead>)> {
         let path = &subject.input;
-        let input = self.runs.reading.read_run(path, subject.line.clone(), terminal)?;
+        let input = self.runs.reading.read_run(path, subject.line("again"), terminal)?;
         let files: Vec<PathBuf> = self.reader.iter().map(|name| file_of(name, path)).collect();
         let read = if let [a, b] = &*files { twice_read(&subject.name, &input, [a, b])? } else { Vec::new() };
         let found = measure(&subject.name, &input, &self.options(path), &mut Follower::new(terminal))?;
@@ -138,8 +141,7 @@ impl MeasureArgs {
 
     /// What is known of each subject: what its manifest says, then its participant.
     fn covariates(&self, subjects: &[Subject]) -> Result<Vec<Covariates>> {
-        let mut known: Vec<Covariates> =
-            subjects.iter().map(|subject| subject.row.as_ref().map_or_else(Vec::new, |row| row.covariates.clone())).collect();
+        let mut known: Vec<Covariates> = subjects.iter().map(|subject| subject.covariates().to_vec()).collect();
         let Some(path) = &self.participants else { return Ok(known) };
         let rows = rows_of_participants(subjects, path)?;
         let mut of = BTreeMap::new();

@@ -4,7 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::args::{boundary_for, unfed, viscosity, whole, words};
 use super::print::{TextTerminal, brief, plural};
-use super::{args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::is_stopped};
+use super::{
+    args::reading::InputArgs, checkpoint::Follower, command_line::command_line, shell::print_json, signals::is_stopped,
+    subjects::check_output,
+};
 use crate::{
     BoundaryOptions, Error, ModulationOptions, ModulationRun, Network, Result, SaveOptions, Unfed, internals::modulation::Class,
     internals::modulation::Reading, internals::network::units::pascals_per_square_metre, internals::network::vessels_called,
@@ -70,7 +73,7 @@ impl ModulateArgs {
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("modulate")?;
-        StagedFolder::check(&self.output, force)?;
+        check_output(&self.output, force, [&**path])?;
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let network = &input.network;

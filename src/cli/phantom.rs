@@ -1,6 +1,6 @@
 //! `willis phantom`: test anatomy with a known answer.
 
-use std::path::{Path, PathBuf};
+use std::path::{Path, PathBuf, absolute};
 
 use serde_json::{Value, json};
 
@@ -73,6 +73,9 @@ impl PhantomArgs {
         let recipe = self.recipe(kind)?;
         if let Some(image) = self.image.as_ref().filter(|image| !is_mask(&self.output) || !is_mask(image)) {
             return Err(Error::parameter("image", image.display(), "expected .nii.gz or .nii, with an output .nii.gz or .nii"));
+        }
+        if let Some(image) = self.image.as_ref().filter(|image| absolute(image).ok() == absolute(&self.output).ok()) {
+            return Err(Error::parameter("image", image.display(), "is `output`, which is the mask; expected another file"));
         }
         if is_mask(&self.output) {
             return self.write_mask(kind, &recipe, terminal, force);

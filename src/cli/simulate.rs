@@ -5,10 +5,9 @@ use std::{path::Path, path::PathBuf, time::Instant};
 use super::args::{boundary_for, unfed, viscosity, whole};
 use super::{
     args::pulse::PulseArgs, args::reading::InputArgs, checkpoint::Follower, command_line::command_line, print::TextTerminal,
-    print::flow::say_simulated, shell::print_json,
+    print::flow::say_simulated, shell::print_json, subjects::check_output,
 };
 use crate::internals::network::quantity::Dimension;
-use crate::internals::output::StagedFolder;
 use crate::internals::report::figures::DEFAULT_DPI;
 use crate::{BoundaryOptions, Change, Error, FlowOptions, Result, SaveOptions, Stenosis, StretchPlace, Unfed, simulate_with};
 
@@ -76,7 +75,7 @@ impl SimulateArgs {
         let save = SaveOptions { dpi: self.dpi };
         save.validate()?;
         self.input.reading.refuse_candidates("simulate")?;
-        StagedFolder::check(&self.output, force)?;
+        check_output(&self.output, force, [&**path])?;
 
         let input = self.input.reading.read(path, command_line("again"), terminal)?;
         let run = simulate_with(&input, &changes, &options, &mut Follower::new(terminal))?;
@@ -119,7 +118,7 @@ fn parse_stenosis(text: &str) -> Result<(&str, Change), String> {
     let (of_area, percent) = severity.trim().strip_prefix("area:").map_or((false, severity.trim()), |rest| (true, rest));
     let percent: f64 = percent.strip_suffix('%').and_then(|digits| digits.trim().parse().ok()).ok_or(SEVERITY)?;
     if percent >= 100.0 {
-        return Err("leaves nothing open; expected a reduction below 100%, or --occlude to close the vessel".into());
+        return Err("leaves nothing open; expected a reduction below 100%, or `occlude` to close the vessel".into());
     }
     if percent.is_nan() || percent < 0.0 {
         return Err("expected a reduction from 0% to below 100%".into());

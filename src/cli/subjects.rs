@@ -1,13 +1,16 @@
 //! The inputs of a cohort: patterns are expanded, and every subject has a name for its folder.
 
-use std::{collections::HashMap, collections::HashSet, fs, path::Path, path::PathBuf};
+use std::{collections::HashMap, collections::HashSet, fs, path::Component, path::Path, path::PathBuf};
 
-use glob::{MatchOptions, glob_with};
+use glob::Pattern;
 
-use super::command_line::{is_option, line_of_words, row_words, words_at_work};
+use super::command_line::{Part, is_option, line_of, parts_at_work, row_parts, shared_parts, words_of};
 use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
 use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
-use crate::{Error, Result, error::Fault, internals::output::is_cohort_file, internals::support::endings::stem};
+use crate::{
+    Error, Result, error::Fault, internals::output::StagedFolder, internals::output::is_cohort_file,
+    internals::support::endings::stem,
+};
 
 /// The longest name of a folder, in characters.
 pub const LONGEST: usize = 80;
@@ -19,8 +22,8 @@ pub struct Subject {
     pub name: String,
     /// Its path, as given or as a pattern found it.
     pub input: PathBuf,
-    /// The command line that repeats its run.
-    pub line: String,
+    /// The command line for it alone.
+    pub parts: Vec<Part>,
     /// Its row in a manifest, where it has one.
     pub row: Option<SubjectRow>,
 }
@@ -32,8 +35,6 @@ pub struct SubjectRow {
     place: (PathBuf, usize),
     /// Its own options, by name and value.
     pub options: Vec<(String, String)>,
-    /// The words of the command for it alone.
-    words: Vec<String>,
     /// What else the manifest says of it.
     pub covariates: Covariates,
 }
@@ -49,9 +50,20 @@ impl Subject {
         }
     }
 
+    /// The command line that repeats its run, with an output that is called `again`.
+    pub fn line(&self, again: &str) -> String {
+        line_of(self.parts.clone(), again)
+    }
+
     /// The words of the command for it alone, where it has options of its own.
-    pub fn own_words(&self) -> Option<&[String]> {
-        self.row.as_ref().filter(|row| !row.options.is_empty()).map(|row| &row.words[..])
+    pub fn own_words(&self) -> Option<Vec<String>> {
+        let has_own = self.row.as_ref().is_some_and(|row| !row.options.is_empty());
+        has_own.then(|| words_of(self.parts.clone()))
+    }
+
+    /// What else a manifest says of it.
+    pub fn covariates(&self) -> &[(String, String)] {
+        self.row.as_ref().map_or(&[], |row| &row.covariates)
     }
 
     /// Its own options, as they would be typed.
@@ -97,10 +109,8 @@ pub fn expand(given: &[PathBuf], takes_runs: bool) -> Result<Inputs> {
     let inputs: Vec<PathBuf> = meant.iter().filter(|path| !is_cohort_file(path)).cloned().collect();
     let found = paths(&inputs, "file", |path| is_input(path) || is_there(&path.join(RECORD)))?;
     let found: Vec<PathBuf> = found.into_iter().filter(|path| known.insert(path.clone())).collect();
-    let subject = |(name, input): (String, PathBuf)| {
-        let line = line_of_words(row_words(words_at_work(), &input, given, &[]).into_iter(), "again");
-        Subject { name, input, line, row: None }
-    };
+    let shared = shared_parts(parts_at_work(), given);
+    let subject = |(name, input): (String, PathBuf)| Subject { name, parts: row_parts(&shared, &input, &[]), input, row: None };
     Ok(Inputs::Many(named(&found).into_iter().zip(found).map(subject).collect()))
 }
 
@@ -129,11 +139,12 @@ fn has_inputs(bytes: &[u8]) -> bool {
 /// The subjects of a manifest, each with its own options.
 fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Vec<Subject> {
     let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
+    let shared = shared_parts(parts_at_work(), given);
     let with_row = |(name, row): (String, ManifestRow)| {
         let ManifestRow { input, options, line, covariates, .. } = row;
-        let words = row_words(words_at_work(), &input, given, &options);
-        let row = SubjectRow { place: (path.to_owned(), line), options, words: words.clone(), covariates };
-        Subject { name, input, line: line_of_words(words.into_iter(), "again"), row: Some(row) }
+        let parts = row_parts(&shared, &input, &options);
+        let row = SubjectRow { place: (path.to_owned(), line), options, covariates };
+        Subject { name, input, parts, row: Some(row) }
     };
     names.into_iter().zip(manifest).map(with_row).collect()
 }
@@ -180,22 +191,37 @@ pub fn paths(given: &[PathBuf], kind: &str, fits: impl Fn(&Path) -> bool) -> Res
     Ok(found)
 }
 
+/// Refuses a folder to write that has in it what is read for it, which would be lost with the earlier folder.
+///
+/// # Errors
+///
+/// As [`StagedFolder::check`]; the first path that is in it.
+pub fn check_output<'a>(output: &Path, force: bool, read: impl IntoIterator<Item = &'a Path>) -> Result<()> {
+    StagedFolder::check(output, force)?;
+    let Ok(folder) = fs::canonicalize(output) else { return Ok(()) };
+    let is_in_it = |path: &&Path| fs::canonicalize(path).is_ok_and(|path| path.starts_with(&folder));
+    let lost = |path: &Path| {
+        let accepted = format!("would be replaced, and {} in it is read; expected another folder", path.display());
+        Err(Error::parameter("output", output.display(), accepted))
+    };
+    read.into_iter().find(is_in_it).map_or(Ok(()), lost)
+}
+
 fn is_pattern(path: &Path) -> bool {
     path.to_string_lossy().contains(['*', '?', '[']) && !path.exists()
 }
 
-/// The files that a pattern matches, sorted; as in a shell, `*` takes neither `/` nor a leading dot.
+/// The files that a pattern matches, sorted; as in a shell, `*` takes neither `/` nor a leading dot, and `**` is any number of folders.
 fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {
     let text = pattern.to_string_lossy();
     let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
-    let options = MatchOptions { case_sensitive: true, require_literal_separator: true, require_literal_leading_dot: true };
+    let is_pattern = |text: &str| Pattern::new(text).map_err(|e| refused(format!("no pattern of file names: {e}")));
+    is_pattern(&text)?;
+    let steps = pattern.components().filter(|step| *step != Component::CurDir);
+    let steps = steps.map(|step| Ok((step, is_pattern(&step.as_os_str().to_string_lossy())?)));
     let mut files = Vec::new();
-    for entry in
-        glob_with(&with_last_name_looked_up(&text), options).map_err(|e| refused(format!("no pattern of file names: {e}")))?
-    {
-        let path = entry.map_err(|e| Error::Read { path: e.path().to_owned(), source: e.into() })?;
-        files.extend(Some(path).filter(|path| fits(path)));
-    }
+    find(Path::new(""), &steps.collect::<Result<Vec<_>>>()?, &mut files)?;
+    files.retain(|path| fits(path) && (path.is_dir() || !text.ends_with('/')));
     if files.is_empty() {
         return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));
     }
@@ -203,12 +229,39 @@ fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<V
     Ok(files)
 }
 
-/// The same pattern with the last letter of its last name as `[letter]`: the library leaves out links to nothing where that name is no
-/// pattern.
-fn with_last_name_looked_up(pattern: &str) -> String {
-    let name = pattern.rsplit('/').next().unwrap_or(pattern);
-    let last = name.chars().last().filter(|last| last.is_alphanumeric() && !name.contains(['*', '?', '[']));
-    last.map_or_else(|| pattern.to_owned(), |last| format!("{}[{last}]", &pattern[..pattern.len() - last.len_utf8()]))
+/// Adds to what is found the paths to which the steps of a pattern lead from a folder, be their names UTF-8 or not.
+fn find(folder: &Path, steps: &[(Component<'_>, Pattern)], found: &mut Vec<PathBuf>) -> Result<()> {
+    let Some(((step, pattern), rest)) = steps.split_first() else {
+        found.push(folder.to_owned());
+        return Ok(());
+    };
+    if !pattern.as_str().contains(['*', '?', '[']) {
+        let path = folder.join(step);
+        return if is_there(&path) { find(&path, rest, found) } else { Ok(()) };
+    }
+    let here = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    if !here.is_dir() {
+        return Ok(());
+    }
+    let is_any = pattern.as_str() == "**";
+    if is_any && !rest.is_empty() {
+        find(folder, rest, found)?;
+    }
+    let cannot_be_read = |source| Error::Read { path: here.to_owned(), source };
+    for entry in fs::read_dir(here).map_err(cannot_be_read)? {
+        let name = entry.map_err(cannot_be_read)?.file_name();
+        let (path, name) = (folder.join(&name), name.to_string_lossy());
+        if name.starts_with('.') && !pattern.as_str().starts_with('.') {
+            continue;
+        }
+        if !is_any && pattern.matches(&name) {
+            find(&path, rest, found)?;
+        } else if is_any && path.is_dir() {
+            find(&path, steps, found)?;
+            found.extend(rest.is_empty().then_some(path));
+        }
+    }
+    Ok(())
 }
 
 /// A name for each input: that of the file without its ending; where all files are called the same, that of their folder; where

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clap::{Args, FromArgMatches};
 
-use super::command_line::{argument, as_error, line_of_words, replaced};
+use super::command_line::{argument, as_error, line_of, parts, replaced};
 use super::print::{say_read, say_step, taken};
 use super::{
     args::reading::ReadingArgs, classify::ClassifyArgs, infer::InferArgs, modulate::ModulateArgs, parser, phantom::PhantomArgs,
@@ -34,7 +34,7 @@ pub fn infer(input: &Path, words: &[String]) -> Result<(InferOptions, String)> {
     let name = input.to_string_lossy().into_owned();
     let args = parsed::<InferArgs>(&[&name, "-o", "again"], words)?;
     let line = [vec!["infer".to_owned(), name], words.to_vec()].concat();
-    Ok((args.meaning(input)?, line_of_words(line.into_iter(), "again")))
+    Ok((args.meaning(input)?, line_of(parts(&parser(), &line), "again")))
 }
 
 /// What `willis simulate` does, by its words: the flow as it is, and the changes beside it, each of vessels by name.

@@ -141,12 +141,12 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         made.lines.iter().filter(|_| lumen.is_some()).flat_map(|lines| (0..lines.links.len()).map(|row| lines.labels.of(row)));
     let is_topcow = are_topcow_classes(classes);
     notes.extend(is_topcow.then(|| "the classes are those of the TopCoW challenge, and their vessels its arteries".to_owned()));
+    if is_graph && options.observed {
+        (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
+    }
     if let Some(field_of_view) = options.field_of_view {
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
-    }
-    if is_graph && options.observed {
-        (0..made.network.vessel_count()).for_each(|row| made.network.vessel_mut(row).origin = Origin::Observed);
     }
     let (input, units, frame) = (file.display().to_string(), options.scale.unit.symbol().to_owned(), made.network.frame);
     let provenance = Provenance { input, format: format.name().to_owned(), sha256, units, frame, notes, ..Provenance::default() };
@@ -159,7 +159,7 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
 fn mark_border(network: &mut Network, [low, high]: [Point; 2]) -> usize {
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut radius = vec![0.0; network.node_count()];
-    for ([a, b], vessel) in network.vessels() {
+    for ([a, b], vessel) in network.vessels().filter(|(_, vessel)| vessel.origin == Origin::Observed) {
         (radius[a], radius[b]) = (vessel.end_radius(false), vessel.end_radius(true));
     }
     let mut count = 0;

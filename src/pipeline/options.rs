@@ -98,6 +98,16 @@ impl InferOptions {
         self.phenotypes.validate()?;
         self.keep.map_or(Ok(()), Keep::validate)
     }
+
+    /// Every file that they name, all of which go into a result.
+    pub(crate) fn files(&self) -> Vec<PathBuf> {
+        let prior = if let Some(Prior::File(path)) = &self.prior { Some(path) } else { None };
+        let cut = if let Cut::File(path) = &self.cut { Some(path) } else { None };
+        let landmarks = if let Some(ArterySource::Landmarks(path)) = &self.arteries { Some(path) } else { None };
+        let images = [&self.mask, &self.image, &self.probability].map(Option::as_ref);
+        let others = [self.boundary.conditions.as_ref(), prior, cut, landmarks, self.decisions.as_ref()];
+        others.into_iter().chain(images).flatten().cloned().chain(self.phenotypes.files()).collect()
+    }
 }
 
 /// All options of a run, as run.json stores them.
@@ -122,6 +132,10 @@ impl RunOptions {
         for (own, name) in [("loops", "loops"), ("conditions", "bc"), ("landmarks", "landmarks"), ("decisions", "decisions")] {
             let is_given = flat.remove(own).is_some_and(|path| !path.is_null());
             flat.insert(name.to_owned(), if is_given { "a file".into() } else { Value::Null });
+        }
+        if self.infer.arteries == Some(ArterySource::Geometry) {
+            // Not under `arteries`, which is the model that names them.
+            flat.insert("landmarks".to_owned(), "auto".into());
         }
         if let Some(sha256) = prior.get("sha256") {
             flat.insert("prior".to_owned(), sha256.clone());
@@ -329,6 +343,11 @@ impl PhenotypeOptions {
         let arteries = self.arteries.clone().or_else(|| others.arteries.clone());
         let (unseen, hypoplastic) = (self.unseen.or(others.unseen), self.hypoplastic.or(others.hypoplastic));
         Self { frequencies, unseen, arteries, hypoplastic }
+    }
+
+    /// The files that they name.
+    pub(crate) fn files(&self) -> impl Iterator<Item = PathBuf> {
+        [&self.frequencies, &self.arteries].into_iter().flatten().cloned()
     }
 
     /// Checks the files that are named, whether or not anything looks at them.

@@ -259,9 +259,9 @@ impl WaveSource {
     }
 
     fn coefficients(&self, period: f64, options: &PulseOptions) -> Result<Vec<Complex64>> {
-        let Self::Table { waveform, file } = self else {
-            let Self::Shape(typical) = self else { return Ok(Vec::new()) };
-            return Ok(typical.shape(options.harmonics));
+        let (waveform, file) = match self {
+            Self::Shape(typical) => return Ok(typical.shape(options.harmonics)),
+            Self::Table { waveform, file } => (waveform, file),
         };
         let mut c = coefficients(waveform, period, options.harmonics);
         let refused = |what: &str, value: f64| {

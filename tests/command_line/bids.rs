@@ -226,6 +226,7 @@ fn participants_are_made_one_by_one_and_never_twice() {
     participant(&here, &[]);
     assert!(out.join("sub-02.html").exists());
     refused(&here, &["participant", "-n", "128"], &["sub-01_ses-a", "samples was 64, now 128", "--force"]);
+    refused(&here, &["participant", "-n", "64", "--landmarks", "auto"], &["landmarks was not given, now \"auto\""]);
     assert_eq!(fs::read(out.join("runs/sub-02/run.json")).expect("a run"), of_two);
     let (status, said) = bids(&here, &["participant", "-n", "128", "--participant-label", "02", "--force"]);
     assert!(status == Some(0), "{said}");

@@ -318,6 +318,28 @@ fn a_pattern_is_expanded_and_names_are_unique() {
     assert!(here.path().join("out/run.json").is_file() && !here.path().join("out/cohort.json").exists());
 }
 
+/// Every file that an option names goes into the runs: one that has changed makes them anew, as a cohort of its own has them.
+#[test]
+fn a_file_of_an_option_counts_as_input() {
+    let here = folder();
+    scans(here.path(), &[1, 2]);
+    let write = |complete: f64| {
+        let table = format!("missing,share\ncomplete,{complete}\nL-PComm,{}\n", 1.0 - complete);
+        fs::write(here.path().join("shares.csv"), table).expect("written");
+    };
+    let options = ["--landmarks", "{}.landmarks.csv", "--variant-prior", "shares.csv"];
+    write(0.9);
+    done(&cohort(here.path(), &["scan*.swc"], &options));
+    let before = column(here.path(), "p_variant");
+    write(0.1);
+    let again = cohort(here.path(), &["scan*.swc"], &options);
+    assert!(again.status.success() && !stderr(&again).contains("done already"), "{}", stderr(&again));
+    let after = column(here.path(), "p_variant");
+    assert_ne!(before, after);
+    done(&cohort(here.path(), &["scan*.swc"], &[&options[..], &["-q", "--force"]].concat()));
+    assert_eq!(column(here.path(), "p_variant"), after);
+}
+
 /// A table of nodes is read with the table of edges beside it, in whatever capitals: a change there is a change of the input.
 #[test]
 fn a_file_that_is_read_beside_an_input_counts_as_input() {

@@ -12,7 +12,7 @@ use crate::signals::with_signals;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use willis::cli::check;
-use willis::cli::internals::{infer_words, parser, quoted, row_words};
+use willis::cli::internals::{Part, infer_parts, parser, parts, quoted, row_parts, shared_parts, words_of};
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -333,24 +333,83 @@ fn a_change_that_is_too_small_to_show_is_said_in_words() {
     assert!(ran.status.success() && said.contains("(by less than 0.05 %)") && !said.contains("0.0 %)"), "{said}");
 }
 
+/// A folder in which the inputs lie is not replaced by what is made of them, not even by force: they would be lost.
+#[test]
+fn force_does_not_take_the_inputs_away() {
+    let here = folder();
+    fs::copy(data("broken-circle-of-willis.swc"), here.path().join("scan1.swc")).expect("copied");
+    assert!(willis(here.path(), &["infer", "scan*.swc", "-o", "out", "-n", "64", "-q"]).status.success());
+    let before = contents(here.path());
+    for words in [
+        &["classify", "out/*", "-o", "out"][..],
+        &["measure", "out", "-o", "out"],
+        &["measure", "out/scan1", "-o", "out/scan1"],
+        &["infer", "out/*/topology.graphml", "-o", "out"],
+        &["infer", "out/scan1/candidates.graphml", "-o", "./out/scan1"],
+        &["label", "out/*/topology.graphml", "-o", "out"],
+        &["simulate", "out/scan1/topology.graphml", "-o", "out"],
+        &["modulate", "out/scan1/topology.graphml", "-o", "out"],
+        &["classify", "out/scan1", "-o", "out/scan1"],
+        &["merge", "out/*", "-o", "out"],
+    ] {
+        let output = willis(here.path(), &[words, &["--force"]].concat());
+        let said = stderr(&output);
+        assert!(output.status.code() == Some(2) && said.contains("would be replaced"), "{words:?}: {said}");
+        assert_eq!(contents(here.path()), before, "{words:?}: files were touched");
+    }
+}
+
 #[test]
 fn a_run_of_a_dataset_is_one_of_its_mask() {
-    let words = |line: &str| {
-        infer_words(line.split(' ').map(str::to_owned), "m.nii.gz", &["in", "out", "participant"].map(str::to_owned))
-    };
-    let line =
-        words("-v bids in out participant --participant-label 01 out -n 64 --filter=desc=a --filter run=1 --seed 2").join(" ");
+    let words = |line: &str| words_of(infer_parts(typed(line), Path::new("m.nii.gz"))).join(" ");
+    let line = words("-v bids in out participant --participant-label 01 out -n 64 --filter=desc=a --filter run=1 --seed 2");
     assert_eq!(line, "-v infer m.nii.gz -n 64 --seed 2");
-    assert_eq!(words("bids -n 64 in out participant --session_label a b").join(" "), "infer m.nii.gz -n 64");
+    assert_eq!(words("bids -n 64 in out participant --session_label a b"), "infer m.nii.gz -n 64");
+    assert_eq!(words("bids -n 64 --participant-label 01 02 -- in out participant"), "infer m.nii.gz -n 64");
+}
+
+/// The parts of a line whose words have no blanks.
+fn typed(line: &str) -> Vec<Part> {
+    parts(&parser(), &line.split(' ').map(str::to_owned).collect::<Vec<_>>())
 }
 
 /// What a row of a manifest states replaces what was given for all.
 #[test]
 fn a_row_has_the_words_of_all_but_its_own() {
-    let all = "infer study.csv --spacing 0.5 -o out --landmarks={}.csv -n 64".split(' ').map(str::to_owned);
+    let all = typed("infer study.csv --spacing 0.5 -o out --landmarks={}.csv -n 64");
     let own = [("spacing", "0.4,0.4,0.6"), ("landmarks", "/a b.fcsv")].map(|(a, b)| (a.to_owned(), b.to_owned()));
-    let words = row_words(all, Path::new("x.swc"), &[PathBuf::from("study.csv")], &own);
+    let words = words_of(row_parts(&shared_parts(all, &[PathBuf::from("study.csv")]), Path::new("x.swc"), &own));
     assert_eq!(words, ["infer", "x.swc", "-o", "out", "-n", "64", "--spacing=0.4,0.4,0.6", "--landmarks=/a b.fcsv"]);
+    // What follows -- is no option, and the value of an option is no input.
+    let words = |line: &str, given: &str| {
+        words_of(row_parts(&shared_parts(typed(line), &[PathBuf::from(given)]), Path::new("-x.swc"), &own[..1])).join(" ")
+    };
+    assert_eq!(words("infer -n 64 -- a.csv", "a.csv"), "infer -n 64 --spacing=0.4,0.4,0.6 -- ./-x.swc");
+    assert_eq!(words("infer 64 -n 64 -vo out", "64"), "infer ./-x.swc -n 64 -v -o out --spacing=0.4,0.4,0.6");
+    assert_eq!(words("infer infer", "infer"), "infer ./-x.swc --spacing=0.4,0.4,0.6");
+}
+
+/// The line in run.json, given to a shell, makes the same vessels again, in whatever way the words were typed.
+#[cfg(unix)]
+#[test]
+fn a_recorded_line_repeats_its_run() {
+    let here = folder();
+    fs::copy(data("broken-circle-of-willis.swc"), here.path().join("-lead.swc")).expect("copied");
+    let bin = Path::new(env!("CARGO_BIN_EXE_willis")).parent().expect("a folder").display().to_string();
+    let ways = ["infer -n 64 -o out1 -- -lead.swc", "infer ./-lead.swc -n 64 -qo out2", "infer ./-lead.swc -qn64 -oout3"];
+    for (at, line) in ways.into_iter().enumerate() {
+        let out = here.path().join(format!("out{}", at + 1));
+        let made = willis(here.path(), &line.split(' ').collect::<Vec<_>>());
+        assert!(made.status.success(), "{line}: {}", stderr(&made));
+        let record: serde_json::Value = serde_json::from_slice(&fs::read(out.join("run.json")).expect("a record")).expect("JSON");
+        let recorded = record["command"].as_str().expect("a line");
+        let again = format!("PATH='{bin}':\"$PATH\"; {recorded}");
+        let ran = Command::new("sh").args(["-c", &again]).current_dir(here.path()).output().expect("a shell");
+        assert!(ran.status.success(), "{recorded}: {}", stderr(&ran));
+        let edges = |folder: &Path| fs::read(folder.join("edges.csv")).expect("a table");
+        assert_eq!(edges(&here.path().join("again")), edges(&out), "{recorded}");
+        fs::remove_dir_all(here.path().join("again")).expect("removed");
+    }
 }
 
 /// A POSIX shell splits the line into the same words again.

@@ -35,6 +35,32 @@ fn study(here: &Path) {
     }
 }
 
+/// What follows `--` is an input: the options of a row stand before it, so that its unit counts.
+#[test]
+fn a_row_keeps_its_unit_where_the_manifest_follows_two_dashes() {
+    let here = folder();
+    let here = here.path();
+    fs::write(here.join("line.swc"), "1 0 0 0 0 1 -1\n2 0 10 0 0 1 1\n3 0 20 0 0 1 2\n").expect("written");
+    fs::write(here.join("study.csv"), "input,units\nline.swc,cm\n").expect("written");
+    done(here, &["infer", "-o", "cohort", "-n", "64", "-q", "--", "study.csv"]);
+    let record = record(&here.join("cohort/line"));
+    assert_eq!(record["options"]["read"]["scale"]["unit"], "cm");
+    assert_eq!(record["command"], "willis infer -n 64 --units=cm --landmarks auto -o again -- line.swc");
+}
+
+/// Arteries are named where nobody says where they are, whether or not a row has other options of its own.
+#[test]
+fn a_row_with_options_of_its_own_is_named_as_the_others() {
+    let here = folder();
+    let here = here.path();
+    study(here);
+    fs::write(here.join("study/rows.csv"), "subject,input,default_radius\na,first.swc,\nb,first.swc,1mm\n").expect("written");
+    done(here, &["infer", "study/rows.csv", "-o", "cohort", "-n", "64", "-q"]);
+    let [a, b] = ["a", "b"].map(|subject| record(&here.join("cohort").join(subject)));
+    assert!(a["phenotype"].is_object() && a["phenotype"] == b["phenotype"]);
+    assert!(b["command"].as_str().is_some_and(|line| line.ends_with(" --default-radius=1mm --landmarks auto -o again")));
+}
+
 /// Rows with options of their own, in the words of BIDS and of willis; each row is the run with these options.
 #[test]
 fn every_row_is_a_run_with_its_own_options() {
@@ -165,6 +191,8 @@ fn spacing_auto_is_that_which_is_stated() {
     assert!((length("p1") - 40.0).abs() < 1e-9 && (length("p2") - 20.0).abs() < 1e-9, "{} {}", length("p1"), length("p2"));
     done(here, &["infer", "p1/t.swc", "-o", "one", "-n", "64", "--spacing", "auto"]);
     done(here, &["infer", "p2/t.swc", "-o", "two", "-n", "64", "--spacing", "0.25", "--units", "voxel"]);
+    let said = done(here, &["convert", "p1/t.swc", "line.vtp", "--spacing", "auto"]);
+    assert!(said.contains("SWC, voxel: "), "{said}");
     done(here, &["merge", "one", "two", "-o", "merged"]);
     fs::remove_file(here.join("p2/Image_info.txt")).expect("removed");
     refused(
@@ -175,6 +203,19 @@ fn spacing_auto_is_that_which_is_stated() {
     refused(here, &["infer", "p1/t.swc", "-o", "x", "--spacing", "auto", "--units", "mm"], &["--spacing auto", "--units voxel"]);
     done(here, &["phantom", "cerebral", "-o", "scan.nii", "--spacing", "0.8", "-q"]);
     done(here, &["infer", "scan.nii", "-o", "mask", "-n", "64", "--spacing", "auto"]);
+}
+
+/// What compares a cohort with the truth is of the manifest as it is: without the truth there is none.
+#[test]
+fn an_earlier_comparison_with_the_truth_does_not_stay() {
+    let here = folder();
+    let circle = data("circle-of-willis/complete.graphml");
+    fs::write(here.path().join("study.csv"), format!("subject,input,truth\na,{circle},complete\n")).expect("written");
+    let classify = ["classify", "study.csv", "-o", "out", "-q"];
+    done(here.path(), &[&classify[..], &["--truth", "truth"]].concat());
+    assert!(here.path().join("out/accuracy.csv").is_file());
+    done(here.path(), &classify);
+    assert!(here.path().join("out/cohort.csv").is_file() && !here.path().join("out/accuracy.csv").exists());
 }
 
 /// Three circles, one of which is said to be another: by hand, 2 of 3 are right; of the two that are said to be complete, one.

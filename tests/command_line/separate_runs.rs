@@ -199,6 +199,34 @@ fn priors_are_compared_by_content() {
     refused(here, &["merge", "a", "c", "-o", "out"], &["c: has prior"]);
 }
 
+/// Runs in which the arteries were named, and others, have other columns: they are no cohort of one command.
+#[test]
+fn runs_whose_arteries_were_named_do_not_go_with_others() {
+    let here = folder();
+    let here = here.path();
+    scans(here);
+    done(here, &["infer", "p1/t.swc", "-o", "a", "-n", "64", "-q"]);
+    done(here, &["infer", "p2/t.swc", "-o", "b", "-n", "64", "-q", "--landmarks", "auto"]);
+    refused(here, &["merge", "a", "b", "-o", "out"], &["b: has landmarks \"auto\"", "a has not given", "the same options"]);
+}
+
+/// A tracing without iCafe's Image_info.txt beside it is a failure of the input, which goes with the runs of those that have one.
+#[test]
+fn a_spacing_that_nothing_states_is_a_failure_of_the_input() {
+    let here = folder();
+    let here = here.path();
+    scans(here);
+    fs::write(here.join("p1/Image_info.txt"), "Voxel spacing: 0.5\nOrigin: 0,0,0\n").expect("written");
+    for (input, out) in [("p1/t.swc", "runs/a"), ("p2/t.swc", "runs/b")] {
+        done(here, &["infer", input, "-o", out, "-n", "128", "--spacing", "auto", "--record-failure", "-q"]);
+    }
+    assert!(here.join("runs/a/run.json").is_file() && here.join("runs/b/failed.json").is_file());
+    done(here, &["merge", "runs/*", "-o", "cohort"]);
+    let rows = rows(&here.join("cohort"));
+    let status = rows[0].iter().position(|name| name == "status").expect("a column");
+    assert_eq!(rows[1..].iter().map(|row| &*row[status]).collect::<Vec<_>>(), ["ok", "failed"]);
+}
+
 /// What is wrong with the input is kept in the place of its run; what is wrong with the command, or the disk, is not.
 #[test]
 fn only_a_failure_of_the_input_is_recorded() {

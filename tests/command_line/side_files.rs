@@ -178,3 +178,31 @@ fn a_pipe_that_is_named_is_read() {
     assert_eq!(status, Some(0), "{said}");
     fill.join().expect("ends");
 }
+
+/// Beside a file whose name is no UTF-8 a pattern finds every other, and it.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_pattern_finds_names_that_are_no_utf8() {
+    use std::os::unix::ffi::OsStrExt;
+    let here = folder();
+    let circle = fs::read(data("broken-circle-of-willis.swc")).expect("data");
+    let latin = std::ffi::OsStr::from_bytes(b"fran\xe7ois.swc");
+    for path in
+        [Path::new("a.swc"), latin.as_ref(), Path::new(".hidden.swc"), Path::new("deep/b.swc"), Path::new("deep/.c/d.swc")]
+    {
+        let path = here.path().join(path);
+        fs::create_dir_all(path.parent().expect("a folder")).expect("made");
+        fs::write(path, &circle).expect("written");
+    }
+    let found = |pattern: &str| -> Vec<String> {
+        let (status, said) = run(here.path(), &["infer", pattern, "-n", "64", "-q", "--dpi", "36", "-o", "out", "--force"]);
+        assert_eq!(status, Some(0), "{said}");
+        let table = fs::read_to_string(here.path().join("out/cohort.csv")).expect("a table");
+        table.lines().skip(1).map(|row| row.split(',').take(2).collect::<Vec<_>>().join(" of ")).collect()
+    };
+    assert_eq!(found("./*.swc"), ["a of a.swc", "fran_ois of fran\u{fffd}ois.swc"]);
+    assert_eq!(found("a*.swc"), ["a of a.swc"]);
+    // Any number of folders, but none that is hidden, unless it is named.
+    assert_eq!(found("**/[bcd].swc"), ["b of deep/b.swc"]);
+    assert_eq!(found("*/.c/*"), ["d of deep/.c/d.swc"]);
+}

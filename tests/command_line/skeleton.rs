@@ -93,6 +93,33 @@ fn nothing_is_joined_where_vessels_leave_the_image() {
     }
 }
 
+/// Ends are those of what was observed, with its radii: of a graph that is taken as observed every edge, of a ready one no candidate. By hand:
+/// a is half a mm from its face, c too; b is 4 mm from its own, and only the candidate is so wide.
+#[test]
+fn ends_at_the_border_are_those_of_observed_vessels() {
+    let here = folder();
+    let key = |name: &str, of: &str| format!("<key id=\"{name}\" for=\"{of}\" attr.name=\"{name}\" attr.type=\"string\"/>");
+    let keys = ["x_mm", "y_mm", "z_mm"].map(|name| key(name, "node")).concat()
+        + &["radius_mm", "length_mm", "origin"].map(|name| key(name, "edge")).concat();
+    let data = |name: &str, value: &str| format!("<data key=\"{name}\">{value}</data>");
+    let node =
+        |id: &str, x: &str| format!("<node id=\"{id}\">{}{}{}</node>", data("x_mm", x), data("y_mm", "0"), data("z_mm", "0"));
+    let edge = |a: &str, b: &str, radius: &str, origin: &str| {
+        let figures = data("radius_mm", radius) + &data("length_mm", "10") + &data("origin", origin);
+        format!("<edge source=\"{a}\" target=\"{b}\">{figures}</edge>")
+    };
+    let nodes = node("a", "0") + &node("b", "10") + &node("c", "20");
+    let edges = edge("a", "b", "1", "observed") + &edge("b", "c", "5", "candidate");
+    fs::write(here.path().join("g.graphml"), format!("<graphml>{keys}<graph>{nodes}{edges}</graph></graphml>")).expect("written");
+    let said = |more: &[&str]| {
+        let output = willis(here.path(), &[&["candidates", "g.graphml", "-o", "out.graphml", "--force"], more].concat());
+        assert!(output.status.success(), "{}", stderr(&output));
+        stderr(&output)
+    };
+    assert!(said(&["--observed", "--box=-0.5,-9,-9,20.5,9,9"]).contains("2 free ends at the border"));
+    assert!(said(&["--box=-0.5,-9,-9,14,9,9"]).contains("1 free end at the border"));
+}
+
 /// Four broken vessels and a branch in a box, indices to class.
 fn is_vessel([x, y, z]: [i64; 3]) -> bool {
     if !(0..60).contains(&x) || !(0..44).contains(&y) || !(0..24).contains(&z) {

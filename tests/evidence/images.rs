@@ -183,6 +183,7 @@ fn an_image_that_cannot_be_looked_at_is_refused() {
     refused(files, &skeleton, &["a.nii"]);
     refused(files, &["infer", "a.swc", "-o", "out", "--vessels", "dark"], &["--image"]);
     refused(&[], &["phantom", "tree", "-o", "a.swc", "--image", "b.nii"], &["--image", ".nii.gz"]);
+    refused(&[], &["phantom", "tree", "-o", "a.nii", "--image", "./a.nii"], &["--image ./a.nii", "another file"]);
 }
 
 #[test]

@@ -170,6 +170,8 @@ fn what_is_wrong_is_said_in_one_line() {
     fails(&["trees", "-o", "w.toml", "--folds", "0", "--save-folds"], &["--save-folds"]);
     fails(&["trees", "-o", "w.toml", "--l2=-1"], &["--l2 -1"]);
     fails(&["trees", "-o", "w.toml", "--l2", "nan"], &["--l2 NaN"]);
+    fails(&["trees", "-o", "w.toml", "--images-onto", "nothere.toml"], &["--images-onto nothere.toml", "--model skeleton"]);
+    fails(&["trees", "-o", "w.toml", "--model", "labels", "--passes", "1"], &["--passes 1", "--model tracing"]);
     fails(&["trees", "-o", "w.toml", "--passes", "0"], &["--passes 0"]);
     let truth = |text: &str| fs::write(case.join("truth.json"), text).expect("a file");
     truth("{\"breaks\": [{\"ids\": [1, 999999]}]}");

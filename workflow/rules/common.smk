@@ -13,6 +13,12 @@ OUT = config["output"]
 INFER = [f"{config['willis']} infer", f"-n {config['samples']} {config['options']}"]
 
 
+def stem_of(path):
+    """The name of a file without its ending, of which .nii.gz is one."""
+    bare = Path(path).stem
+    return Path(bare).stem if path.lower().endswith(".gz") else bare
+
+
 def subjects(patterns):
     """The input of every subject by its name, which is what willis infer calls it in a cohort of the same inputs."""
     found = [
@@ -24,10 +30,10 @@ def subjects(patterns):
     found = list(dict.fromkeys(found))
     if not found:
         raise WorkflowError(f"inputs {patterns!r}: matches no file; set inputs to a pattern of centerline files")
-    times = Counter(Path(path).stem.lower() for path in found)
+    times = Counter(stem_of(path).lower() for path in found)
     named = {}
     for path in found:
-        stem, folder = Path(path).stem, Path(path).parent.name
+        stem, folder = stem_of(path), Path(path).parent.name
         shared = times[stem.lower()]
         if shared > 1 and folder:
             stem = folder if shared == len(found) else f"{folder}-{stem}"

@@ -11,7 +11,7 @@ use derivative::Derivative;
 use serde_json::Value;
 
 use super::cohort::{Cohort, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, make_each, say_notes_of};
-use super::command_line::{infer_words, line_of_words, with_flags, words_at_work};
+use super::command_line::{Part, infer_parts, parts_at_work, with_flags};
 use super::print::{TextTerminal, listed, plural};
 use super::{infer::InferenceArgs, infer::Inferences, shell::print_json, signals::listen, subjects::Subject};
 use crate::internals::formats::{Covariates, is_there};
@@ -73,12 +73,12 @@ impl BidsArgs {
 
     /// A run for each mask that is chosen.
     fn participants(self, dataset: &Dataset, derivative: &Derivative, terminal: TextTerminal, force: bool) -> Result<()> {
-        let places = [self.source.display().to_string(), self.output.display().to_string(), "participant".to_owned()];
         let json = self.inference.json;
         let work = Inferences::new(self.inference)?;
         let parameters = work.of_many()?;
         let (masks, without) = dataset.masks(&self.choice)?;
-        let runs: Vec<MaskRun> = masks.iter().map(|mask| MaskRun::of(mask, &places, &work, &parameters, dataset)).collect();
+        let given = parts_at_work();
+        let runs: Vec<MaskRun> = masks.iter().map(|mask| MaskRun::of(mask, &given, &work, &parameters, dataset)).collect();
         let earlier: Vec<Option<_>> = runs.iter().map(|run| read_json(&derivative.run(run.mask).join(LEDGER), "").ok()).collect();
         if !force {
             runs.iter().zip(&earlier).try_for_each(|(run, earlier)| run.check(earlier.as_ref(), &derivative.run(run.mask)))?;
@@ -174,10 +174,9 @@ struct MaskRun<'a> {
 }
 
 impl<'a> MaskRun<'a> {
-    fn of(mask: &'a DatasetMask, places: &[String], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
-        let words = infer_words(words_at_work(), &mask.path.to_string_lossy(), places);
-        let (name, input, line) = (mask.run(), mask.path.clone(), line_of_words(words.into_iter(), "again"));
-        let subject = Subject { name, input, line, row: None };
+    fn of(mask: &'a DatasetMask, given: &[Part], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
+        let parts = infer_parts(given.to_vec(), &mask.path);
+        let subject = Subject { name: mask.run(), input: mask.path.clone(), parts, row: None };
         let entry = LedgerEntry::of(&subject, work.files(&mask.path));
         // The same by whatever way the dataset is named.
         let ledger = Ledger::new("bids", parameters, vec![entry.renamed(|path| dataset.place_of(path))]);
@@ -210,7 +209,7 @@ impl<'a> MaskRun<'a> {
             }
             Err(error) if Failure::is_of_input(&error) => {
                 drop(folder);
-                work.failure(&mask.path, self.subject.line.clone(), with_flags(&error))?.write(&target, true)?;
+                work.failure(&mask.path, self.subject.line("again"), with_flags(&error))?.write(&target, true)?;
                 derivative.clear(mask)?;
                 Err(error)
             }

@@ -14,7 +14,7 @@ use crate::internals::training::{
     goes_without_inlets, read_cases,
 };
 use crate::{
-    Error, Result, internals::candidates::joins::model::JoinModel, internals::output::StagedFiles, internals::pipeline::require,
+    Result, internals::candidates::joins::model::JoinModel, internals::output::StagedFiles, internals::pipeline::require,
 };
 
 pub use args::TrainArgs;
@@ -27,11 +27,8 @@ impl TrainArgs {
         let params = self.params()?;
         let output = Output { paths: self.outputs()?, force, terminal, began: Instant::now() };
         StagedFiles::check(&output.paths[0], &output.paths[1..], force)?;
-        if let Some(path) = self.calibrate_with.first().filter(|_| !matches!(self.model, ModelKind::Tracing)) {
-            return Err(Error::parameter("calibrate_with", path.display(), "goes with --model tracing"));
-        }
+        self.refuse_unused()?;
         if let Some(path) = &self.calibrate_onto {
-            require(matches!(self.model, ModelKind::Contacts), "calibrate_onto", path.display(), "goes with --model contacts")?;
             return trees::calibrate(path, &self, &output);
         }
         match self.model {
@@ -40,6 +37,23 @@ impl TrainArgs {
             ModelKind::Contacts => trees::run::<ContactModel>(&self, &output),
             ModelKind::Labels => fit_labels(&self, &output),
         }
+    }
+
+    /// Refuses options that the model does not look at.
+    fn refuse_unused(&self) -> Result<()> {
+        let usual = TrainParams::default();
+        let (is_tracing, of_tracing) = (self.model == ModelKind::Tracing, "goes with --model tracing");
+        require(is_tracing || self.l2 == usual.l2, "l2", self.l2, of_tracing)?;
+        require(is_tracing || self.passes == usual.iterations.len(), "passes", self.passes, of_tracing)?;
+        if let Some(path) = self.calibrate_with.first() {
+            require(is_tracing, "calibrate_with", path.display(), of_tracing)?;
+        }
+        if let Some(path) = &self.images_onto {
+            let is_of_trees = matches!(self.model, ModelKind::Skeleton | ModelKind::Contacts);
+            require(is_of_trees, "images_onto", path.display(), "goes with --model skeleton or contacts")?;
+        }
+        let Some(path) = &self.calibrate_onto else { return Ok(()) };
+        require(self.model == ModelKind::Contacts, "calibrate_onto", path.display(), "goes with --model contacts")
     }
 
     /// Fits the weights of tracings.
