@@ -256,6 +256,21 @@ fn polylines_that_share_coordinates_share_a_point() {
     assert_eq!([c.labels.of(0), c.labels.of(1)], ["", "a"]);
 }
 
+/// The label of a stretch that is drawn twice is lost in no order.
+#[test]
+fn of_two_lines_on_each_other_the_one_with_a_label_gives_it() {
+    let line: [Point; 2] = [[0.0; 3], [1.0, 0.0, 0.0]];
+    for strands in [["", "a"], ["a", ""], ["a", "b"]] {
+        let mut lines = Centerlines::default();
+        for (strand, label) in (0..).zip(strands) {
+            let ends = line.map(|point| lines.add_point(point, 1.0, lines.points.len() as u64, strand));
+            lines.add_link(ends, label);
+        }
+        assert_eq!(lines.weld(1e-6), 2);
+        assert_eq!((lines.links.len(), lines.labels.of(0)), (1, "a"), "{strands:?}");
+    }
+}
+
 #[test]
 fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring() {
     let touch = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];

@@ -158,7 +158,7 @@ impl Centerlines {
     }
 
     /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
-    /// double.
+    /// double. Of double links the first with a label gives it.
     fn merge(&mut self, class: &[usize]) -> usize {
         let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
         let mut new_index = vec![0_u32; class.len()];
@@ -179,12 +179,18 @@ impl Centerlines {
         self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
         let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
         self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
-        let mut seen = std::collections::HashSet::new();
+        let mut row_of: HashMap<[u32; 2], usize> = HashMap::new();
         let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
         for (row, link) in links.into_iter().enumerate() {
             let [a, b] = link.map(|p| new_index[p as usize]);
-            if a != b && seen.insert([a.min(b), a.max(b)]) {
+            if a == b {
+                continue;
+            }
+            let kept = *row_of.entry([a.min(b), a.max(b)]).or_insert(self.links.len());
+            if kept == self.links.len() {
                 self.add_link([a, b], labels.of(row));
+            } else if self.labels.of(kept).is_empty() {
+                self.labels.set(kept, labels.of(row));
             }
         }
         self.points = kept.iter().map(|p| self.points[*p]).collect();
