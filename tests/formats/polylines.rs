@@ -281,6 +281,28 @@ fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring(
     assert_eq!(c.links.len(), 3);
 }
 
+/// A ring of 22 m: from 1 to 3 m by the side of 1 m, and back by 10, 1 and 10 m, wherever it begins.
+#[test]
+fn missing_radii_go_round_the_end_of_a_ring() {
+    let ring = [([0.0; 3], f64::NAN), ([10.0, 0.0, 0.0], 1.0), ([10.0, 1.0, 0.0], 3.0), ([0.0, 1.0, 0.0], f64::NAN)];
+    for begins in 0..4 {
+        let mut lines = Centerlines::default();
+        for at in (0..5).map(|step| (begins + step) % 4) {
+            let point = lines.add_point(ring[at].0, ring[at].1, at as u64, 0);
+            if point > 0 {
+                lines.add_link([point - 1, point], "");
+            }
+        }
+        let network = network_of(lines);
+        let path = &network.vessel(0).path;
+        assert_eq!(path.len(), 5);
+        for point in path {
+            let radius = [3.0 - 2.0 * 11.0 / 21.0, 1.0, 3.0, 3.0 - 2.0 * 10.0 / 21.0][point.id.expect("its number") as usize];
+            assert!((point.radius - radius).abs() < 1e-12, "{begins}: {point:?} for {radius}");
+        }
+    }
+}
+
 #[test]
 fn the_grid_finds_the_pairs_that_brute_force_finds() {
     let points: Vec<Point> =

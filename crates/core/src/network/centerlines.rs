@@ -435,22 +435,32 @@ fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
-/// The radii along some points: missing ones linear over arc length between valid neighbours, level beyond the outermost; `None`
-/// when there is no valid one.
+/// The radii along some points: missing ones linear over arc length between valid neighbours, round the end of a ring too, and level beyond
+/// the outermost; `None` when there is no valid one.
 fn radii_along(points: &[usize], lines: &Centerlines) -> Option<Vec<f64>> {
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
-    let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
-    let (first, last) = (*valid.first()?, *valid.last()?);
+    let mut valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
+    let (first, last, end) = (*valid.first()?, *valid.last()?, radii.len() - 1);
     let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let (head, tail) = (radii[first], radii[last]);
-    radii[..first].fill(head);
-    radii[last..].fill(tail);
+    let between = |from: f64, to: f64, along: f64, span: f64| {
+        let share = if span > 0.0 { along / span } else { 0.5 };
+        from + share * (to - from)
+    };
+    if points[0] == points[end] && first > 0 {
+        let (before, behind) = (arc[end] - arc[last], arc[first]);
+        radii[0] = between(tail, head, before, before + behind);
+        radii[end] = radii[0];
+        valid = [vec![0], valid, vec![end]].concat();
+    } else {
+        radii[..first].fill(head);
+        radii[last..].fill(tail);
+    }
     for pair in valid.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let (ra, rb, span) = (radii[a], radii[b], arc[b] - arc[a]);
         for i in a + 1..b {
-            let share = if span > 0.0 { (arc[i] - arc[a]) / span } else { 0.5 };
-            radii[i] = ra + share * (rb - ra);
+            radii[i] = between(ra, rb, arc[i] - arc[a], span);
         }
     }
     Some(radii)
