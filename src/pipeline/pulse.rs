@@ -11,7 +11,7 @@ use willis_core::flow::{Boundary, Tube};
 use willis_core::network::units::{ml_per_min, mmhg};
 use willis_core::network::waveform::{Quantity, Waveform};
 use willis_core::network::{Condition, Role, locate};
-use willis_core::simulation::pulse::fourier::{beyond, coefficients, samples};
+use willis_core::simulation::pulse::fourier::{Indices, beyond, coefficients, samples};
 use willis_core::simulation::pulse::{Drive, Pulse, Pulses, Setting, terminals, typical, walled};
 use willis_core::simulation::{Perturbation, Simulation, perturbed};
 use willis_core::{flow::state::State, simulation::pulse::typical::Typical, simulation::pulse::womersley::Fluid};
@@ -188,8 +188,9 @@ impl Waves {
             "inlets": inlets.collect::<Vec<_>>(),
         });
         let unperturbed = solve(&simulation.unperturbed, &vessels)?;
-        let first = self.drives(network, &simulation.unperturbed).swap_remove(0);
-        Ok((Pulses { unperturbed, perturbed, fluid, first, times: options.times }, record))
+        let first = &self.drives(network, &simulation.unperturbed)[0];
+        let first_phase = Indices::of(&first.coefficients, self.period, 0.0).phase;
+        Ok((Pulses { unperturbed, perturbed, fluid, first_phase, times: options.times }, record))
     }
 }
 

@@ -10,6 +10,7 @@ use willis::{Change, FlowOptions, ReadOptions};
 
 use crate::draw::Draw;
 use crate::networks::{VISCOSITY, boundary, log_radii, random_conditions, random_network};
+use crate::vessels::{network, tube};
 
 fn close(got: f64, expected: f64, within: f64, what: &str) {
     assert!((got - expected).abs() <= within * expected.abs().max(1.0), "{what}: {got} for {expected}");
@@ -21,6 +22,13 @@ fn follow(network: &Network, boundary: &Boundary) -> (Transport, f64) {
     let transport = Transports::of(network, boundary, &result).unperturbed;
     let diffused = result.unperturbed.vessels.iter().enumerate().filter(|(_, vessel)| vessel.diffused);
     (transport, diffused.map(|(row, _)| network.vessel(row).volume()).sum())
+}
+
+/// A vessel from a node to itself is there once, two beside each other are two.
+#[test]
+fn the_vessels_of_a_node_are_those_that_end_there() {
+    let network = network(3, [[0, 1], [1, 0], [1, 1], [1, 2]].map(|ends| (ends, tube(5.0, 1.0))));
+    assert_eq!([0, 1, 2].map(|node| network.vessels_of(node).count()), [2, 4, 1]);
 }
 
 #[test]

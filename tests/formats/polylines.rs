@@ -256,6 +256,21 @@ fn polylines_that_share_coordinates_share_a_point() {
     assert_eq!([c.labels.of(0), c.labels.of(1)], ["", "a"]);
 }
 
+/// The label of a stretch that is drawn twice is lost in no order.
+#[test]
+fn of_two_lines_on_each_other_the_one_with_a_label_gives_it() {
+    let line: [Point; 2] = [[0.0; 3], [1.0, 0.0, 0.0]];
+    for strands in [["", "a"], ["a", ""], ["a", "b"]] {
+        let mut lines = Centerlines::default();
+        for (strand, label) in (0..).zip(strands) {
+            let ends = line.map(|point| lines.add_point(point, 1.0, lines.points.len() as u64, strand));
+            lines.add_link(ends, label);
+        }
+        assert_eq!(lines.weld(1e-6), 2);
+        assert_eq!((lines.links.len(), lines.labels.of(0)), (1, "a"), "{strands:?}");
+    }
+}
+
 #[test]
 fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring() {
     let touch = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [3.0, 0.0, 0.0]];
@@ -264,6 +279,28 @@ fn a_line_that_touches_itself_midway_stays_open_and_a_closed_one_becomes_a_ring(
     let mut c = line(&[&ring]);
     assert_eq!(c.weld(1e-6), 1);
     assert_eq!(c.links.len(), 3);
+}
+
+/// A ring of 22 m: from 1 to 3 m by the side of 1 m, and back by 10, 1 and 10 m, wherever it begins.
+#[test]
+fn missing_radii_go_round_the_end_of_a_ring() {
+    let ring = [([0.0; 3], f64::NAN), ([10.0, 0.0, 0.0], 1.0), ([10.0, 1.0, 0.0], 3.0), ([0.0, 1.0, 0.0], f64::NAN)];
+    for begins in 0..4 {
+        let mut lines = Centerlines::default();
+        for at in (0..5).map(|step| (begins + step) % 4) {
+            let point = lines.add_point(ring[at].0, ring[at].1, at as u64, 0);
+            if point > 0 {
+                lines.add_link([point - 1, point], "");
+            }
+        }
+        let network = network_of(lines);
+        let path = &network.vessel(0).path;
+        assert_eq!(path.len(), 5);
+        for point in path {
+            let radius = [3.0 - 2.0 * 11.0 / 21.0, 1.0, 3.0, 3.0 - 2.0 * 10.0 / 21.0][point.id.expect("its number") as usize];
+            assert!((point.radius - radius).abs() < 1e-12, "{begins}: {point:?} for {radius}");
+        }
+    }
 }
 
 #[test]

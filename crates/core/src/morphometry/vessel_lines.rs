@@ -62,7 +62,6 @@ impl VesselLine {
     /// The place on the line at a length from its beginning, or from its end, m.
     pub fn place(&self, length: f64, from_end: bool) -> Option<Point> {
         let wanted = if from_end { self.length - length } else { length };
-        // A vessel of no length has one point.
         let last = self.points.len().checked_sub(1)?;
         let next = self.at.partition_point(|at| *at < wanted).max(1).min(last);
         let [a, b] = [next.saturating_sub(1), next];

@@ -158,7 +158,7 @@ impl Centerlines {
     }
 
     /// Replaces every point by the first one of its class, with the largest radius of the class; drops links that became empty or
-    /// double.
+    /// double. Of double links the first with a label gives it.
     fn merge(&mut self, class: &[usize]) -> usize {
         let mut first_of = vec![None; class.iter().max().map_or(0, |most| most + 1)];
         let mut new_index = vec![0_u32; class.len()];
@@ -179,12 +179,18 @@ impl Centerlines {
         self.merged.iter_mut().for_each(|(_, row)| *row = new_index[*row as usize]);
         let is_gone = |point: &usize| kept[new_index[*point] as usize] != *point;
         self.merged.extend((0..class.len()).filter(is_gone).map(|point| (self.ids[point], new_index[point])));
-        let mut seen = std::collections::HashSet::new();
+        let mut row_of: HashMap<[u32; 2], usize> = HashMap::new();
         let (links, labels) = (std::mem::take(&mut self.links), std::mem::take(&mut self.labels));
         for (row, link) in links.into_iter().enumerate() {
             let [a, b] = link.map(|p| new_index[p as usize]);
-            if a != b && seen.insert([a.min(b), a.max(b)]) {
+            if a == b {
+                continue;
+            }
+            let kept = *row_of.entry([a.min(b), a.max(b)]).or_insert(self.links.len());
+            if kept == self.links.len() {
                 self.add_link([a, b], labels.of(row));
+            } else if self.labels.of(kept).is_empty() {
+                self.labels.set(kept, labels.of(row));
             }
         }
         self.points = kept.iter().map(|p| self.points[*p]).collect();
@@ -447,22 +453,32 @@ fn label(lines: &Centerlines, run: &Walk) -> (String, bool) {
     (longest.0.to_owned(), lengths.len() > 1)
 }
 
-/// The radii along some points: missing ones linear over arc length between valid neighbours, level beyond the outermost; `None`
-/// when there is no valid one.
+/// The radii along some points: missing ones linear over arc length between valid neighbours, round the end of a ring too, and level beyond
+/// the outermost; `None` when there is no valid one.
 fn radii_along(points: &[usize], lines: &Centerlines) -> Option<Vec<f64>> {
     let mut radii: Vec<f64> = points.iter().map(|p| lines.radii[*p]).collect();
-    let valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
-    let (first, last) = (*valid.first()?, *valid.last()?);
+    let mut valid: Vec<usize> = (0..radii.len()).filter(|i| is_radius(radii[*i])).collect();
+    let (first, last, end) = (*valid.first()?, *valid.last()?, radii.len() - 1);
     let arc = arc_lengths(points.iter().map(|point| lines.points[*point]));
     let (head, tail) = (radii[first], radii[last]);
-    radii[..first].fill(head);
-    radii[last..].fill(tail);
+    let between = |from: f64, to: f64, along: f64, span: f64| {
+        let share = if span > 0.0 { along / span } else { 0.5 };
+        from + share * (to - from)
+    };
+    if points[0] == points[end] && first > 0 {
+        let (before, behind) = (arc[end] - arc[last], arc[first]);
+        radii[0] = between(tail, head, before, before + behind);
+        radii[end] = radii[0];
+        valid = [vec![0], valid, vec![end]].concat();
+    } else {
+        radii[..first].fill(head);
+        radii[last..].fill(tail);
+    }
     for pair in valid.windows(2) {
         let (a, b) = (pair[0], pair[1]);
         let (ra, rb, span) = (radii[a], radii[b], arc[b] - arc[a]);
         for i in a + 1..b {
-            let share = if span > 0.0 { (arc[i] - arc[a]) / span } else { 0.5 };
-            radii[i] = ra + share * (rb - ra);
+            radii[i] = between(ra, rb, arc[i] - arc[a], span);
         }
     }
     Some(radii)

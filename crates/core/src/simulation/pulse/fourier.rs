@@ -94,11 +94,12 @@ impl Indices {
     /// The figures of a signal of period T (s). A mean below `rounding` is none.
     pub fn of(coefficients: &[Complex64], period: f64, rounding: f64) -> Self {
         let mean = coefficients[0].re;
-        let forward = direction(mean);
+        let forward = if mean < 0.0 { -1.0 } else { 1.0 };
         let values = samples(coefficients, TIMES);
         let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
         let against: f64 = values.iter().map(|x| (-forward * x).max(0.0)).sum();
         let all: f64 = values.iter().map(|x| x.abs()).sum();
+        let first = coefficients.get(1).map_or(0.0, |c| -(c * forward).arg() / TAU * period);
         let top = if forward > 0.0 { high } else { -low };
         let defined = mean.abs() > rounding;
         let only = |x: f64| if defined { x } else { f64::NAN };
@@ -110,23 +111,8 @@ impl Indices {
             resistive: only((high - low) / top),
             reversed_share: only(if all > 0.0 { against / all } else { 0.0 }),
             reversed: only(against / TIMES as f64 * period),
-            phase: phase(coefficients, period, rounding),
+            phase: only(first),
         }
-    }
-}
-
-/// The direction of a mean: 1, or -1.
-fn direction(mean: f64) -> f64 {
-    if mean < 0.0 { -1.0 } else { 1.0 }
-}
-
-/// [`Indices::phase`] alone, which needs no values.
-pub fn phase(coefficients: &[Complex64], period: f64, rounding: f64) -> f64 {
-    let mean = coefficients[0].re;
-    if mean.abs() > rounding {
-        coefficients.get(1).map_or(0.0, |c| -(c * direction(mean)).arg() / TAU * period)
-    } else {
-        f64::NAN
     }
 }
 

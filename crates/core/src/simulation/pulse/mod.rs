@@ -67,8 +67,8 @@ pub struct Pulses {
     pub perturbed: Option<Pulse>,
     /// Blood.
     pub fluid: Fluid,
-    /// What drives the first inlet, from whose first harmonic delays are taken.
-    pub first: Drive,
+    /// The phase of what drives the first inlet ([`Indices::phase`]), from which delays are taken, s.
+    pub first_phase: f64,
     /// At how many even times of the period waveforms are written.
     pub times: usize,
 }
@@ -254,6 +254,6 @@ impl Pulses {
 
     /// A phase as the time behind that of the first inlet, s.
     pub fn delay(&self, phase: f64, period: f64) -> f64 {
-        behind(phase, fourier::phase(&self.first.coefficients, period, 0.0), period)
+        behind(phase, self.first_phase, period)
     }
 }
