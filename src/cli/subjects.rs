@@ -6,7 +6,7 @@ use glob::Pattern;
 
 use super::command_line::{Part, is_option, line_of, parts_at_work, row_parts, shared_parts, words_of};
 use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
+use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::{
     Error, Result, error::Fault, internals::output::StagedFolder, internals::output::is_cohort_file,
     internals::support::endings::stem,
@@ -275,7 +275,7 @@ fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
         }
     };
     let words = inputs.iter().map(|(path, name)| safe(&name.map_or_else(|| word(path), str::to_owned)));
-    let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE].map(str::to_owned).into();
+    let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE, ACCURACY].map(str::to_owned).into();
     let unique = |word: String| {
         let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
         numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
@@ -316,5 +316,10 @@ pub fn rows_of_participants(subjects: &[Subject], path: &Path) -> Result<Vec<(us
 
 /// What to call the subject of an input, file or folder.
 pub fn name_of(input: &Path) -> String {
-    if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
+    if !input.is_dir() {
+        return stem(input);
+    }
+    // The folder in which one is has its name elsewhere.
+    let whole = if input.file_name().is_none() { fs::canonicalize(input).ok() } else { None };
+    whole.as_deref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
