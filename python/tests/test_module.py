@@ -105,6 +105,18 @@ def test_an_argument_that_is_missing_has_its_name():
         willis.measure(BROKEN, measures=["length_mm"])
 
 
+def test_a_cohort_has_rows_of_what_failed_and_may_have_one(tmp_path):
+    (tmp_path / "bad.swc").write_text("1 0 a b c d -1\n")
+    with pytest.warns(willis.Note, match="1 of 2 subjects failed"):
+        two = willis.cohort([tmp_path / "bad.swc", BROKEN], samples=64)
+    assert two.subjects["status"].tolist() == ["failed", "ok"]
+    run = two.run("broken-circle-of-willis")
+    assert np.isnan(two.subjects["kept"][0])
+    assert two.subjects["kept"][1] == (run.kept & (run.edges["origin"] != "observed")).sum()
+    one = willis.cohort([BROKEN], samples=64)
+    assert one.subjects["input"].tolist() == [BROKEN] and len(one) == 1
+
+
 def test_numbers_of_numpy_are_numbers(tmp_path):
     circle = "data/circle-of-willis/complete.graphml"
     longer = [willis.simulate(circle, tortuosity={"edge:0": factor}) for factor in (1.3, np.float64(1.3))]

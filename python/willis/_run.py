@@ -488,7 +488,8 @@ def table_of(path: Path) -> Table:
         names, *rows = list(csv.reader(file))
     out = Table()
     for name, values in zip(names, zip(*rows) if rows else [()] * len(names)):
-        if name in _WHOLE:
+        # A subject that failed has none.
+        if name in _WHOLE and all(values):
             out[name] = np.array(values, dtype=np.int64)
         elif name in _TEXT:
             out[name] = np.array(values, dtype=str)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import glob
 import json
 import os
 import tempfile
@@ -235,6 +236,9 @@ def _inputs(paths: Sequence[PathLike] | PathLike) -> list[str]:
 def _made(command: str, inputs: list[str], output: PathLike | None, made: list[str]) -> Cohort:
     kept = tempfile.TemporaryDirectory() if output is None else None
     folder = Path(output) if output is not None else Path(kept.name if kept else "", "cohort")
+    if len(inputs) == 1 and Path(inputs[0]).is_file() and not inputs[0].lower().endswith((".csv", ".tsv")):
+        # A pattern that finds one file makes a cohort of one; a table may be a manifest.
+        inputs = [f"{glob.escape(inputs[0][:-1])}[{inputs[0][-1]}]"]
     try:
         _willis.call([command, *inputs, "-o", str(folder), *made])
     except WillisError as error:

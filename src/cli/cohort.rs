@@ -212,7 +212,7 @@ impl Cohort<'_> {
         self.clear(subjects, &done)?;
         ledger.write(self.output)?;
         let make = |at: usize| self.subject(&subjects[at], work_of(at), terminal.of_many());
-        let made = make_each(subjects, &done, ["cohort", "subject"], self.output, make, terminal)?;
+        let made = make_each(subjects, &done, ["cohort", "subject"], Some(self.output), make, terminal)?;
         let records: Vec<Option<Value>> = subjects.iter().map(|subject| self.record(&subject.name)).collect();
         let row = |at: usize| {
             let (entry, name) = (&ledger.subjects[at], &subjects[at].name);
@@ -283,7 +283,7 @@ impl Cohort<'_> {
 }
 
 /// Works on the subjects that are not `done`, several at a time, and says how each went; of each that was not done what was made, or why it
-/// failed. They are called `noun`, and `heading` together, which is in `place`.
+/// failed. They are called `noun`, and `heading` together, which is kept in `place`, where it is.
 ///
 /// # Errors
 ///
@@ -292,7 +292,7 @@ pub fn make_each<T: Send>(
     subjects: &[Subject],
     done: &[bool],
     [heading, noun]: [&str; 2],
-    place: &Path,
+    place: Option<&Path>,
     make: impl Fn(usize) -> Result<T> + Sync,
     terminal: TextTerminal,
 ) -> Result<Vec<Option<Result<T, String>>>> {
@@ -333,7 +333,7 @@ pub fn make_each<T: Send>(
     let ended = ended.into_inner().unwrap_or_else(PoisonError::into_inner);
     if ended.len() < open.len() {
         let done = skipped + ended.iter().filter(|(_, made)| made.is_ok()).count();
-        return Err(Error::StoppedCohort { path: place.to_owned(), done, total });
+        return Err(Error::StoppedCohort { path: place.map(Path::to_owned), done, total });
     }
     let mut all: Vec<_> = (0..total).map(|_| None).collect();
     for (at, made) in ended {

@@ -301,14 +301,21 @@ fn is_called(arg: &clap::Arg, flag: &str) -> bool {
     arg.get_long() == Some(flag) || arg.get_short().is_some_and(|short| flag == short.to_string())
 }
 
-/// A field as the option of the subcommand at work.
+/// A field as the argument of the subcommand at work.
 fn flag(field: &str) -> Option<String> {
     let flag = field.replace('_', "-");
     let is_common = matches!(flag.as_str(), "threads" | "force");
-    let has = |command: &clap::Command| is_common || command.get_arguments().any(|arg| is_called(arg, &flag));
-    let is_one = of_line(|line| line.parser.find_subcommand(line.typed()?).map(has))?;
-    let dashes = if flag.len() == 1 { "-" } else { "--" };
-    is_one.then(|| format!("{dashes}{flag}"))
+    let typed = |command: &clap::Command| {
+        // What is typed without a name has that of its place: OUT.
+        let place = command.get_arguments().find(|arg| arg.is_positional() && arg.get_id().as_str() == field);
+        if let Some(place) = place.and_then(clap::Arg::get_value_names) {
+            return place.first().map(ToString::to_string);
+        }
+        let is_one = is_common || command.get_arguments().any(|arg| is_called(arg, &flag));
+        let dashes = if flag.len() == 1 { "-" } else { "--" };
+        is_one.then(|| format!("{dashes}{flag}"))
+    };
+    of_line(|line| line.parser.find_subcommand(line.typed()?).and_then(typed))
 }
 
 /// The error of the library that refused a value, where it was one: it says itself what it is about.

@@ -101,7 +101,10 @@ impl ConvertArgs {
         let (found, accepted) = (target.format.name(), "conditions, viscosity and pulse go with `to=svzerod` or `to=openbf`");
         require(model.is_none() || target.format.is(FormatTrait::Model), "to", format!("for {found}"), accepted)?;
         StagedFiles::check(&target.path, &target.nodes, force)?;
-        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(""));
+        // The output of convert is among its words.
+        let again = if command == "skeleton" { "again" } else { "" };
+        let again = Path::new(again).with_extension(target.path.extension().unwrap_or_default()).display().to_string();
+        let input = read(path, &self.input.reading.options(path)?)?.with_command(command_line(&again));
         let is_meant = command != "skeleton" || input.format.is_some_and(Format::is_mask);
         let accepted = format!("expected a mask: {}; convert rewrites centerlines", Format::short(FormatTrait::Mask));
         require_in(path, is_meant, format!("a file of {}", input.provenance.format), accepted)?;

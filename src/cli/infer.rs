@@ -141,8 +141,6 @@ pub struct Inferences {
     /// A run for each occlusion probability.
     runs: Vec<SamplingOptions>,
     save: SaveOptions,
-    /// Whether arteries are named because nobody says where they are.
-    names_by_itself: bool,
 }
 
 impl InferArgs {
@@ -205,19 +203,19 @@ impl Inferences {
         options.validate()?;
         let save = SaveOptions { dpi: args.dpi };
         save.validate()?;
-        Ok(Self { args, options, runs, save, names_by_itself: false })
+        Ok(Self { args, options, runs, save })
     }
 
     /// The same for an input of several: its arteries are named, if it has a circle and nobody says where they are.
     fn of_a_cohort(mut self) -> Self {
-        self.names_by_itself = self.options.arteries.is_none();
         self.options.arteries = self.options.arteries.or(Some(ArterySource::Geometry));
         self
     }
 
     /// The command line that repeats the run of a subject.
     fn line_of(&self, subject: &Subject) -> String {
-        let named = self.names_by_itself.then(|| Part::option("landmarks", "auto"));
+        let is_by_itself = self.options.arteries.is_some() && self.args.arteries.source().is_none();
+        let named = is_by_itself.then(|| Part::option("landmarks", "auto"));
         line_of(with_options(subject.parts.clone(), named), "again")
     }
 

@@ -99,7 +99,7 @@ impl MeasureArgs {
             listen(2);
             let done = vec![false; subjects.len()];
             let make = |at: usize| self.measure(&subjects[at], terminal.of_many());
-            let made = make_each(&subjects, &done, ["measured", "subject"], &self.output, make, terminal)?;
+            let made = make_each(&subjects, &done, ["measured", "subject"], None, make, terminal)?;
             made.into_iter().flatten().collect()
         };
         let apart = |made: Result<_, String>| made.map_or_else(|why| (Err(why), Vec::new()), |(found, read)| (Ok(found), read));

@@ -6,7 +6,7 @@ use glob::Pattern;
 
 use super::command_line::{Part, is_option, line_of, parts_at_work, row_parts, shared_parts, words_of};
 use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
-use crate::internals::output::names::{COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
+use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::{
     Error, Result, error::Fault, internals::output::StagedFolder, internals::output::is_cohort_file,
     internals::support::endings::stem,
@@ -24,27 +24,16 @@ pub struct Subject {
     pub input: PathBuf,
     /// The command line for it alone.
     pub parts: Vec<Part>,
-    /// Its row in a manifest, where it has one.
-    pub row: Option<SubjectRow>,
-}
-
-/// The row of a subject in a manifest.
-#[derive(Debug, Clone)]
-pub struct SubjectRow {
-    /// The manifest, and the line in it, from 1.
-    place: (PathBuf, usize),
-    /// Its own options, by name and value.
-    pub options: Vec<(String, String)>,
-    /// What else the manifest says of it.
-    pub covariates: Covariates,
+    /// The manifest with its row, where it has one.
+    pub row: Option<(PathBuf, ManifestRow)>,
 }
 
 impl Subject {
     /// An error of its options, with their place.
     pub fn fault(&self, error: Error) -> Error {
         match (error, &self.row) {
-            (Error::Parameter { name, value, accepted }, Some(SubjectRow { place: (path, line), .. })) => {
-                Fault::line(*line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
+            (Error::Parameter { name, value, accepted }, Some((path, row))) => {
+                Fault::line(row.line, format!("{name} {value}").trim_end().to_owned(), accepted).in_file(path)
             }
             (other, _) => other,
         }
@@ -57,19 +46,22 @@ impl Subject {
 
     /// The words of the command for it alone, where it has options of its own.
     pub fn own_words(&self) -> Option<Vec<String>> {
-        let has_own = self.row.as_ref().is_some_and(|row| !row.options.is_empty());
-        has_own.then(|| words_of(self.parts.clone()))
+        (!self.options().is_empty()).then(|| words_of(self.parts.clone()))
     }
 
     /// What else a manifest says of it.
     pub fn covariates(&self) -> &[(String, String)] {
-        self.row.as_ref().map_or(&[], |row| &row.covariates)
+        self.row.as_ref().map_or(&[], |(_, row)| &row.covariates)
+    }
+
+    /// Its own options, by name and value.
+    fn options(&self) -> &[(String, String)] {
+        self.row.as_ref().map_or(&[], |(_, row)| &row.options)
     }
 
     /// Its own options, as they would be typed.
     pub fn own(&self) -> Vec<String> {
-        let own = self.row.iter().flat_map(|row| &row.options);
-        own.map(|(name, value)| format!("--{}={value}", name.replace('_', "-"))).collect()
+        self.options().iter().map(|(name, value)| format!("--{}={value}", name.replace('_', "-"))).collect()
     }
 }
 
@@ -141,10 +133,8 @@ fn subjects_of(manifest: Vec<ManifestRow>, path: &Path, given: &[PathBuf]) -> Ve
     let names = named_as(&manifest.iter().map(|row| (&*row.input, row.subject.as_deref())).collect::<Vec<_>>());
     let shared = shared_parts(parts_at_work(), given);
     let with_row = |(name, row): (String, ManifestRow)| {
-        let ManifestRow { input, options, line, covariates, .. } = row;
-        let parts = row_parts(&shared, &input, &options);
-        let row = SubjectRow { place: (path.to_owned(), line), options, covariates };
-        Subject { name, input, parts, row: Some(row) }
+        let parts = row_parts(&shared, &row.input, &row.options);
+        Subject { name, input: row.input.clone(), parts, row: Some((path.to_owned(), row)) }
     };
     names.into_iter().zip(manifest).map(with_row).collect()
 }
@@ -285,7 +275,7 @@ fn named_as(inputs: &[(&Path, Option<&str>)]) -> Vec<String> {
         }
     };
     let words = inputs.iter().map(|(path, name)| safe(&name.map_or_else(|| word(path), str::to_owned)));
-    let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE].map(str::to_owned).into();
+    let mut taken: HashSet<String> = [COHORT, COHORT_TABLE, COHORT_PAGE, ACCURACY].map(str::to_owned).into();
     let unique = |word: String| {
         let mut numbered = std::iter::once(word.clone()).chain((2_u64..).map(|n| format!("{word}-{n}")));
         numbered.find(|name| taken.insert(name.to_lowercase())).unwrap_or_default()
@@ -326,5 +316,10 @@ pub fn rows_of_participants(subjects: &[Subject], path: &Path) -> Result<Vec<(us
 
 /// What to call the subject of an input, file or folder.
 pub fn name_of(input: &Path) -> String {
-    if input.is_dir() { input.file_name().unwrap_or_default().to_string_lossy().into_owned() } else { stem(input) }
+    if !input.is_dir() {
+        return stem(input);
+    }
+    // The folder in which one is has its name elsewhere.
+    let whole = if input.file_name().is_none() { fs::canonicalize(input).ok() } else { None };
+    whole.as_deref().unwrap_or(input).file_name().unwrap_or_default().to_string_lossy().into_owned()
 }

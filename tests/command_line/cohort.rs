@@ -327,7 +327,7 @@ fn a_file_of_an_option_counts_as_input() {
         let table = format!("missing,share\ncomplete,{complete}\nL-PComm,{}\n", 1.0 - complete);
         fs::write(here.path().join("shares.csv"), table).expect("written");
     };
-    let options = ["--landmarks", "{}.landmarks.csv", "--variant-prior", "shares.csv"];
+    let options = ["--landmarks", "auto", "--variant-prior", "shares.csv"];
     write(0.9);
     done(&cohort(here.path(), &["scan*.swc"], &options));
     let before = column(here.path(), "p_variant");

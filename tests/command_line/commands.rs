@@ -323,6 +323,14 @@ fn a_run_until_stable_says_that_it_is() {
     assert!(record("fixed")["convergence"]["stable"].is_null());
 }
 
+/// An argument that is typed without a name is called as in the help.
+#[test]
+fn an_argument_without_a_name_has_that_of_its_place() {
+    let convert = ["convert", "a.swc", "b.swc"];
+    refused(&[("a.swc", LINE), ("b.swc", b"x")], &convert, &["b.swc: exists already; choose another OUT or give --force"]);
+    refused(&[("a.swc", LINE)], &["convert", "a.swc", "b.xyz"], &["willis: OUT b.xyz: expected an ending"]);
+}
+
 /// A perturbation of less than 0.05 % is no `+0.0 %`.
 #[test]
 fn a_change_that_is_too_small_to_show_is_said_in_words() {

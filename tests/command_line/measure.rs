@@ -232,6 +232,15 @@ fn several_inputs_are_one_below_the_other_and_one_that_fails_is_a_row() {
     assert!(table(&here.path().join("out/intervals.csv"))[1..].is_empty());
 }
 
+/// A run that is measured from within its folder is called as that.
+#[test]
+fn a_run_is_called_as_its_folder_from_within_too() {
+    let here = folder();
+    done(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "brain", "-n", "64", "-q"]);
+    done(&here.path().join("brain"), &["measure", ".", "-o", "../out", "-q"]);
+    assert_eq!(cell(&here.path().join("out/subjects.csv"), 0, "subject"), "brain");
+}
+
 /// Lines along y, one of these lengths (mm) each, in files `sub-00.swc`, `sub-01.swc` and so on.
 fn lines(here: &Path, lengths: impl Iterator<Item = f64>) {
     for (at, length) in lengths.enumerate() {

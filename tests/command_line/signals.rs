@@ -20,7 +20,7 @@ pub fn with_signals(folder: &Path, set: &str) -> Command {
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use std::io::Write;
+    use std::io::{BufRead, BufReader, Write};
     use std::os::unix::process::ExitStatusExt;
     use std::process::Stdio;
     use std::thread::sleep;
@@ -67,6 +67,26 @@ mod linux {
         let output = child.wait_with_output().expect("ends");
         assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
         assert!(stderr(&output).contains("which are kept"), "{}", stderr(&output));
+    }
+
+    /// `measure` keeps nothing of many subjects that it was stopped at, and says so.
+    #[test]
+    fn a_measurement_that_is_stopped_leaves_nothing() {
+        let here = folder();
+        let names: Vec<String> = (0..40).map(|at| format!("s{at}.nii.gz")).collect();
+        for name in &names {
+            std::fs::copy(data("scan.nii.gz"), here.path().join(name)).expect("copied");
+        }
+        let mut command = with_signals(here.path(), "--default-signal=TERM");
+        let words = ["measure", "-o", "out", "--threads", "1"].into_iter().chain(names.iter().map(String::as_str));
+        let mut child = command.args(words).stderr(Stdio::piped()).spawn().expect("runs");
+        let mut said = BufReader::new(child.stderr.take().expect("a stream")).lines().map(|line| line.expect("text"));
+        assert!(said.by_ref().any(|line| line.contains("done  1/40")));
+        signal(&child, "-TERM");
+        let last = said.last().expect("a line");
+        assert!(last.starts_with("willis: stopped with") && last.ends_with("done; nothing is written"), "{last}");
+        assert_eq!(child.wait().expect("ends").code(), Some(1));
+        assert!(!here.path().join("out").exists());
     }
 
     /// A command that waits for ever, here for a reader of its JSON, ends at the second signal by that signal.

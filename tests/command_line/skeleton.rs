@@ -23,8 +23,11 @@ fn draw(path: &Path) {
 fn a_mask_becomes_lines_and_an_answer() {
     let here = folder();
     draw(&here.path().join("m.npy"));
-    let output = willis(here.path(), &["skeleton", "m.npy", "--spacing", "0.5", "-o", "m.graphml"]);
+    let output = willis(here.path(), &["skeleton", "m.npy", "--spacing", "0.5", "-o", "m.graphml", "--json"]);
     let said = stderr(&output);
+    // The line that repeats it has an output.
+    let record: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    assert_eq!(record["command"], "willis skeleton m.npy --spacing 0.5 -o again.graphml");
     assert!(output.status.success() && said.contains("NumPy mask, mm: 2 fragments, 4 vessels"), "{said}");
     assert!(said.contains("a mask of 50 x 40 x 12 voxels of 0.5 x 0.5 x 0.5 mm"), "{said}");
     let output = willis(here.path(), &["infer", "m.npy", "--spacing", "0.5", "-o", "out"]);

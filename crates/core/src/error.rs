@@ -150,10 +150,10 @@ pub enum Error {
         total: usize,
     },
     /// A cohort was stopped from outside.
-    #[error("stopped with {done} of {total} subjects done in {}; the same command goes on from there", path.display())]
+    #[error("stopped with {done} of {total} subjects done{}", kept_in(path.as_deref()))]
     StoppedCohort {
-        /// The folder of the cohort.
-        path: PathBuf,
+        /// The folder of the cohort; none where nothing is kept.
+        path: Option<PathBuf>,
         /// Subjects that are done.
         done: usize,
         /// Subjects in all.
@@ -185,6 +185,12 @@ pub(crate) fn in_few_digits(text: String) -> String {
         Ok(number) if text.len() > 24 && number.is_finite() => format!("{number:e}"),
         _ => text,
     }
+}
+
+/// Where the subjects that are done are kept, in words.
+fn kept_in(path: Option<&Path>) -> String {
+    let goes_on = |path: &Path| format!(" in {}; the same command goes on from there", path.display());
+    path.map_or_else(|| "; nothing is written".to_owned(), goes_on)
 }
 
 impl Error {

@@ -3,6 +3,7 @@
 pub mod pulse;
 pub mod reading;
 
+use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
@@ -41,8 +42,15 @@ pub fn file_of(name: &Path, input: &Path) -> PathBuf {
     let folder = input.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let whole = if input.is_dir() { input.to_owned() } else { without_ending(input) };
     // Split first, so that braces in the name of a folder stay as they are.
-    let parts = text.split("{dir}").map(|part| part.replace("{}", &whole.to_string_lossy()));
-    parts.collect::<Vec<_>>().join(&folder.to_string_lossy()).into()
+    let mut file = OsString::new();
+    for (at, part) in text.split("{dir}").enumerate() {
+        file.push(if at > 0 { folder.as_os_str() } else { OsStr::new("") });
+        for (at, rest) in part.split("{}").enumerate() {
+            file.push(if at > 0 { whole.as_os_str() } else { OsStr::new("") });
+            file.push(rest);
+        }
+    }
+    file.into()
 }
 
 /// The largest number up to which a figure with an exponent stands for every whole number.

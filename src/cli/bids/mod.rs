@@ -101,7 +101,7 @@ impl BidsArgs {
         let unnamed = masks.iter().zip(&done).filter(|(mask, done)| **done && !derivative.has(mask));
         unnamed.into_iter().try_for_each(|(mask, _)| derivative.export(mask, dataset))?;
         let make = |at: usize| runs[at].make(&work, derivative, dataset, terminal.of_many());
-        let ended = make_each(&subjects, &done, ["dataset", "run"], &derivative.runs(), make, terminal)?;
+        let ended = make_each(&subjects, &done, ["dataset", "run"], Some(&derivative.runs()), make, terminal)?;
 
         let records: Vec<Option<Value>> = runs.iter().map(record).collect();
         say_notes_of(records.iter().flatten(), terminal);
