@@ -111,6 +111,13 @@ fn what_they_cannot_hold_is_refused() {
     let mut closed = fork();
     closed.node_mut(0).condition = None;
     assert!(said(&closed).contains("no node states an inlet"));
+    // Nor is an inlet on no vessel one of them: a model without any vessel was written.
+    let mut alone = closed;
+    let condition = Some(Condition::Pressure(12_000.0));
+    alone.add_node(Node { id: "alone".to_owned(), condition, ..Node::default() });
+    assert!(said(&alone).contains("no node states an inlet of a vessel"));
+    let target = Target::new("a.json".as_ref(), Some("svzerod")).expect("a target");
+    assert_eq!(target.network(&alone).expect("a network").0.vessel_count(), 3);
 }
 
 /// A fork at which five vessels meet, one of them a ring, and a part that no blood enters.

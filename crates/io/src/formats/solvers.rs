@@ -7,7 +7,7 @@ use std::{borrow::Cow, f64::consts::PI, iter::successors};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Network, Node, other_end, plural, vessels_at};
+use crate::formats::{Network, Node, find, other_end, plural, vessels_at};
 use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 
@@ -39,11 +39,11 @@ pub(crate) fn enters(network: &Network, node: usize) -> bool {
     }
 }
 
-/// The network without the parts that no blood enters, with a note that counts them; as it is where there is no inlet at all.
+/// The network without the parts that no blood enters, with a note that counts them; as it is where no vessel has an inlet.
 pub(crate) fn without_unfed(network: &Network) -> (Cow<'_, Network>, Option<String>) {
     let is_fed = fed(network, |node| enters(network, node));
     let left_out = network.vessels().filter(|([a, _], _)| !is_fed[*a]).count();
-    if left_out == 0 || !is_fed.contains(&true) {
+    if left_out == 0 || left_out == network.vessel_count() {
         return (Cow::Borrowed(network), None);
     }
     let note = format!("{} in parts that no blood enters, left out (`unfed=keep` writes them)", plural(left_out, "vessel"));
@@ -135,13 +135,14 @@ impl<'a> Directed<'a> {
         }
         let at = vessels_at(network, |_| true);
         let enters = |node: usize| enters(network, node);
-        let stated: Vec<usize> = (0..network.node_count()).filter(|node| network.node(*node).condition.is_some()).collect();
+        let states = |node: &usize| network.node(*node).condition.is_some() && !at[*node].is_empty();
+        let stated: Vec<usize> = (0..network.node_count()).filter(states).collect();
         if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
         }
         let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
         if inlets.is_empty() {
-            return Err(refused("no node states an inlet; state conditions in the file".to_owned()));
+            return Err(refused("no node states an inlet of a vessel; state conditions in the file".to_owned()));
         }
         let mut turned = vec![None; network.vessel_count()];
         // A way may end where blood leaves, or on another way.
@@ -239,7 +240,7 @@ pub(crate) const MOST_JOINED: usize = 3;
 /// Whether a text begins as a model of openBF, which states no positions, so that no network can be made of it.
 pub(crate) fn is_openbf(text: &[u8]) -> bool {
     let head = &text[..text.len().min(1 << 12)];
-    [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
+    find(head, b"\nblood:").is_some() && find(head, b"\nnetwork:").is_some()
 }
 
 /// Writes an inlet file of openBF: rows of a time (s) and a flow (m³/s) or a pressure (Pa).
@@ -265,7 +266,7 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
-    let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
+    let begins = willis_core::support::numbered::marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
     if let Some(row) = ends.unfed {
         return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
     }
@@ -273,7 +274,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
         let (id, count) = (&network.node(node).id, ends.at[node].len());
         return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
     }
-    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins(node);
+    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins[node];
     let mut number = vec![0; network.node_count()];
     let (inner, first): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| !is_inlet(*node));
     for (place, node) in first.into_iter().chain(inner).enumerate() {
@@ -347,8 +348,7 @@ const COMPLIANCE: f64 = 1e5;
 /// Whether a text begins as a model of svZeroDSolver, which states no positions, so that no network can be made of it.
 pub(crate) fn is_svzerod(text: &[u8]) -> bool {
     let head = &text[..text.len().min(1 << 12)];
-    let has = |key: &[u8]| head.windows(key.len()).any(|part| part == key);
-    text.starts_with(b"{") && has(b"\"boundary_conditions\"") && !has(b"\"markups\"")
+    text.starts_with(b"{") && find(head, b"\"boundary_conditions\"").is_some() && find(head, b"\"markups\"").is_none()
 }
 
 /// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh).
