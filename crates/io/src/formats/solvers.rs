@@ -123,7 +123,8 @@ struct Directed<'a> {
 
 impl<'a> Directed<'a> {
     /// Turns the vessels so that each node between them has one that comes and one that goes: the shortest way from each inlet to an end, or to
-    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned.
+    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned. Where every end is an inlet,
+    /// blood leaves at the one that is nearest to the first.
     ///
     /// # Errors
     ///
@@ -154,7 +155,12 @@ impl<'a> Directed<'a> {
                 if turned[row].is_some() {
                     continue;
                 }
-                for [begins, row, stops] in way(network, &at, (from, row), |row| turned[row].is_none(), |node| is_target[node]) {
+                let way_to =
+                    |is_target: &dyn Fn(usize) -> bool| way(network, &at, (from, row), |row| turned[row].is_none(), is_target);
+                let steps = way_to(&|node| is_target[node]).or_else(|| way_to(&enters));
+                // Where blood only comes back by itself, what follows finds this way.
+                let steps = steps.unwrap_or_else(|| vec![[from, row, other_end(network, row, from)]]);
+                for [begins, row, stops] in steps {
                     turned[row] = Some([begins, stops]);
                     if !std::mem::replace(&mut is_target[stops], true) {
                         open.push_back(stops);
@@ -198,21 +204,21 @@ impl<'a> Directed<'a> {
 }
 
 /// The shortest way from a node by one of its vessels to a target, as node, row and node for each vessel from the last to the first; over vessels
-/// that are free. From where there is none the way is that vessel alone: blood comes back by itself, and what follows finds this way.
+/// that are free.
 fn way(
     network: &Network,
     at: &[Vec<usize>],
     (from, first): (usize, usize),
     is_free: impl Fn(usize) -> bool,
     is_target: impl Fn(usize) -> bool,
-) -> Vec<[usize; 3]> {
+) -> Option<Vec<[usize; 3]>> {
     let start = other_end(network, first, from);
     let mut came: HashMap<usize, (usize, usize)> = HashMap::from([(start, (from, first))]);
     let mut open = VecDeque::from([start]);
     while let Some(node) = open.pop_front() {
         if is_target(node) {
             let step = |to: usize| [came[&to].0, came[&to].1, to];
-            return successors(Some(step(node)), |[before, row, _]| (*row != first).then(|| step(*before))).collect();
+            return Some(successors(Some(step(node)), |[before, row, _]| (*row != first).then(|| step(*before))).collect());
         }
         for row in at[node].iter().copied().filter(|row| *row != first && is_free(*row)) {
             let to = other_end(network, row, node);
@@ -222,7 +228,7 @@ fn way(
             }
         }
     }
-    vec![[from, first, start]]
+    None
 }
 
 /// The cross-section of a vessel, m².
