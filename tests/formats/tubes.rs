@@ -185,6 +185,7 @@ fn tre_faults_name_line_and_value() {
         (tube("NPoints = 1\n", "1 nan 3 1\n"), "t:5: y NaN; expected a finite number"),
         (tube("NPoints = 1\n", "1 two 3 1\n"), "t:5: \"two\"; expected a number"),
         (tube("NPoints = many\n", ""), "t:3: NPoints \"many\"; expected a whole number"),
+        (tube("NPoints = -1\n", ""), "t:3: NPoints \"-1\"; expected a whole number from 0 on"),
         (tube("", "1 2 3 1\n"), "t:3: tube 1: no NPoints before its Points; expected how many there are"),
         (
             tube("PointDim = x z r\nNPoints = 1\n", "1 2 3\n"),

@@ -285,7 +285,10 @@ impl Columns {
 
 /// Reads the points that follow the line `Points =` of a tube.
 fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -> Result<Vec<TubePoint>, Fault> {
-    let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
+    let missing = || match object.fields.get("NPoints") {
+        Some(_) => object.fields.wrong("NPoints", "expected a whole number from 0 on"),
+        None => Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are"),
+    };
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
     if !object.fields.is_true("BinaryData") {
         return read_text(object, cursor, line, count);
