@@ -148,7 +148,8 @@ fn made_of(document: Document, file: &Path, options: &ReadOptions, started: Inst
         let ends = mark_border(&mut made.network, field_of_view);
         notes.push(format!("{} at the border of the image's box", plural(ends, "free end")));
     }
-    let (input, units, frame) = (file.display().to_string(), options.scale.unit.symbol().to_owned(), made.network.frame);
+    let unit = options.scale.in_unit(made.lines.as_ref().and_then(|lines| lines.unit)).unit;
+    let (input, units, frame) = (file.display().to_string(), unit.symbol().to_owned(), made.network.frame);
     let provenance = Provenance { input, format: format.name().to_owned(), sha256, units, frame, notes, ..Provenance::default() };
     let is_fragments = !is_graph || options.observed;
     let (network, lines, format, options) = (made.network, made.lines, Some(format), options.clone());
@@ -225,6 +226,11 @@ impl Input {
             lumen: None,
             is_topcow: false,
         }
+    }
+
+    /// Whether the file says in which unit its lengths are, as masks do.
+    pub fn states_unit(&self) -> bool {
+        self.format.is_some_and(Format::is_mask) || self.lines.as_ref().is_some_and(|lines| lines.unit.is_some())
     }
 
     /// The same, with the command line that repeats its run.

@@ -97,6 +97,31 @@ fn fcsv_is_read_by_its_comments() {
     assert_eq!((at(&landmarks[0]), landmarks.len(), frame, notes.len()), (("BA", [1.0, 2.0, 3.0]), 1, Frame::Lps, 1));
 }
 
+/// A landmark that nobody has confirmed is not selected in 3D Slicer, and does not count, however Slicer saves its list: as markups, as
+/// `.fcsv` or as a table.
+#[test]
+fn landmarks_that_are_not_selected_do_not_count_in_any_format_of_slicer() {
+    let fcsv = "# Markups fiducial file version = 4.13\n# CoordinateSystem = LPS\n\
+                # columns = id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID\n\
+                1,1,2,3,0,0,0,1,1,1,0,BA,,,2,0\n2,4,5,6,0,0,0,1,1,0,0,L-P1,,,2,0\n";
+    let table = "label,l,p,s,defined,selected,visible,locked,description\nBA,1,2,3,1,1,1,0,\nL-P1,4,5,6,1,0,1,0,\n";
+    let point = |label: &str, position: [f64; 3], probability: f64| MarkedPoint {
+        probability: Some(probability),
+        ..MarkedPoint::new(label, position.map(metres))
+    };
+    let points = [point("BA", [1.0, 2.0, 3.0], 0.75), point("L-P1", [4.0, 5.0, 6.0], 0.25)];
+    let written = [LandmarkFormat::Csv, LandmarkFormat::Markups, LandmarkFormat::Fcsv].map(|format| {
+        let mut bytes = Vec::new();
+        write_landmarks(&mut bytes, format, Frame::Lps, &points).expect("written");
+        String::from_utf8(bytes).expect("text")
+    });
+    for text in [fcsv, table].into_iter().chain(written.iter().map(String::as_str)) {
+        let (landmarks, _, notes) = read(text).expect("landmarks");
+        assert_eq!(landmarks.iter().map(at).collect::<Vec<_>>(), [("BA", [1.0, 2.0, 3.0])], "{text}");
+        assert_eq!(notes, ["doubtful landmarks that nobody has confirmed, left out: 1"], "{text}");
+    }
+}
+
 #[test]
 fn damaged_point_lists_are_refused_with_their_place() {
     let head = "# Markups fiducial file version = 4.13\n# CoordinateSystem = LPS\n# columns = id,x,y,z,label\n";

@@ -154,6 +154,19 @@ fn units_and_radii_are_those_of_the_options_where_the_file_says_otherwise() {
     assert!(with("float thickness", "float Size", &optional).is_ok());
 }
 
+/// By hand: up by 0.8, along by 10 and down by 0.8, whatever the unit. A network of capillaries is a few µm wide; its points are no vertices.
+#[test]
+fn what_is_one_place_does_not_depend_on_the_unit() {
+    let file = "# AmiraMesh 3D ASCII 2.0\n\ndefine VERTEX 2\ndefine EDGE 1\ndefine POINT 4\n\nParameters {\n    Units {\n        \
+                Coordinates \"mm\"\n    }\n    ContentType \"HxSpatialGraph\"\n}\n\nVERTEX { float[3] VertexCoordinates } @1\n\
+                EDGE { int[2] EdgeConnectivity } @2\nEDGE { int NumEdgePoints } @3\nPOINT { float[3] EdgePointCoordinates } @4\n\
+                POINT { float thickness } @5\n\n@1\n0 0 0\n10 0 0\n@2\n0 1\n@3\n4\n@4\n0 0.8 0\n3 0.8 0\n6 0.8 0\n10 0.8 0\n@5\n2 2 2 2\n";
+    for (unit, mm) in [("mm", 1.0), ("um", 1e-3), ("m", 1e3)] {
+        let network = network("a.am", file.replace("\"mm\"", &format!("\"{unit}\"")).as_bytes());
+        assert!((sizes(&network)[0].2 / mm - 11.6).abs() < 1e-9, "{unit}: {:?}", sizes(&network));
+    }
+}
+
 /// Through the front door, which asks whether the options go with the format.
 #[test]
 fn the_array_of_radii_can_be_named() {

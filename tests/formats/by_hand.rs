@@ -203,7 +203,7 @@ fn lengths_radii_and_paths_are_completed() {
 fn graph_faults_name_the_item_the_value_and_the_accepted_form() {
     let e = "edge 0 (a - b): ";
     for (node, edge, message) in [
-        (vec![], vec![("radius_mm", "0")], format!("{e}radius_mm 0; expected a positive number")),
+        (vec![], vec![("radius_mm", "0")], format!("{e}radius_mm 0; expected a positive number, or give `default_radius`")),
         (vec![], vec![("radius", "inf")], format!("{e}radius inf; expected a finite number")),
         (vec![], vec![("radius_mm", "x")], format!("{e}radius_mm \"x\"; expected a number")),
         (
@@ -302,7 +302,7 @@ fn csv_faults_name_the_line() {
         ("node_a,node_b\n0,\n", "c:2: edge 0: no node_b; expected the name of a node"),
         (
             "node_a,node_b,length_mm,radius_mm\n0,1,1,1\n1,0,1,-1\n",
-            "c:3: edge 1 (b - a): radius_mm -1; expected a positive number",
+            "c:3: edge 1 (b - a): radius_mm -1; expected a positive number, or give `default_radius`",
         ),
         (
             "node_a,node_b,radius_mm\n0,1,1\n",

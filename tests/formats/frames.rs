@@ -197,3 +197,14 @@ fn other_programs_find_the_line_where_nibabel_has_it() {
     let Some(said) = python(PEERS, &[here.path()]) else { return };
     assert_eq!(said, "5");
 }
+
+/// A label may be any text; only a comment that names none states the frame.
+#[test]
+fn a_label_of_swc_states_no_frame() {
+    let here = tempfile::tempdir().expect("a folder");
+    let path = here.path().join("a.swc");
+    for (comment, frame) in [("# label 16 SPACE=LPS", Frame::Unknown), ("# mm; SPACE=LPS", Frame::Lps)] {
+        write(&path, format!("{comment}\n1 0 0 0 0 1 -1\n2 16 1 0 0 1 1\n")).expect("written");
+        assert_eq!(network(&path).frame, frame, "{comment}");
+    }
+}

@@ -1,6 +1,7 @@
 //! iCafe tracings with their tables of vessels: small ones typed by hand, and those of the INSIST patients.
 
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -213,4 +214,21 @@ fn segments(tracing: &Path) -> BTreeSet<String> {
     let mut table = csv::Reader::from_path(folder.with_file_name("derived_vessels_mm.csv")).unwrap();
     let rows = table.records().map(Result::unwrap).filter(|row| &row[0] == patient);
     rows.map(|row| row[3].split_once(' ').map_or(row[3].to_owned(), |(artery, side)| format!("{side}-{artery}"))).collect()
+}
+
+/// Each of the points at the one end of a vessel was tried with each at its other end, along the way between them: minutes, for a tracing
+/// that a program has stopped in one place.
+#[test]
+fn many_points_in_one_place_take_no_time() {
+    let mut text = "1 0 5 5 5 1 -1\n".to_owned();
+    for id in 2..4000 {
+        writeln!(text, "{id} 0 1 1 1 1 {}", id - 1).unwrap();
+    }
+    let mut found = lines(&text);
+    assert_eq!(name_stretches(&mut found, &vessels("XX,0,5,5,5,1,1,1,1,9,1\n").unwrap()), 1);
+    // The one way of nine points.
+    assert_eq!(labels(&found)[..9], ["L-ICA", "L-ICA", "L-ICA", "L-ICA", "L-ICA", "L-ICA", "L-ICA", "L-ICA", ""]);
+    let started = std::time::Instant::now();
+    assert_eq!(name_stretches(&mut found, &vessels("XX,1,1,1,1,1,1,1,2,9999,1\n").unwrap()), 1);
+    assert!(started.elapsed().as_secs() < 20, "{:?}", started.elapsed());
 }

@@ -71,6 +71,15 @@ fn curves_are_read_in_lps_and_mm() {
     assert_eq!((network.vessel_count(), cycles(&network), fragments(&network, |_, _| true).count), (2, 1, 1));
 }
 
+/// A curve that a person has created and not drawn has no points, and needs no radii.
+#[test]
+fn a_curve_without_points_does_not_stop_the_others() {
+    let empty = r#"{"type": "Curve", "name": "C", "controlPoints": [], "measurements": [{"name": "length", "enabled": true}]}"#;
+    let (lines, notes) = markups(&CURVES.replace("\"markups\": [", &format!("\"markups\": [{empty},"))).unwrap();
+    let (others, expected) = markups(CURVES).unwrap();
+    assert_eq!((in_mm(&lines).len(), lines.links, notes), (in_mm(&others).len(), others.links, expected));
+}
+
 /// The place of a point that is not set yet is none, and a curve that Slicer resampled keeps the radii of its old points.
 #[test]
 fn a_curve_that_is_being_drawn_or_was_resampled_has_a_way_on() {
@@ -123,10 +132,7 @@ fn markups_faults_name_the_markup_and_the_value() {
             curve(&format!("{one}, \"coordinateUnits\": \"inch\"")),
             "m: markup 0 \"c\": coordinateUnits inch; expected mm, um, cm or m",
         ),
-        (
-            curve("\"controlPoints\": []"),
-            "m: markup 0 \"c\": no radius; expected a measurement Radius with a value for each control point, or give `default_radius`",
-        ),
+        (curve("\"controlPoints\": []"), "m: curves without points; expected control points"),
     ] {
         assert_eq!(markups(&text).unwrap_err(), message);
     }

@@ -111,6 +111,13 @@ fn what_they_cannot_hold_is_refused() {
     let mut closed = fork();
     closed.node_mut(0).condition = None;
     assert!(said(&closed).contains("no node states an inlet"));
+    // Nor is an inlet on no vessel one of them: a model without any vessel was written.
+    let mut alone = closed;
+    let condition = Some(Condition::Pressure(12_000.0));
+    alone.add_node(Node { id: "alone".to_owned(), condition, ..Node::default() });
+    assert!(said(&alone).contains("no node states an inlet of a vessel"));
+    let target = Target::new("a.json".as_ref(), Some("svzerod")).expect("a target");
+    assert_eq!(target.network(&alone).expect("a network").0.vessel_count(), 3);
 }
 
 /// A fork at which five vessels meet, one of them a ring, and a part that no blood enters.
@@ -167,22 +174,31 @@ fn a_repaired_network_reaches_a_solver() {
     assert!(why.contains("unfed drop: needs a node that states where blood enters"), "{why}");
 }
 
-/// A part that leads nowhere goes round: from each of its nodes a vessel leads on.
+/// A part that leads nowhere goes round: from each of its nodes a vessel leads on. Where all ends are inlets, one of them is where blood leaves,
+/// which openBF cannot have.
 #[test]
 fn every_node_between_vessels_has_one_that_comes_and_one_that_goes() {
+    let mut fed = fork();
+    for node in [2, 3] {
+        (fed.node_mut(node).role, fed.node_mut(node).condition) = (Some(Role::Inlet), Some(Condition::Pressure(11_000.0)));
+    }
+    let why = write_openbf(&mut Vec::new(), &fed, &SolverSetting::default()).expect_err("refused").to_string();
+    assert!(why.contains("node wide is an outlet of fixed pressure or flow"), "{why}");
     let mut network = fork();
     let nodes = ["stick", "a", "b"].map(|id| network.add_node(Node { id: id.to_owned(), ..Node::default() }));
     for ends in [[1, nodes[0]], [nodes[0], nodes[1]], [nodes[0], nodes[2]], [nodes[1], nodes[2]]] {
         network.add_vessel(ends, Vessel::new(0.01, 1e-3, Origin::Observed));
     }
-    let mut written = Vec::new();
-    write_svzerod(&mut written, &network, &SolverSetting::default()).expect("a model");
-    let model: Value = serde_json::from_slice(&written).expect("JSON");
-    let junctions = model["junctions"].as_array().expect("junctions");
-    assert_eq!(junctions.len(), 4);
-    for junction in junctions {
-        for side in ["inlet_vessels", "outlet_vessels"] {
-            assert!(!junction[side].as_array().expect("rows").is_empty(), "{junction}");
+    for (network, count) in [(network, 4), (fed, 1)] {
+        let mut written = Vec::new();
+        write_svzerod(&mut written, &network, &SolverSetting::default()).expect("a model");
+        let model: Value = serde_json::from_slice(&written).expect("JSON");
+        let junctions = model["junctions"].as_array().expect("junctions");
+        assert_eq!(junctions.len(), count);
+        for junction in junctions {
+            for side in ["inlet_vessels", "outlet_vessels"] {
+                assert!(!junction[side].as_array().expect("rows").is_empty(), "{junction}");
+            }
         }
     }
 }

@@ -324,6 +324,21 @@ fn any_delimiter_mark_and_line_end_is_taken() {
     }
 }
 
+/// Zero and less mean that nothing was measured, as in the tables of Voreen and VesselVio; points that an edge has come first.
+#[test]
+fn the_default_radius_is_for_edges_whose_radius_is_not_positive() {
+    let options = ReadOptions { default_radius: Some(5e-4), ..ReadOptions::default() };
+    let edges = "node_a,node_b,length_mm,radius_mm,points\n0,1,4,1,\n1,2,3,0,\n1,3,3,-1,\n2,3,1,,\n0,3,2,-1,0 0 0 2;2 0 0 2\n";
+    let document = read_first(&[("a.csv", edges.as_bytes())], &options).unwrap();
+    let built = document.content.into_network(RadiusRule::Mean, options.default_radius).unwrap();
+    let radii: Vec<f64> = sizes(&built.network).into_iter().map(|(.., radius)| radius).collect();
+    assert!(radii.iter().zip([1.0, 0.5, 0.5, 0.5, 2.0]).all(|(found, wanted)| (found - wanted).abs() < 1e-12), "{radii:?}");
+    assert_eq!(radii.len(), 5);
+    assert_eq!(built.notes, ["3 vessels without any radius: took `default_radius`, 0.5 mm"]);
+    let refused = read_first(&[("a.csv", edges.as_bytes())], &ReadOptions::default()).unwrap_err();
+    assert_eq!(refused, "a.csv:3: edge 1 (1 - 2): radius_mm 0; expected a positive number, or give `default_radius`");
+}
+
 #[test]
 fn graphml_takes_the_names_of_other_programs() {
     let graph = |keys: &str, a: &str, b: &str, edge: &str| {
@@ -351,7 +366,8 @@ fn graphml_takes_the_names_of_other_programs() {
         assert_eq!(sizes(&network), [([0, 1], String::new(), 5.0, 2.0)], "{name}");
         assert!(notes.contains(&format!("the radius of 1 edge is {note}")), "{notes:?}");
     }
-    assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), "edge 0 (n0 - n1): avgRadiusAvg -1; expected a positive number");
+    let accepted = "expected a positive number, or give `default_radius`";
+    assert_eq!(sized("avgRadiusAvg", "-1").unwrap_err(), format!("edge 0 (n0 - n1): avgRadiusAvg -1; {accepted}"));
     let accepted = "expected radius_mm on the edge, or on both of its nodes, or `default_radius`";
     assert_eq!(sized("r", "red").unwrap_err(), format!("edge 0 (n0 - n1): no radius_mm; {accepted}"));
     let keys = key("pos", "node");

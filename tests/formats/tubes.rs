@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use crate::command::{stderr, willis};
 use crate::peers::{document, shared};
 use willis::internals::formats::{Content, Format, ReadOptions, read, read_tre};
 use willis::internals::network::centerlines::Centerlines;
@@ -184,6 +185,7 @@ fn tre_faults_name_line_and_value() {
         (tube("NPoints = 1\n", "1 nan 3 1\n"), "t:5: y NaN; expected a finite number"),
         (tube("NPoints = 1\n", "1 two 3 1\n"), "t:5: \"two\"; expected a number"),
         (tube("NPoints = many\n", ""), "t:3: NPoints \"many\"; expected a whole number"),
+        (tube("NPoints = -1\n", ""), "t:3: NPoints \"-1\"; expected a whole number from 0 on"),
         (tube("", "1 2 3 1\n"), "t:3: tube 1: no NPoints before its Points; expected how many there are"),
         (
             tube("PointDim = x z r\nNPoints = 1\n", "1 2 3\n"),
@@ -208,6 +210,10 @@ fn tre_faults_name_line_and_value() {
         (
             tube("TransformMatrix = 1 0 0 0 1 0 0 0 0\nNPoints = 1\n", "1 2 3 1\n"),
             "t:3: TransformMatrix \"1 0 0 0 1 0 0 0 0\"; expected one that can be inverted",
+        ),
+        (
+            tube("Orientation = 1 0 0 0 0 0 0 0 1\nNPoints = 1\n", "1 2 3 1\n"),
+            "t:3: Orientation \"1 0 0 0 0 0 0 0 1\"; expected one that can be inverted",
         ),
         (
             tube("ParentID = 1\nNPoints = 1\n", "1 2 3 1\n"),
@@ -251,6 +257,49 @@ fn tubes_state_their_unit() {
         in_mm(&read_tre(text.as_bytes(), &ReadOptions { scale: voxels, ..ReadOptions::default() }).unwrap().0),
         [[2000.0, 0.0, 0.0, 1000.0]]
     );
+}
+
+/// What is said of a file that states its unit, as it stands in the file: radii of 9,000 µm are no vessel's, but not for being mm.
+#[test]
+fn the_unit_that_a_file_states_is_the_one_that_is_told() {
+    let here = tempfile::tempdir().unwrap();
+    let radius = "\"measurements\": [{\"name\": \"Radius\", \"controlPointValues\": [9000, 9000]}]";
+    let points = "\"controlPoints\": [{\"position\": [0, 0, 0]}, {\"position\": [20000, 0, 0]}]";
+    let amira = "# AmiraMesh 3D ASCII 2.0\n\ndefine VERTEX 2\ndefine EDGE 1\ndefine POINT 2\n\nParameters {\n    Units {\n        \
+                 Coordinates \"um\"\n    }\n    ContentType \"HxSpatialGraph\"\n}\n\nVERTEX { float[3] VertexCoordinates } @1\n\
+                 EDGE { int[2] EdgeConnectivity } @2\nEDGE { int NumEdgePoints } @3\nPOINT { float[3] EdgePointCoordinates } @4\n\
+                 POINT { float thickness } @5\n\n@1\n0 0 0\n20000 0 0\n@2\n0 1\n@3\n2\n@4\n0 0 0\n20000 0 0\n@5\n9000 9000\n";
+    for (name, text, given, told) in [
+        (
+            "a.tre",
+            "ObjectType = Tube\nDistanceUnits = um\nNPoints = 2\nPoints =\n0 0 0 9000\n20000 0 0 9000\n".to_owned(),
+            None,
+            "um",
+        ),
+        ("b.tre", "ObjectType = Tube\nNPoints = 2\nPoints =\n0 0 0 9\n20 0 0 9\n".to_owned(), None, "mm assumed"),
+        ("b.tre", "ObjectType = Tube\nNPoints = 2\nPoints =\n0 0 0 0.9\n2 0 0 0.9\n".to_owned(), Some("cm"), "cm"),
+        (
+            "a.mrk.json",
+            format!("{{\"markups\": [{{\"type\": \"Line\", \"coordinateUnits\": [\"um\", \"UCUM\"], {points}, {radius}}}]}}"),
+            None,
+            "um",
+        ),
+        ("a.am", amira.to_owned(), None, "um"),
+    ] {
+        std::fs::write(here.path().join(name), text).unwrap();
+        let units = given.iter().flat_map(|unit| ["--units", unit]);
+        let arguments: Vec<&str> = ["convert", name, "c.csv", "--json", "--force"].into_iter().chain(units).collect();
+        let done = willis(here.path(), &arguments);
+        let said = stderr(&done);
+        assert!(done.status.success() && said.contains(&format!(", {told}: 1 ")), "{said}");
+        let unit = &told[..2];
+        assert!(
+            said.contains(&format!("the median radius is 9.000 mm and the extent 20.000 mm, with lengths in {unit}")),
+            "{said}"
+        );
+        let record: serde_json::Value = serde_json::from_slice(&done.stdout).unwrap();
+        assert_eq!(record["input"]["units"], unit);
+    }
 }
 
 /// A group that is only moved turns nothing: what it does not state of its matrix is the identity.

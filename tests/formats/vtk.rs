@@ -182,6 +182,12 @@ fn radii_and_numbers_of_cells_as_the_circle_of_willis_program_writes_them() {
                 ce_radius 1 3 double\n2 nan nan\nmis_radius 1 3 double\n1 1 1\n";
     let (lines, notes) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
     assert_eq!(names(&lines), ["BA", "R-PCA", "13"]);
+    // 0 is the background of every segmentation, and no class: of this program and of others.
+    for radii in ["ce_radius", "Radius"] {
+        let text = text.replace("\n1 2 13\n", "\n0 -3 13\n").replace("ce_radius", radii).replace("mis_radius", "other");
+        let (lines, _) = read_vtk(text.as_bytes(), &ReadOptions::default()).unwrap();
+        assert_eq!(names(&lines), ["", "-3", "13"], "{radii}");
+    }
     assert_eq!(lines.radii, [2.0, 2.0, 1.0, 1.0].map(metres));
     assert!(notes[0].starts_with("radius from cell array \"ce_radius\"; at 2 points without one from cell array \"mis_radius\""));
 }

@@ -12,8 +12,7 @@ use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per
 use crate::internals::network::{Condition, Origin, Role, fragments};
 use crate::{
     Contents, Error, Input, Network, Step, internals::flow::Boundary, internals::flow::boundary_conditions::unfed_fragments,
-    internals::formats::Format, internals::pipeline::nothing_built, internals::report::figures::axis::with_commas,
-    internals::support::printable::printable,
+    internals::pipeline::nothing_built, internals::report::figures::axis::with_commas, internals::support::printable::printable,
 };
 
 /// Prints facts on standard error, so that standard output stays free for data.
@@ -202,8 +201,7 @@ pub fn brief(x: f64) -> String {
 /// Says what was read; `assumed` where nobody said the unit.
 pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
     let (network, source) = (&input.network, &input.provenance);
-    let is_mask = input.format.is_some_and(Format::is_mask);
-    let assumed = if assumed && !is_mask { " assumed" } else { "" };
+    let assumed = if assumed && !input.states_unit() { " assumed" } else { "" };
     let (nodes, vessels) = (plural(network.node_count(), "node"), plural(network.vessel_count(), "vessel"));
     let size = match input.contents {
         Contents::Centerlines(points) => {

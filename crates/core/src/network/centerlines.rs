@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use petgraph::unionfind::UnionFind;
 
 use super::walks::{Walk, edges_at, other_end, runs_by_node, vessels_at};
-use super::{Frame, Network, Node, Origin, PathPoint, Vessel, path_places::length_of};
+use super::{Frame, LengthUnit, Network, Node, Origin, PathPoint, Vessel, path_places::length_of};
 use crate::error::Fault;
 use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, distance};
 
@@ -18,6 +18,8 @@ use crate::support::{Point, arc_lengths::arc_lengths, box_diagonal, counted, dis
 pub struct Centerlines {
     /// Which way the axes of the positions point.
     pub frame: Frame,
+    /// The unit of the file's lengths, if it is the file that states one.
+    pub unit: Option<LengthUnit>,
     /// Positions, m.
     pub points: Vec<Point>,
     /// Radii, m, as in the file: NaN, zero and negative values are missing radii.

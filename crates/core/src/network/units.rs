@@ -195,6 +195,12 @@ impl Scale {
         }
     }
 
+    /// The same in another unit, where there is one.
+    #[must_use]
+    pub fn in_unit(self, other: Option<LengthUnit>) -> Self {
+        Self { unit: other.unwrap_or(self.unit), ..self }
+    }
+
     /// What is said of a spacing where coordinates are not in voxels.
     fn needs_voxels(&self) -> String {
         format!("goes with `units=voxel`, not {}", self.unit.symbol())

@@ -149,7 +149,7 @@ pub(crate) const YOUNG: &str = "young_MPa";
 pub(crate) const THICKNESS: &str = "wall_mm";
 
 /// Adds the edges, in their order and with these rows of nodes as ends, to the network that has the nodes; returns what a person
-/// should know. A radius that is missing, where it may, is NaN.
+/// should know. A radius that is missing or not positive, where it may, is NaN.
 pub(crate) fn vessels(
     network: &mut Network,
     ends: &[[usize; 2]],
@@ -178,11 +178,11 @@ pub(crate) fn vessels(
                 }
                 radius
             }
-            Some((key, _)) => {
+            Some((key, _)) if !options.is_radius_optional() => {
                 let value = item.text(key).unwrap_or_default();
-                return Err(item.fault(format!("{key} {value}"), "expected a positive number"));
+                return Err(item.fault(format!("{key} {value}"), "expected a positive number, or give `default_radius`"));
             }
-            None if path.is_empty() => {
+            _ if path.is_empty() => {
                 if let (Some(p), Some(q)) = (a.radius, b.radius) {
                     from_nodes += 1;
                     p.min(q)
@@ -193,7 +193,7 @@ pub(crate) fn vessels(
                     return Err(item.lacks("radius", accepted));
                 }
             }
-            None => RadiusRule::Mean.radius(&path),
+            _ => RadiusRule::Mean.radius(&path),
         };
         let known = [Origin::Observed, Origin::Candidate, Origin::Contact].map(|origin| (origin.name(), origin));
         let origin = item.word("origin", known)?;

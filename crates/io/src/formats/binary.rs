@@ -30,6 +30,11 @@ pub(crate) fn word(bytes: &[u8], big: bool) -> u64 {
     if big { bytes.iter().fold(0, join) } else { bytes.iter().rev().fold(0, join) }
 }
 
+/// The first place of some bytes in others.
+pub(crate) fn find(bytes: &[u8], wanted: &[u8]) -> Option<usize> {
+    bytes.windows(wanted.len()).position(|window| window == wanted)
+}
+
 /// The whole number with a sign that a word of this many bytes holds.
 pub(crate) fn signed(word: u64, bytes: usize) -> i64 {
     // Shifting up and down again carries the sign of a shorter number.

@@ -2,16 +2,18 @@
 
 use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
-use std::{borrow::Cow, collections::HashSet};
+use std::{borrow::Cow, collections::HashMap};
 
-use super::known::Property::{self, Conditions, Figures, Frame, Ids, LoneNodes, Names, Paths, Radii, Statements};
-use super::polylines::{between, is_straight, node_points};
+use super::known::Property::{
+    self, Conditions, Figures, Frame, Ids, Labels, LoneNodes, Names, Paths, Radii, Resistances, Statements,
+};
+use super::polylines::{between, is_straight, node_points, polylines};
 use super::solvers::{MOST_JOINED, enters, with_few_at_a_node, without_loops, without_unfed};
 use super::{Format, FormatTrait, SolverSetting, Written, tables::pairs::nodes_table_path, vendors::edge_tables::has_whole_ids};
 use willis_core::error::{Error, Result};
 use willis_core::flow::Unfed;
 use willis_core::network::{Network, Node, Origin, PathPoint, RadiusRule, Vessel, path_places::length_of};
-use willis_core::support::geometry::{distance, lerp};
+use willis_core::support::geometry::lerp;
 
 /// What to write, and where.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,7 +148,7 @@ pub(crate) fn has_no_course(network: &Network, row: usize) -> bool {
 ///
 /// Nodes are points of several vessels, so the radius of a vessel without a line is that of two points near its ends,
 /// chosen such that the mean over its arc length is the vessel's radius. A vessel that runs straight between two nodes that
-/// another such vessel joins gets a point midway.
+/// other such vessels join gets points that none of those has, one at least: a reader takes points in one place for one.
 ///
 /// # Errors
 ///
@@ -154,7 +156,7 @@ pub(crate) fn has_no_course(network: &Network, row: usize) -> bool {
 pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
     let at = node_points(network)?;
     let (mut drawn, _) = network.subgraph(|row| !has_no_course(network, row));
-    let (mut joined, mut made) = (HashSet::new(), 0);
+    let (mut joined, mut made) = (HashMap::new(), 0);
     for row in 0..drawn.vessel_count() {
         let rows = drawn.ends(row);
         let [a, b] = rows.map(|end| at[end]);
@@ -163,15 +165,19 @@ pub(crate) fn with_lines(network: &Network) -> io::Result<(Network, usize)> {
         if !inner.is_empty() {
             continue;
         }
-        let first = joined.insert([rows[0].min(rows[1]), rows[0].max(rows[1])]);
+        let so_far = joined.entry([rows[0].min(rows[1]), rows[0].max(rows[1])]).or_insert(0.0);
+        let others = *so_far;
+        *so_far += 1.0;
         let point = |share: f64, radius: f64| PathPoint { position: lerp(a.position, b.position, share), radius, id: None };
-        let radius = (vessel.radius - TAPER * f64::midpoint(a.radius, b.radius)) / (1.0 - TAPER);
+        let taper = TAPER / (others + 1.0);
+        let radius = (vessel.radius - taper * f64::midpoint(a.radius, b.radius)) / (1.0 - taper);
         let tapers = (RadiusRule::Mean.radius(&[a, b]) - vessel.radius).abs() > f64::EPSILON * vessel.radius;
         if vessel.path.is_empty() && tapers && radius > 0.0 && a.position != b.position {
-            vessel.path = vec![a, point(TAPER, radius), point(1.0 - TAPER, radius), b];
+            vessel.path = vec![a, point(taper, radius), point(1.0 - taper, radius), b];
             made += 1;
-        } else if !first {
-            vessel.path = vec![a, point(0.5, f64::midpoint(a.radius, b.radius)), b];
+        } else if others > 0.0 {
+            let share = 0.5 / others;
+            vessel.path = vec![a, point(share, a.radius + share * (b.radius - a.radius)), b];
             made += 1;
         }
     }
@@ -185,31 +191,31 @@ const SAME: f64 = 1e-9;
 pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     let lacks = |property: Property| target.format.lacks(property);
     let (is_lines, is_openbf) = (consists_of_lines(target.format, network), target.format == Format::OpenBf);
-    let vessels = |of: &dyn Fn([usize; 2], &Vessel) -> bool| network.vessels().filter(|(ends, v)| of(*ends, v)).count();
+    let is_model = target.format.is(FormatTrait::Model);
+    let vessels = |of: &dyn Fn(&Vessel) -> bool| network.vessels().filter(|(_, v)| of(v)).count();
     let nodes = |of: &dyn Fn(&Node) -> bool| network.nodes().filter(|n| of(n)).count();
-    let differs = |drawn: Option<f64>, stated: f64| drawn.is_some_and(|drawn| (drawn - stated).abs() > SAME * stated.abs());
     let degree = network.degrees(|_| true);
     let has_course = |node: usize| target.setting.courses.contains_key(&network.node(node).id);
-    let lengths = vessels(&|ends, v| differs(drawn_length(network, v, ends), v.length));
-    // Points that are made keep the radius.
-    let radii = vessels(&|_, v| !v.path.is_empty() && differs(Some(RadiusRule::Mean.radius(&v.path)), v.radius));
+    let [lengths, radii] = if lacks(Figures) && is_lines { changed_as_lines(network) } else { [0, 0] };
     let ids = network.nodes().enumerate().filter(|(row, node)| node.id != row.to_string()).count();
     let without_course = (0..network.vessel_count()).filter(|row| has_no_course(network, *row)).count();
     let inlets = (0..network.node_count()).filter(|node| enters(network, *node) && !has_course(*node)).count();
     let counts = [
-        (lacks(Paths), vessels(&|_, v| v.path.len() > 2), "the points between the nodes of {} vessels"),
-        (lacks(Figures) && is_lines, lengths, "the lengths of {} vessels that are not those of their lines"),
-        (lacks(Figures) && is_lines, radii, "the radii of {} vessels that are not the mean over their points"),
+        (lacks(Paths), vessels(&|v| v.path.len() > 2), "the points between the nodes of {} vessels"),
+        (true, lengths, "the lengths of {} vessels that are not those of their lines"),
+        (true, radii, "the radii of {} vessels that are not the mean over their points"),
         (lacks(Ids) || lacks(Names) && !has_whole_ids(network), ids, "the ids of {} nodes"),
         (lacks(LoneNodes), degree.iter().filter(|d| **d == 0).count(), "{} nodes without a vessel"),
         (lacks(Radii) && !is_lines, nodes(&|n| n.radius.is_some()), "the radii of {} nodes"),
-        (lacks(Conditions), nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
+        (lacks(Labels), vessels(&|v| !v.label.is_empty()), "the labels of {} vessels"),
+        (lacks(Conditions) || is_model, nodes(&|n| !n.label.is_empty()), "the labels of {} nodes"),
         (lacks(Conditions), nodes(&|n| n.condition.is_some()), "the boundary conditions of {} nodes"),
-        (lacks(Statements), vessels(&|_, v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
-        (lacks(Statements), vessels(&|_, v| v.prior != 1.0), "the priors of {} vessels"),
-        (lacks(Statements), vessels(&|_, v| v.evidence.is_some()), "the probabilities of {} vessels"),
-        (lacks(Statements), vessels(&|_, v| v.certain), "that {} vessels are certain"),
-        (lacks(Statements), vessels(&|_, v| v.resistance.is_some()), "the resistances that {} vessels state"),
+        (lacks(Statements), vessels(&|v| v.origin == Origin::Candidate), "that {} vessels are candidates"),
+        (lacks(Statements), vessels(&|v| v.prior != 1.0), "the priors of {} vessels"),
+        (lacks(Statements), vessels(&|v| v.evidence.is_some()), "the probabilities of {} vessels"),
+        (lacks(Statements), vessels(&|v| v.certain), "that {} vessels are certain"),
+        (lacks(Statements) || lacks(Resistances), vessels(&|v| v.resistance.is_some()), "the resistances that {} vessels state"),
+        (lacks(Statements), vessels(&|v| v.wall.is_some()), "the walls that {} vessels state"),
         (is_lines, degree.iter().filter(|d| **d == 2).count(), "{} nodes that join two vessels, which are read again as one"),
         (is_lines, without_course, "{} vessels from a node to itself, which have no course"),
         (is_openbf, inlets, "the pressure or flow of {} inlets, which openBF takes as a course in time from inlet-N.dat"),
@@ -222,11 +228,13 @@ pub fn losses(network: &Network, target: &Target) -> Vec<String> {
     lost
 }
 
-/// The length (m) of a vessel as a line; none without positions.
-fn drawn_length(network: &Network, vessel: &Vessel, ends: [usize; 2]) -> Option<f64> {
-    if vessel.path.is_empty() {
-        let [a, b] = ends.map(|end| network.node(end).position);
-        return Some(distance(a?, b?));
-    }
-    Some(length_of(&vessel.path))
+/// How many vessels have another length, and how many another radius, as lines from node to node; none without positions.
+fn changed_as_lines(network: &Network) -> [usize; 2] {
+    let Ok((drawn, _)) = with_lines(network) else { return [0; 2] };
+    let lines = polylines(&drawn).unwrap_or_default();
+    let differs = |drawn: f64, stated: f64| (drawn - stated).abs() > SAME * stated.abs();
+    let changed = |of: &dyn Fn(&[PathPoint]) -> f64, stated: &dyn Fn(&Vessel) -> f64| {
+        lines.iter().zip(drawn.vessels()).filter(|(line, (_, vessel))| differs(of(line), stated(vessel))).count()
+    };
+    [changed(&length_of, &|vessel| vessel.length), changed(&|line| RadiusRule::Mean.radius(line), &|vessel| vessel.radius)]
 }

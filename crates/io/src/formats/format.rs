@@ -13,7 +13,7 @@ use super::tables::reader::{counted, delimiter, plural};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::{
     Content, Format, FormatTrait, ReadOptions, SolverSetting, add_loops, checksum, content::check_extent, content::unit_check,
-    graph_columns, read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges,
+    find, graph_columns, read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges,
     read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, read_vtk, read_vtp, read_vtrails, solvers::is_openbf,
     solvers::is_svzerod, tables::graph, vendors::amira::is_amira, write_amira, write_csv_graph, write_graphml, write_markups,
     write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc, write_tre, write_vesselvio, write_voreen,
@@ -363,7 +363,8 @@ fn completed(mut document: Document, path: &Path, options: &ReadOptions) -> Resu
         let added = add_loops(&bytes, lines).map_err(|fault| fault.in_file(loops))?;
         notes.push(format!("{} added from {}", plural(added, "link"), loops.display()));
     }
-    notes.extend(unit_check(content, &options.scale, format.is_mask()));
+    let unit = if let Content::Centerlines(lines) = content { lines.unit } else { None };
+    notes.extend(unit_check(content, &options.scale.in_unit(unit), format.is_mask()));
     Ok(document)
 }
 
@@ -397,7 +398,7 @@ fn read_any(path: &Path, options: &ReadOptions) -> Result<Document> {
 /// Why a file is not read that begins with these bytes, if its format is one of those.
 fn refused(path: &Path, bytes: &[u8]) -> Option<Fault> {
     let head = &bytes[..bytes.len().min(HEAD as usize)];
-    let has = |word: &[u8]| head.windows(word.len()).any(|part| part == word);
+    let has = |word: &[u8]| find(head, word).is_some();
     let ending = unpacked_name(path).extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let is_called = |word: &str| ending.as_ref().is_some_and(|ending| *ending == *word);
     let (found, accepted) = if head.get(128..132) == Some(b"DICM") {

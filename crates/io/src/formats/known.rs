@@ -3,7 +3,7 @@
 use FormatTrait::{
     Covered, GivenSpacing, Graph, Mask, Model, NamedRadii, OwnSpacing, Pairs, PairsIfStraight, SpacingBeside, TwoTables,
 };
-use Property::{Conditions, Figures, Frame, Ids, LoneNodes, Names, Paths, Radii, Statements};
+use Property::{Conditions, Figures, Frame, Ids, Labels, LoneNodes, Names, Paths, Radii, Resistances, Statements};
 
 /// What is known of a format. A text that a row leaves out is empty, or the usual name where that is said; a list that it leaves out is empty.
 #[derive(Default)]
@@ -68,8 +68,12 @@ pub(super) enum Property {
     Names,
     /// Nodes on no vessel.
     LoneNodes,
-    /// What vessels store beyond geometry: origins, priors, resistances.
+    /// What vessels store beyond geometry: origins, priors, resistances, walls.
     Statements,
+    /// The resistances that vessels state, in a format that has more of what they state.
+    Resistances,
+    /// Labels of vessels.
+    Labels,
     /// What nodes store beyond geometry: labels, conditions.
     Conditions,
     /// Radii of nodes, where vessels are pairs of nodes.
@@ -144,9 +148,10 @@ formats! {
     /// A mask as a NumPy array, in a file of its own or an archive.
     Npy { name: "NumPy mask", short: "NPY", is: &[Mask, GivenSpacing] }
     /// A model of the solver svZeroDSolver, only written.
-    SvZeroD { name: "svZeroDSolver JSON", word: "svzerod", is: &[Model, Pairs], lacks: &[Paths, Ids, LoneNodes, Radii] }
+    SvZeroD { name: "svZeroDSolver JSON", word: "svzerod", is: &[Model, Pairs], lacks: &[Paths, Ids, Labels, LoneNodes, Radii] }
     /// A model of the solver openBF, only written.
-    OpenBf { name: "openBF YAML", word: "openbf", ending: "yaml", says: "openBF", is: &[Model, Pairs], lacks: &[Paths, Ids, LoneNodes, Radii] }
+    OpenBf { name: "openBF YAML", word: "openbf", ending: "yaml", says: "openBF", is: &[Model, Pairs],
+        lacks: &[Paths, Ids, Resistances, LoneNodes, Radii] }
 }
 
 impl Format {

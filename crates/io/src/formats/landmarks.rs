@@ -62,7 +62,7 @@ pub enum LandmarkFormat {
 ///
 /// A table has the columns `label,x_mm,y_mm,z_mm`, or `x,y,z` in the unit of `scale`; or `label,r,a,s` or `label,l,p,s`, as 3D Slicer
 /// exports control points. Rows that begin with `#` are comments. Of markups the point lists (`Fiducial`) are read. Points whose position
-/// is not defined are left out.
+/// is not defined are left out, and so are those that are improbable or, in 3D Slicer, not selected.
 ///
 /// # Errors
 ///
@@ -81,11 +81,28 @@ pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault
     Ok(list)
 }
 
-/// The list, with a note on the points that were left out.
-fn list(landmarks: Vec<ListedLandmark>, format: LandmarkFormat, frame: Frame, [undefined, doubtful]: [usize; 2]) -> LandmarkList {
-    let doubtful = (doubtful, "doubtful landmarks that nobody has confirmed, left out");
-    let notes = listed([(undefined, "landmarks without a defined position, left out"), doubtful]).collect();
-    LandmarkList { landmarks, frame, format, notes }
+/// The landmarks that were found so far, and how many were left out.
+#[derive(Default)]
+struct FoundLandmarks {
+    landmarks: Vec<ListedLandmark>,
+    undefined: usize,
+    doubtful: usize,
+}
+
+impl FoundLandmarks {
+    /// Whether a landmark counts; else it is counted as left out.
+    fn takes(&mut self, is_defined: bool, is_sure: bool) -> bool {
+        self.undefined += usize::from(!is_defined);
+        self.doubtful += usize::from(is_defined && !is_sure);
+        is_defined && is_sure
+    }
+
+    /// The list, with a note on what was left out.
+    fn list(self, format: LandmarkFormat, frame: Frame) -> LandmarkList {
+        let undefined = (self.undefined, "landmarks without a defined position, left out");
+        let doubtful = (self.doubtful, "doubtful landmarks that nobody has confirmed, left out");
+        LandmarkList { landmarks: self.landmarks, frame, format, notes: listed([undefined, doubtful]).collect() }
+    }
 }
 
 fn read_table(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
@@ -103,25 +120,26 @@ fn read_table(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
     } else {
         (rows.columns([&["x_mm", "x"], &["y_mm", "y"], &["z_mm", "z"]], WHAT)?, Frame::Unknown, *scale)
     };
-    let defined = rows.find(&["defined"]).filter(|_| frame.is_known());
+    let of_slicer = |name: &str| rows.find(&[name]).filter(|_| frame.is_known());
+    let (defined, selected) = (of_slicer("defined"), of_slicer("selected"));
     let probability = rows.find(&["probability"]);
-    let (mut landmarks, mut undefined, mut doubtful) = (Vec::new(), 0, 0);
+    let mut all = FoundLandmarks::default();
     while let Some(row) = rows.row()? {
         if row.texts().next().is_none() || row.text(0).starts_with('#') {
             continue;
         }
-        if defined.is_some_and(|column| row.text(column) == "0") {
-            undefined += 1;
-            continue;
+        let is_improbable = probability.is_some_and(|column| row.text(column).parse().is_ok_and(|p: f64| p < SURE));
+        if all.takes(!says_no(&row, defined), !says_no(&row, selected) && !is_improbable) {
+            let (place, position) = (Place::Line(row.line), row.point(place, &scale)?);
+            all.landmarks.push(ListedLandmark { place, label: row.text(label).to_owned(), position });
         }
-        if probability.is_some_and(|column| row.text(column).parse().is_ok_and(|p: f64| p < SURE)) {
-            doubtful += 1;
-            continue;
-        }
-        let (place, position) = (Place::Line(row.line), row.point(place, &scale)?);
-        landmarks.push(ListedLandmark { place, label: row.text(label).to_owned(), position });
     }
-    Ok(list(landmarks, LandmarkFormat::Csv, frame, [undefined, doubtful]))
+    Ok(all.list(LandmarkFormat::Csv, frame))
+}
+
+/// Whether a row has 0 in a column of yes and no, if there is the column.
+fn says_no(row: &Row<'_>, column: Option<usize>) -> bool {
+    column.is_some_and(|column| row.text(column) == "0")
 }
 
 /// The control points of the point lists in markups, in the frame of the first list.
@@ -136,19 +154,14 @@ fn read_markups(bytes: &[u8]) -> Result<LandmarkList, Fault> {
         return Err(Fault::file(found.escape_debug().to_string(), POINTS));
     }
     let several = lists().count() > 1;
-    let (mut landmarks, mut undefined, mut doubtful, mut first) = (Vec::new(), 0, 0, None);
+    let (mut all, mut first) = (FoundLandmarks::default(), None);
     for (row, markup) in lists() {
         let item = || format!("markup {row} \"{}\"", markup.name().escape_debug());
         let frame = markup.frame(item)?;
         let of_file = *first.get_or_insert(frame);
-        let scale = unit(markup, &Scale::default(), item)?;
+        let scale = Scale::default().in_unit(unit(markup, &Scale::default(), item)?);
         for (at, point) in markup.control_points.iter().enumerate() {
-            if !point.is_defined() {
-                undefined += 1;
-                continue;
-            }
-            if !point.is_selected() {
-                doubtful += 1;
+            if !all.takes(point.is_defined(), point.is_selected()) {
                 continue;
             }
             let of = if several { format!(" of {}", item()) } else { String::new() };
@@ -156,10 +169,10 @@ fn read_markups(bytes: &[u8]) -> Result<LandmarkList, Fault> {
             let position = point.position().map(|p| scale.position(p)).filter(|p| p.iter().all(|x| x.is_finite()));
             let wrong = || Fault::item(&place, "no position", "expected three finite numbers");
             let position = frame.turn(of_file, position.ok_or_else(wrong)?);
-            landmarks.push(ListedLandmark { label: point.label().to_owned(), position, place: Place::Item(place) });
+            all.landmarks.push(ListedLandmark { label: point.label().to_owned(), position, place: Place::Item(place) });
         }
     }
-    Ok(list(landmarks, LandmarkFormat::Markups, first.unwrap_or(Frame::Lps), [undefined, doubtful]))
+    Ok(all.list(LandmarkFormat::Markups, first.unwrap_or(Frame::Lps)))
 }
 
 /// Landmarks below this probability are for a person to look at: they do not count until the probability is raised or taken away, or, in
@@ -209,25 +222,24 @@ fn read_fcsv(bytes: &[u8], frame: Frame, (header_line, names): (usize, String)) 
         Place::Line(line) => Fault { place: Place::Line(if line > 1 { line - 1 } else { header_line.max(1) }), ..fault },
         _ => fault,
     };
-    let (mut landmarks, mut undefined) = (Vec::new(), 0);
+    let mut all = FoundLandmarks::default();
     let mut rows = TableReader::ragged(&text).map_err(here)?;
     let columns = rows.columns([&["x"], &["y"], &["z"], &["label"]], "an .fcsv file of 3D Slicer").map_err(here)?;
     let [place @ .., label] = columns;
     // The columns that newer versions write without naming them begin with the status: 2 is defined.
     let status = rows.find(&["associatedNodeID"]).map(|last| last + 1);
+    let selected = rows.find(&["sel"]);
     let is_defined = |row: &Row<'_>| status.is_none_or(|column| matches!(row.text(column), "" | "2"));
     while let Some(row) = rows.row().map_err(here)? {
         if row.texts().next().is_none() {
             continue;
         }
-        if !is_defined(&row) {
-            undefined += 1;
-            continue;
+        if all.takes(is_defined(&row), !says_no(&row, selected)) {
+            let (place, position) = (Place::Line(row.line - 1), row.point(place, &Scale::default()).map_err(here)?);
+            all.landmarks.push(ListedLandmark { place, label: row.text(label).to_owned(), position });
         }
-        let position = row.point(place, &Scale::default()).map_err(here)?;
-        landmarks.push(ListedLandmark { place: Place::Line(row.line - 1), label: row.text(label).to_owned(), position });
     }
-    Ok(list(landmarks, LandmarkFormat::Fcsv, frame, [undefined, 0]))
+    Ok(all.list(LandmarkFormat::Fcsv, frame))
 }
 
 /// Writes landmarks whose positions are in `frame`.
@@ -254,7 +266,7 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
                     "{{\"id\": \"{}\", \"label\": {label}, \"description\": {about}, \"position\": [{x}, {y}, {z}], \
                      \"selected\": {}, \"positionStatus\": \"defined\"}}{comma}",
                     at + 1,
-                    point.probability.is_none_or(|p| p >= SURE)
+                    point.is_sure()
                 )?;
             }
             writeln!(out, "]}}]\n}}")?;
@@ -265,7 +277,8 @@ pub fn write_landmarks(mut out: impl Write, format: LandmarkFormat, frame: Frame
             let mut rows = csv::Writer::from_writer(out);
             for (at, point) in landmarks.iter().enumerate() {
                 let ([x, y, z], id) = (lps(point), (at + 1).to_string());
-                let row = [&id, &x, &y, &z, "0", "0", "0", "1", "1", "1", "0", &point.label, &point.about(), ""];
+                let selected = if point.is_sure() { "1" } else { "0" };
+                let row = [&id, &x, &y, &z, "0", "0", "0", "1", "1", selected, "0", &point.label, &point.about(), ""];
                 rows.write_record(row)?;
             }
             rows.flush()
@@ -289,6 +302,11 @@ impl MarkedPoint {
     /// A landmark without a probability or a remark.
     pub fn new(label: impl Into<String>, position: Point) -> Self {
         Self { label: label.into(), position, ..Self::default() }
+    }
+
+    /// Whether it counts without being looked at.
+    fn is_sure(&self) -> bool {
+        self.probability.is_none_or(|p| p >= SURE)
     }
 
     /// The remark for a format that has no place for a probability.

@@ -60,7 +60,8 @@ pub use vtk::{legacy::read_vtk, vtp::read_vtp, write::write_vtk, write::write_vt
 pub use xml::escape;
 
 // What most readers and writers name.
-pub(crate) use binary::{NumberType, word};
+pub(crate) use binary::{NumberType, find, word};
+pub(crate) use options::stated_unit;
 pub(crate) use polylines::{cells, centerlines, parents_first, parts_of, steps_from_inlets};
 pub(crate) use tables::reader::{TableReader, counted, is_missing, listed, plural};
 pub(crate) use tables::write::{check_rows, figures, real};

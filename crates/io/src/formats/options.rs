@@ -1,8 +1,8 @@
 //! How a file is read: units, radii, the frame, and what a mask means.
 
 use crate::masks::{Cavities, RadiusFrom};
-use willis_core::error::{Error, Result};
-use willis_core::network::{Frame, RadiusRule, Scale, millimetres};
+use willis_core::error::{Error, Fault, Result};
+use willis_core::network::{Frame, LengthUnit, RadiusRule, Scale, millimetres};
 use willis_core::support::geometry::Point;
 
 /// How to read a file.
@@ -86,5 +86,18 @@ impl ReadOptions {
     /// Whether vessels may lack any radius.
     pub fn is_radius_optional(&self) -> bool {
         self.default_radius.is_some()
+    }
+}
+
+/// The unit that a file states by a word, mm by an empty one; none where it states none, or where another than mm was given.
+pub(crate) fn stated_unit(
+    word: Option<&str>,
+    given: &Scale,
+    unknown: impl FnOnce() -> Fault,
+) -> Result<Option<LengthUnit>, Fault> {
+    match word.filter(|_| given.unit == LengthUnit::Millimetre) {
+        None => Ok(None),
+        Some("") => Ok(Some(LengthUnit::Millimetre)),
+        Some(word) => LengthUnit::named(word).map(Some).ok_or_else(unknown),
     }
 }

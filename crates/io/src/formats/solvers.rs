@@ -7,7 +7,7 @@ use std::{borrow::Cow, f64::consts::PI, iter::successors};
 
 use serde_json::{Value, json};
 
-use crate::formats::{Network, Node, other_end, plural, vessels_at};
+use crate::formats::{Network, Node, find, other_end, plural, vessels_at};
 use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
 
@@ -39,11 +39,11 @@ pub(crate) fn enters(network: &Network, node: usize) -> bool {
     }
 }
 
-/// The network without the parts that no blood enters, with a note that counts them; as it is where there is no inlet at all.
+/// The network without the parts that no blood enters, with a note that counts them; as it is where no vessel has an inlet.
 pub(crate) fn without_unfed(network: &Network) -> (Cow<'_, Network>, Option<String>) {
     let is_fed = fed(network, |node| enters(network, node));
     let left_out = network.vessels().filter(|([a, _], _)| !is_fed[*a]).count();
-    if left_out == 0 || !is_fed.contains(&true) {
+    if left_out == 0 || left_out == network.vessel_count() {
         return (Cow::Borrowed(network), None);
     }
     let note = format!("{} in parts that no blood enters, left out (`unfed=keep` writes them)", plural(left_out, "vessel"));
@@ -123,7 +123,8 @@ struct Directed<'a> {
 
 impl<'a> Directed<'a> {
     /// Turns the vessels so that each node between them has one that comes and one that goes: the shortest way from each inlet to an end, or to
-    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned.
+    /// a way that is there already, and then the same from the nodes on these ways, until all vessels are turned. Where every end is an inlet,
+    /// blood leaves at the one that is nearest to the first.
     ///
     /// # Errors
     ///
@@ -135,13 +136,14 @@ impl<'a> Directed<'a> {
         }
         let at = vessels_at(network, |_| true);
         let enters = |node: usize| enters(network, node);
-        let stated: Vec<usize> = (0..network.node_count()).filter(|node| network.node(*node).condition.is_some()).collect();
+        let states = |node: &usize| network.node(*node).condition.is_some() && !at[*node].is_empty();
+        let stated: Vec<usize> = (0..network.node_count()).filter(states).collect();
         if let Some(inner) = stated.iter().find(|node| at[**node].len() > 1) {
             return Err(refused(format!("the condition of node {} is not at a free end", network.node(*inner).id)));
         }
         let inlets: Vec<usize> = stated.into_iter().filter(|node| enters(*node)).collect();
         if inlets.is_empty() {
-            return Err(refused("no node states an inlet; state conditions in the file".to_owned()));
+            return Err(refused("no node states an inlet of a vessel; state conditions in the file".to_owned()));
         }
         let mut turned = vec![None; network.vessel_count()];
         // A way may end where blood leaves, or on another way.
@@ -153,7 +155,12 @@ impl<'a> Directed<'a> {
                 if turned[row].is_some() {
                     continue;
                 }
-                for [begins, row, stops] in way(network, &at, (from, row), |row| turned[row].is_none(), |node| is_target[node]) {
+                let way_to =
+                    |is_target: &dyn Fn(usize) -> bool| way(network, &at, (from, row), |row| turned[row].is_none(), is_target);
+                let steps = way_to(&|node| is_target[node]).or_else(|| way_to(&enters));
+                // Where blood only comes back by itself, what follows finds this way.
+                let steps = steps.unwrap_or_else(|| vec![[from, row, other_end(network, row, from)]]);
+                for [begins, row, stops] in steps {
                     turned[row] = Some([begins, stops]);
                     if !std::mem::replace(&mut is_target[stops], true) {
                         open.push_back(stops);
@@ -197,21 +204,21 @@ impl<'a> Directed<'a> {
 }
 
 /// The shortest way from a node by one of its vessels to a target, as node, row and node for each vessel from the last to the first; over vessels
-/// that are free. From where there is none the way is that vessel alone: blood comes back by itself, and what follows finds this way.
+/// that are free.
 fn way(
     network: &Network,
     at: &[Vec<usize>],
     (from, first): (usize, usize),
     is_free: impl Fn(usize) -> bool,
     is_target: impl Fn(usize) -> bool,
-) -> Vec<[usize; 3]> {
+) -> Option<Vec<[usize; 3]>> {
     let start = other_end(network, first, from);
     let mut came: HashMap<usize, (usize, usize)> = HashMap::from([(start, (from, first))]);
     let mut open = VecDeque::from([start]);
     while let Some(node) = open.pop_front() {
         if is_target(node) {
             let step = |to: usize| [came[&to].0, came[&to].1, to];
-            return successors(Some(step(node)), |[before, row, _]| (*row != first).then(|| step(*before))).collect();
+            return Some(successors(Some(step(node)), |[before, row, _]| (*row != first).then(|| step(*before))).collect());
         }
         for row in at[node].iter().copied().filter(|row| *row != first && is_free(*row)) {
             let to = other_end(network, row, node);
@@ -221,7 +228,7 @@ fn way(
             }
         }
     }
-    vec![[from, first, start]]
+    None
 }
 
 /// The cross-section of a vessel, m².
@@ -239,7 +246,7 @@ pub(crate) const MOST_JOINED: usize = 3;
 /// Whether a text begins as a model of openBF, which states no positions, so that no network can be made of it.
 pub(crate) fn is_openbf(text: &[u8]) -> bool {
     let head = &text[..text.len().min(1 << 12)];
-    [&b"\nblood:"[..], b"\nnetwork:"].iter().all(|key| head.windows(key.len()).any(|part| part == *key))
+    find(head, b"\nblood:").is_some() && find(head, b"\nnetwork:").is_some()
 }
 
 /// Writes an inlet file of openBF: rows of a time (s) and a flow (m³/s) or a pressure (Pa).
@@ -265,7 +272,7 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
-    let begins = |node: usize| ends.turned.iter().any(|[first, _]| *first == node);
+    let begins = willis_core::support::numbered::marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
     if let Some(row) = ends.unfed {
         return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
     }
@@ -273,7 +280,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
         let (id, count) = (&network.node(node).id, ends.at[node].len());
         return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
     }
-    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins(node);
+    let is_inlet = |node: usize| ends.at[node].len() == 1 && begins[node];
     let mut number = vec![0; network.node_count()];
     let (inner, first): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| !is_inlet(*node));
     for (place, node) in first.into_iter().chain(inner).enumerate() {
@@ -347,8 +354,7 @@ const COMPLIANCE: f64 = 1e5;
 /// Whether a text begins as a model of svZeroDSolver, which states no positions, so that no network can be made of it.
 pub(crate) fn is_svzerod(text: &[u8]) -> bool {
     let head = &text[..text.len().min(1 << 12)];
-    let has = |key: &[u8]| head.windows(key.len()).any(|part| part == key);
-    text.starts_with(b"{") && has(b"\"boundary_conditions\"") && !has(b"\"markups\"")
+    text.starts_with(b"{") && find(head, b"\"boundary_conditions\"").is_some() && find(head, b"\"markups\"").is_none()
 }
 
 /// Writes a network for svZeroDSolver. R is Poiseuille's or what the vessel states, L = ρl/A, C = (3/2) A r l/(Eh).

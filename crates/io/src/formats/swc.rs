@@ -4,7 +4,9 @@ use std::collections::{BTreeMap, BTreeSet, HashMap, hash_map::Entry};
 use std::io::{self, BufRead, Write};
 
 use crate::formats::polylines::{between, node_points, parents_first, steps_from_inlets};
-use crate::formats::{Centerlines, Fault, Frame, Network, PathPoint, Scale, figures, is_missing, is_radius, millimetres, plural};
+use crate::formats::{
+    Centerlines, Fault, Frame, Network, PathPoint, Scale, figures, is_missing, is_radius, lerp, millimetres, plural,
+};
 
 const COLUMNS: [&str; 7] = ["id", "type", "x", "y", "z", "radius", "parent"];
 const ROW: &str = "expected 7 (id type x y z radius parent)";
@@ -40,8 +42,11 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             let text = line.split('#').next().unwrap_or_default();
             let words: Vec<&str> = text.split_whitespace().collect();
             if words.is_empty() {
-                names.extend(type_name(line));
-                lines.frame = Some(Frame::of_header(line)).filter(|frame| frame.is_known()).unwrap_or(lines.frame);
+                if let Some((code, name)) = type_name(line) {
+                    names.insert(code, name);
+                } else if Frame::of_header(line).is_known() {
+                    lines.frame = Frame::of_header(line);
+                }
                 continue;
             }
             let [id, kind, x, y, z, radius, parent, ..] = words[..] else {
@@ -123,7 +128,7 @@ pub fn is_forest(network: &Network) -> bool {
 ///
 /// The roots are the inlets, then the first node of every tree without one. A node without radius has that of
 /// its widest vessel; one that has none of either is written with 0. The type of a point is the label of the vessel that leads
-/// to it, as [`read_swc`] takes it.
+/// to it, as [`read_swc`] takes it. Where vessels have labels, a straight one that closes a loop has a point of its own, midway.
 ///
 /// # Errors
 ///
@@ -148,7 +153,13 @@ pub fn write_swc(mut out: impl Write, network: &Network) -> io::Result<Vec<[u64;
         };
         let vessel = network.vessel(row);
         let (kind, mut parent) = (type_of(&vessel.label, &types), id_of[from]);
-        for point in between(&vessel.path, at[from].position, at[to].position, network.ends(row)[0] == from) {
+        let (begins, stops) = (at[from], at[to]);
+        let mut inner = between(&vessel.path, begins.position, stops.position, network.ends(row)[0] == from);
+        if inner.is_empty() && !is_new && !types.is_empty() {
+            let (position, radius) = (lerp(begins.position, stops.position, 0.5), f64::midpoint(begins.radius, stops.radius));
+            inner.push(PathPoint { position, radius, id: None });
+        }
+        for point in inner {
             parent = write(&point, kind, Some(parent))?;
         }
         if is_new {

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use crate::formats::header_fields::{HeaderFields, HeaderLines, shown};
-use crate::formats::{Fault, NumberType, ReadOptions, ensure, figures, listed, parents_first, steps_from_inlets};
+use crate::formats::{Fault, NumberType, ReadOptions, ensure, figures, listed, parents_first, stated_unit, steps_from_inlets};
 use willis_core::network::{Centerlines, Frame, LengthUnit, Network, PathPoint, Scale, is_radius};
 use willis_core::support::geometry::{Point, bounds, cross, distance, dot, sub};
 
@@ -43,18 +43,19 @@ pub fn read_tre(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, Vec
     let mut ids = Vec::new();
     let mut span = vec![0..0; objects.len()];
     for (row, object) in objects.iter().enumerate().filter(|(_, object)| object.is_tube()) {
-        let has_radius = object.points.is_empty() || object.points.iter().any(|[.., radius, _]| !radius.is_nan());
+        let has_radius = object.points.is_empty() || object.points.iter().any(|point| !point.radius.is_nan());
         let (line, _) = object.fields.get("PointDim").unwrap_or((object.line, ""));
         let found = || format!("{} has no radius", object.name());
         let wrong = || Fault::line(line, found(), "expected a column r in PointDim, or give `default_radius`");
         ensure(has_radius || options.is_radius_optional(), wrong)?;
         let spacing = spacing(object)?;
-        let scale = unit(object, &options.scale)?;
+        let unit = unit(object, &options.scale)?;
+        let scale = options.scale.in_unit(unit);
+        lines.unit = lines.unit.or(unit);
         let stretch = to_scene[row].map_or(1.0, |transform| transform.stretch());
         let label = object.fields.get("Name").map_or("", |(_, name)| name);
         let first = lines.points.len();
-        for point in &object.points {
-            let [x, y, z, radius, id] = *point;
+        for TubePoint { at: [x, y, z], radius, id } in object.points.iter().copied() {
             let own = [x * spacing[0], y * spacing[1], z * spacing[2]];
             let position = scale.position(to_scene[row].map_or(own, |transform| transform.apply(own)));
             let found = || format!("{}: a point that is not finite", object.name());
@@ -127,6 +128,11 @@ impl Object {
     /// As many numbers as are asked for, of the first of some fields that is there.
     fn numbers(&self, keys: &[&str], count: usize) -> Result<Option<Vec<f64>>, Fault> {
         self.fields.first_numbers(keys, count, "finite numbers", |x| x.is_finite())
+    }
+
+    /// Of how many dimensions its positions are: two where it says so.
+    fn dimensions(&self) -> usize {
+        if self.fields.get("NDims").is_some_and(|(_, n)| n == "2") { 2 } else { 3 }
     }
 
     /// Its name in errors.
@@ -232,44 +238,57 @@ const RADIUS: [&str; 7] = ["r", "R", "radius", "Radius", "rad", "Rad", "s"];
 /// The columns of files that do not name them.
 const USUAL: &str = "x y z r";
 
-/// A point as the file has it: x, y and z in units of the tube's spacing, the radius and the point's own number, NaN where there is none.
-type TubePoint = [f64; 5];
+/// A point as the file has it.
+#[derive(Clone, Copy)]
+struct TubePoint {
+    /// In units of the tube's spacing; a coordinate that the tube has not is 0.
+    at: Point,
+    /// NaN where there is none.
+    radius: f64,
+    /// Its own number, NaN where there is none.
+    id: f64,
+}
 
-/// How many columns a point has, and which of them are those of a [`TubePoint`].
+/// How many columns a point has, and which of them are read.
 struct Columns {
     width: usize,
-    read: [Option<usize>; 5],
+    at: [Option<usize>; 3],
+    radius: Option<usize>,
+    id: Option<usize>,
 }
 
 impl Columns {
     fn of(object: &Object) -> Result<Self, Fault> {
         let (line, names) = object.fields.get("PointDim").unwrap_or((object.line, USUAL));
         let names: Vec<&str> = names.split_whitespace().collect();
-        let at = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
-        let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
-        let read = [at(&["x", "X"]), at(&["y", "Y"]), at(&["z", "Z"]), at(&RADIUS), at(&["id"])];
+        let find = |wanted: &[&str]| names.iter().position(|name| wanted.contains(name));
+        let at = [find(&["x", "X"]), find(&["y", "Y"]), find(&["z", "Z"])];
         let found = || format!("PointDim \"{}\"", names.join(" "));
         let wrong = || Fault::line(line, found(), "expected the names of the columns, x, y, z and r among them");
-        ensure(!read[..if flat { 2 } else { 3 }].contains(&None), wrong)?;
-        Ok(Self { width: names.len(), read })
+        ensure(!at[..object.dimensions()].contains(&None), wrong)?;
+        Ok(Self { width: names.len(), at, radius: find(&RADIUS), id: find(&["id"]) })
     }
 
     /// A point from its numbers.
     fn point(&self, mut number: impl FnMut(usize) -> Result<f64, Fault>, line: usize) -> Result<TubePoint, Fault> {
-        let mut point = [0.0, 0.0, 0.0, f64::NAN, f64::NAN];
-        for (value, column) in self.read.iter().enumerate() {
-            let Some(column) = column else { continue };
-            point[value] = number(*column)?;
-            let found = || format!("{} {}", ["x", "y", "z"][value], point[value]);
-            ensure(value >= 3 || point[value].is_finite(), || Fault::line(line, found(), "expected a finite number"))?;
+        let mut at = [0.0; 3];
+        for (axis, column) in self.at.iter().enumerate().filter_map(|(axis, column)| Some((axis, (*column)?))) {
+            at[axis] = number(column)?;
+            let found = || format!("{} {}", ["x", "y", "z"][axis], at[axis]);
+            ensure(at[axis].is_finite(), || Fault::line(line, found(), "expected a finite number"))?;
         }
-        Ok(point)
+        let radius = self.radius.map_or(Ok(f64::NAN), &mut number)?;
+        let id = self.id.map_or(Ok(f64::NAN), number)?;
+        Ok(TubePoint { at, radius, id })
     }
 }
 
 /// Reads the points that follow the line `Points =` of a tube.
 fn read_points(object: &Object, cursor: &mut HeaderLines<'_>, line: usize) -> Result<Vec<TubePoint>, Fault> {
-    let missing = || Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are");
+    let missing = || match object.fields.get("NPoints") {
+        Some(_) => object.fields.wrong("NPoints", "expected a whole number from 0 on"),
+        None => Fault::line(line, format!("{}: no NPoints before its Points", object.name()), "expected how many there are"),
+    };
     let count = object.index("NPoints")?.ok_or_else(missing)? as usize;
     if !object.fields.is_true("BinaryData") {
         return read_text(object, cursor, line, count);
@@ -335,24 +354,18 @@ fn frame(objects: &[Object]) -> Frame {
 
 /// The spacing by which a tube's numbers are multiplied.
 fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
-    let flat = object.fields.get("NDims").is_some_and(|(_, n)| n == "2");
     let mut spacing = [1.0; 3];
-    for (axis, x) in object.numbers(&["ElementSpacing"], if flat { 2 } else { 3 })?.into_iter().flatten().enumerate() {
+    for (axis, x) in object.numbers(&["ElementSpacing"], object.dimensions())?.into_iter().flatten().enumerate() {
         ensure(x > 0.0, || object.fields.wrong("ElementSpacing", "expected positive numbers"))?;
         spacing[axis] = x;
     }
     Ok(spacing)
 }
 
-/// The unit of a tube: the one that the user gave if it is not mm, else the one that the tube states.
-fn unit(object: &Object, scale: &Scale) -> Result<Scale, Fault> {
-    let unit = match object.fields.get("DistanceUnits") {
-        None | Some((_, "mm" | "?" | "")) => return Ok(*scale),
-        Some((_, "um")) => LengthUnit::Micrometre,
-        Some((_, "cm")) => LengthUnit::Centimetre,
-        Some((line, other)) => return Err(Fault::line(line, format!("DistanceUnits {other}"), "expected um, mm or cm")),
-    };
-    Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
+/// The unit that a tube states; MetaIO writes `?` where it knows none.
+fn unit(object: &Object, given: &Scale) -> Result<Option<LengthUnit>, Fault> {
+    let Some((line, word)) = object.fields.get("DistanceUnits").filter(|(_, word)| *word != "?") else { return Ok(None) };
+    stated_unit(Some(word), given, || Fault::line(line, format!("DistanceUnits {word}"), "expected um, mm or cm"))
 }
 
 /// Gives points their own ids where these are whole and all different, else numbers from 0.
@@ -363,6 +376,9 @@ fn number(lines: &mut Centerlines, ids: &[f64]) {
         *id = if own { ids[row] as u64 } else { row as u64 };
     }
 }
+
+/// Names of the matrix of a transform.
+const MATRIX: [&str; 3] = ["TransformMatrix", "Orientation", "Rotation"];
 
 /// x -> M x + b. MetaIO's CenterOfRotation does not count, since the offset is stated (ITK's MatrixOffsetTransformBase).
 #[derive(Clone, Copy)]
@@ -397,19 +413,17 @@ impl TubeTransform {
 
     /// An object's own transform; `None` where it is the identity.
     fn of(object: &Object) -> Result<Option<Self>, Fault> {
-        let size = if object.fields.get("NDims").is_some_and(|(_, n)| n == "2") { 2 } else { 3 };
+        let size = object.dimensions();
         let mut affine = Self { matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], offset: [0.0; 3] };
         let identity = affine.matrix;
-        for (at, x) in
-            object.numbers(&["TransformMatrix", "Orientation", "Rotation"], size * size)?.into_iter().flatten().enumerate()
-        {
+        for (at, x) in object.numbers(&MATRIX, size * size)?.into_iter().flatten().enumerate() {
             affine.matrix[at / size][at % size] = x;
         }
         for (axis, x) in object.numbers(&["Offset", "Position", "Origin"], size)?.into_iter().flatten().enumerate() {
             affine.offset[axis] = x;
         }
-        let (line, matrix) = object.fields.get("TransformMatrix").unwrap_or((object.line, ""));
-        let wrong = || Fault::line(line, format!("TransformMatrix \"{matrix}\""), "expected one that can be inverted");
+        let name = MATRIX.into_iter().find(|name| object.fields.get(name).is_some()).unwrap_or(MATRIX[0]);
+        let wrong = || object.fields.wrong(name, "expected one that can be inverted");
         ensure(affine.determinant().abs() > 0.0 && affine.determinant().is_finite(), wrong)?;
         Ok((affine.matrix != identity || affine.offset != [0.0; 3]).then_some(affine))
     }

@@ -6,7 +6,7 @@ use std::io::{self, BufRead, Read};
 use quick_xml::events::{Event, attributes::Attribute, attributes::Attributes};
 use quick_xml::{Error, Reader, XmlVersion, escape::resolve_xml_entity};
 
-use crate::formats::{Fault, ensure};
+use crate::formats::{Fault, ensure, find};
 
 /// The deepest nesting of elements.
 const MOST_DEPTH: usize = 256;
@@ -339,11 +339,6 @@ pub(crate) fn root(bytes: &[u8]) -> Option<(&str, &str)> {
     let name = tag.split(|b| b.is_ascii_whitespace() || *b == b'/').next()?;
     let name = name.rsplit(|b| *b == b':').next()?;
     Some((std::str::from_utf8(name).ok()?, std::str::from_utf8(tag).ok()?))
-}
-
-/// The first place of `needle`.
-pub(crate) fn find(bytes: &[u8], needle: &[u8]) -> Option<usize> {
-    bytes.windows(needle.len()).position(|w| w == needle)
 }
 
 /// Escapes text for element content and attribute values; characters that XML forbids become U+FFFD.

@@ -56,11 +56,9 @@ impl NumpyArray {
         let fault = |found: String, accepted: &str| Fault::item(format!("array {name}"), found, accepted);
         let text = header(&mut member).ok_or_else(|| fault("not a NumPy array".into(), "expected .npy members"))?;
         let unreadable = || fault(format!("header {}", text.trim_end()), "expected descr, fortran_order and shape");
-        let header = Value::Dict(text.trim().parse::<Value>().ok().and_then(|v| v.as_dict().cloned()).ok_or_else(unreadable)?);
-        let entry = |key: &str| {
-            let pairs = header.as_dict()?;
-            pairs.iter().find(|(k, _)| k.as_string().is_some_and(|k| k == key)).map(|(_, value)| value)
-        };
+        let header = text.trim().parse::<Value>().ok();
+        let pairs = header.as_ref().and_then(Value::as_dict).ok_or_else(unreadable)?;
+        let entry = |key: &str| pairs.iter().find(|(k, _)| k.as_string().is_some_and(|k| k == key)).map(|(_, value)| value);
         let fortran = entry("fortran_order").and_then(Value::as_boolean).ok_or_else(unreadable)?;
         let shape = entry("shape").and_then(Value::as_tuple).ok_or_else(unreadable)?;
         let length = |n: &Value| n.as_integer().and_then(|n| n.to_string().parse::<usize>().ok());

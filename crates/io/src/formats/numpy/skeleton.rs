@@ -80,7 +80,7 @@ pub fn read_skeleton_npz(bytes: &[u8], options: &ReadOptions) -> Result<(Content
         let lengths = array.reals()?;
         ensure(lengths.len() == m, || array.fault(format!("{} values", lengths.len()), format!("expected {m}, one an edge")))?;
         let lengths: Vec<f64> = lengths.into_iter().map(|x| scale.length(x)).collect();
-        let mut network = vessels(&points, &links, &sizes, &lengths, (label, radius_optional))?;
+        let mut network = vessels(&points, &links, &sizes, &lengths, label, radius_optional)?;
         network.frame = frame;
         return Ok((Content::Vessels(network), Vec::new()));
     }
@@ -97,7 +97,8 @@ fn vessels(
     links: &[[u32; 2]],
     radii: &[f64],
     lengths: &[f64],
-    (label, radius_optional): (impl Fn(usize) -> String, bool),
+    label: impl Fn(usize) -> String,
+    radius_optional: bool,
 ) -> Result<Network, Fault> {
     let mut network = Network::new();
     for (row, point) in points.iter().enumerate() {

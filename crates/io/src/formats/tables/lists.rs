@@ -64,7 +64,8 @@ pub fn read_links(bytes: &[u8]) -> Result<Vec<KnownConnection>, Fault> {
 const ACCEPTED: &str = "expected two point ids (id_a,id_b)";
 
 /// Links the pairs of point ids that SWC cannot hold, since they close loops: a table headed `id_a,id_b` or `a,b`, or without a
-/// header. Returns how many links were not there before.
+/// header. A link has the label of the vessel that ends at its first point, or else at its second. Returns how many links were not there
+/// before.
 ///
 /// # Errors
 ///
@@ -73,6 +74,8 @@ pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) ->
     let row_of: HashMap<u64, u32> = lines.ids.iter().enumerate().map(|(row, id)| (*id, row as u32)).collect();
     let before = lines.links.len();
     let mut known: HashSet<[u32; 2]> = lines.links.iter().map(|[a, b]| [*a.min(b), *a.max(b)]).collect();
+    let sides = lines.links.iter().enumerate().flat_map(|(link, ends)| ends.map(|point| (point as usize, link)));
+    let links_at = willis_core::support::numbered::grouped(lines.points.len(), sides);
     let mut link = |line: usize, pair: [&str; 2]| {
         let row = |word: &str| {
             let word = word.split('#').next().unwrap_or_default().trim_end();
@@ -84,7 +87,9 @@ pub fn add_loops(bytes: &[u8], lines: &mut willis_core::network::Centerlines) ->
             return Err(Fault::line(line, format!("point {} twice", pair[0]), "expected two different points"));
         }
         if known.insert([a.min(b), a.max(b)]) {
-            lines.links.push([a, b]);
+            let of_end = |point: u32| if let [only] = links_at[point as usize][..] { Some(only) } else { None };
+            let label = of_end(a).or_else(|| of_end(b)).map_or("", |link| lines.labels.of(link)).to_owned();
+            lines.add_link([a, b], &label);
         }
         Ok(())
     };

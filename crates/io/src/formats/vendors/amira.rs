@@ -9,8 +9,11 @@ use std::io::{self, Read, Write};
 use flate2::read::ZlibDecoder;
 
 use crate::formats::ensure;
-use crate::formats::{Fault, NumberType, Point, ReadOptions, UnpackLimit, cells, centerlines, distance, figures, radius_of};
-use willis_core::network::{Centerlines, LengthUnit, Network, Scale, Vessel, WELD_TOLERANCE, is_radius};
+use crate::formats::{
+    Fault, NumberType, Point, ReadOptions, UnpackLimit, box_diagonal, cells, centerlines, distance, figures, find, radius_of,
+    stated_unit,
+};
+use willis_core::network::{Centerlines, Network, Vessel, WELD_TOLERANCE, is_radius};
 
 /// No header is longer.
 const MOST_HEADER: usize = 1 << 20;
@@ -68,7 +71,12 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     let header = AmiraHeader::read(bytes)?;
     let kind = header.parameter(&[], "ContentType").unwrap_or("HxSpatialGraph");
     ensure(kind == "HxSpatialGraph", || Fault::file(format!("an Amira file of {kind}"), ACCEPTED))?;
-    let scale = header.scale(&options.scale)?;
+    let word = header.parameter(&["Units"], "Coordinates");
+    let unit = stated_unit(word, &options.scale, || {
+        let found = format!("Units: Coordinates \"{}\"", word.unwrap_or_default().escape_debug());
+        Fault::file(found, "expected mm, um, cm or m, or give `units`")
+    })?;
+    let scale = options.scale.in_unit(unit);
     let data = header.sections(bytes)?;
     let array = |of: &str, name: &str, row: usize| -> Result<Vec<f64>, Fault> {
         let declared = header.arrays.iter().find(|array| array.of == of && array.name == name);
@@ -101,6 +109,7 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
     let names = header.labels(&data, options.max_input)?;
     let mut radii = vec![f64::NAN; vertices];
     let mut at_vertex = vec![(0.0, 0.0); vertices];
+    let reach = WELD_TOLERANCE * box_diagonal(points.iter().chain(&course).copied());
     let (mut links, mut labels, mut first) = (Vec::new(), Vec::new(), 0);
     for (edge, count) in counts.iter().map(|count| *count as usize).enumerate() {
         let own = first..first + count;
@@ -115,7 +124,7 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         let (a, b) = (vertex(0)?, vertex(1)?);
         line.push(a as u32);
         for row in own.clone() {
-            let is_end = |vertex: usize| distance(points[vertex], course[row]) <= WELD_TOLERANCE;
+            let is_end = |vertex: usize| distance(points[vertex], course[row]) <= reach;
             let mut tips = [(row == own.start, a), (row + 1 == own.end, b)].into_iter();
             if let Some((_, vertex)) = tips.find(|(is_here, vertex)| *is_here && is_end(*vertex)) {
                 if is_radius(sizes[row]) {
@@ -136,13 +145,13 @@ pub fn read_amira(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines, V
         *radius = if of > 0.0 { sum / of } else { f64::NAN };
     }
     let label = |link: usize| names.as_ref().map_or(String::new(), |names| names[labels[link]].clone());
-    Ok((centerlines(&points, &radii, &links, label), header.notes()))
+    Ok((Centerlines { unit, ..centerlines(&points, &radii, &links, label) }, header.notes()))
 }
 
 impl AmiraHeader {
     fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let head = &bytes[..bytes.len().min(MOST_HEADER)];
-        let end = head.windows(2).position(|two| two == b"\n@").map(|at| at + 1);
+        let end = find(head, b"\n@").map(|at| at + 1);
         let end = end.ok_or_else(|| Fault::file("no section @1 after the header", ACCEPTED))?;
         let text = String::from_utf8_lossy(&head[..end]);
         let first = text.lines().next().unwrap_or_default();
@@ -178,20 +187,6 @@ impl AmiraHeader {
         let is_there = |within: &[String]| within.first().is_some_and(|first| first == "Parameters") && within[1..] == *groups;
         let found = self.parameters.iter().find(|(within, known, _)| is_there(within) && known == name);
         found.map(|(.., value)| value.as_str())
-    }
-
-    /// The unit: the one that the user gave if it is not mm, else the one that the file states.
-    fn scale(&self, given: &Scale) -> Result<Scale, Fault> {
-        let Some(word) = self.parameter(&["Units"], "Coordinates") else { return Ok(*given) };
-        if given.unit != LengthUnit::Millimetre {
-            return Ok(*given);
-        }
-        let unit = if word.is_empty() { Some(LengthUnit::Millimetre) } else { LengthUnit::named(word) };
-        let unknown = || {
-            let found = format!("Units: Coordinates \"{}\"", word.escape_debug());
-            Fault::file(found, "expected mm, um, cm or m, or give `units`")
-        };
-        Ok(Scale { unit: unit.ok_or_else(unknown)?, ..*given })
     }
 
     /// What a user should know of the unit and the place.
@@ -231,7 +226,7 @@ impl AmiraHeader {
             let start = at + (end + 1).min(rest.len());
             let rest = &bytes[start..];
             let length = if self.big.is_none() {
-                rest.windows(2).position(|two| two == b"\n@").map_or(rest.len(), |at| at + 1)
+                find(rest, b"\n@").map_or(rest.len(), |at| at + 1)
             } else {
                 let array = self.arrays.iter().find(|array| array.section == section);
                 let array =

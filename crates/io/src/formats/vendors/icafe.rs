@@ -19,6 +19,8 @@ pub const ICAFE_ARTERIES: [&str; 23] = [
 ];
 /// Both files have six significant digits, so equal positions differ by less than this.
 const DIGITS: f64 = 1e-5;
+/// Points of a tracing in one place that are looked at: at a junction each branch has one.
+const MOST_IN_ONE_PLACE: usize = 64;
 
 /// A row of Feature_Vessel.csv.
 #[derive(Debug, Clone, PartialEq)]
@@ -103,6 +105,7 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
         let mut rows: Vec<usize> =
             close.copied().filter(|row| (0..3).all(|axis| near(lines.points[*row][axis], p[axis]))).collect();
         rows.sort_unstable();
+        rows.truncate(MOST_IN_ONE_PLACE);
         rows
     };
     let mut labels = willis_core::network::Labels::default();
@@ -110,15 +113,19 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
     let mut named = 0;
     for vessel in vessels {
         let [starts, ends] = vessel.ends.map(at);
-        let mut best: Option<([usize; 2], Vec<usize>)> = None;
-        for start in &starts {
-            for end in ends.iter().filter(|end| lines.strand[**end] == lines.strand[*start]) {
-                let path = path_between(&up, *start, *end);
-                let (Some(first), wrong) = (path.first(), vessel.points.is_some_and(|n| n != path.len() + 1)) else { continue };
-                let key = [usize::from(wrong), usize::from(taken[*first])];
-                if best.as_ref().is_none_or(|(known, _)| key < *known) {
-                    best = Some((key, path));
-                }
+        let mut best: Option<([bool; 2], Vec<usize>)> = None;
+        for [start, end] in starts.iter().flat_map(|start| ends.iter().map(|end| [*start, *end])) {
+            if best.as_ref().is_some_and(|(faults, _)| *faults == [false; 2]) {
+                break;
+            }
+            if lines.strand[start] != lines.strand[end] {
+                continue;
+            }
+            let path = path_between(&up, start, end);
+            let Some(first) = path.first() else { continue };
+            let faults = [vessel.points.is_some_and(|n| n != path.len() + 1), taken[*first]];
+            if best.as_ref().is_none_or(|(known, _)| faults < *known) {
+                best = Some((faults, path));
             }
         }
         if let Some((_, path)) = best {

@@ -4,7 +4,9 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-use crate::formats::{Centerlines, Fault, Frame, LengthUnit, Network, Point, ReadOptions, Scale, figures, is_radius, listed};
+use crate::formats::{
+    Centerlines, Fault, Frame, LengthUnit, Network, Point, ReadOptions, Scale, figures, is_radius, listed, stated_unit,
+};
 
 /// The usual names of the radius, the first one first; letters of either case.
 const RADIUS: [&str; 2] = ["Radius", "MaximumInscribedSphereRadius"];
@@ -137,7 +139,9 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
         if markup.coordinate_system.is_some() {
             lines.frame = Frame::Lps;
         }
-        let scale = unit(markup, &options.scale, item)?;
+        let unit = unit(markup, &options.scale, item)?;
+        let scale = options.scale.in_unit(unit);
+        lines.unit = lines.unit.or(unit);
         let radii = radii(markup, options, item)?;
         let first = lines.points.len() as u32;
         for (at, point) in markup.control_points.iter().enumerate() {
@@ -177,20 +181,16 @@ pub fn read_markups(bytes: &[u8], options: &ReadOptions) -> Result<(Centerlines,
     Ok((lines, notes.collect()))
 }
 
-/// The unit of a markup: the one that the user gave if it is not mm, else the one that the markup states.
-pub(in crate::formats) fn unit(markup: &Markup, scale: &Scale, item: impl Fn() -> String) -> Result<Scale, Fault> {
-    let code = match &markup.coordinate_units {
-        None => return Ok(*scale),
-        Some(Value::Array(code)) => code.first().and_then(Value::as_str).unwrap_or_default(),
-        Some(code) => code.as_str().unwrap_or_default(),
-    };
-    let unit = if code.is_empty() { Some(LengthUnit::Millimetre) } else { LengthUnit::named(code) };
-    let unknown = || Fault::item(item(), format!("coordinateUnits {}", code.escape_debug()), "expected mm, um, cm or m");
-    let unit = unit.ok_or_else(unknown)?;
-    Ok(if scale.unit == LengthUnit::Millimetre { Scale { unit, ..*scale } } else { *scale })
+/// The unit that a markup states: a code, or an array that begins with it.
+pub(in crate::formats) fn unit(markup: &Markup, given: &Scale, item: impl Fn() -> String) -> Result<Option<LengthUnit>, Fault> {
+    let code = markup.coordinate_units.as_ref().map(|units| units.get(0).unwrap_or(units).as_str().unwrap_or_default());
+    stated_unit(code, given, || {
+        let found = format!("coordinateUnits {}", code.unwrap_or_default().escape_debug());
+        Fault::item(item(), found, "expected mm, um, cm or m")
+    })
 }
 
-/// The radius at every control point of a markup; `None` without radii where they are optional.
+/// The radius at every control point of a markup; `None` without radii where they are optional, and without points.
 fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> String) -> Result<Option<&'a [Option<f64>]>, Fault> {
     let called = |name: &str| {
         let mut found = markup.measurements.iter().filter(|m| m.name.eq_ignore_ascii_case(name));
@@ -202,6 +202,7 @@ fn radii<'a>(markup: &'a Markup, options: &ReadOptions, item: impl Fn() -> Strin
         (Some((_, values)), _) if values.len() == markup.control_points.len() => Ok(Some(values)),
         // A curve that was resampled keeps the values of its old points.
         (_, None) if options.is_radius_optional() => Ok(None),
+        _ if markup.control_points.is_empty() => Ok(None),
         (Some((name, values)), _) => {
             let found = format!("{} values of {} for {} points", values.len(), name.escape_debug(), markup.control_points.len());
             Err(Fault::item(item(), found, "expected one for each control point, or give `default_radius`"))

@@ -5,8 +5,8 @@ use std::{borrow::Cow, io::Read};
 use base64::engine::{DecodePaddingMode, Engine, GeneralPurpose, GeneralPurposeConfig};
 
 use crate::formats::vtk::polydata::{ArrayValues, LIMIT, NamedValues, PolyData, centerlines, check_cells, is_wanted};
-use crate::formats::xml::{self, Element};
-use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, UnpackLimit, ensure, word};
+use crate::formats::xml::Element;
+use crate::formats::{Centerlines, Fault, Frame, NumberType, ReadOptions, UnpackLimit, ensure, find, word};
 
 /// Reads the polylines of all pieces with the radius of each point; returns also notes for the user.
 ///
@@ -122,15 +122,15 @@ fn number(piece: &Element, name: &str) -> Result<usize, Fault> {
 
 /// Splits a file into its XML and its appended data, which need not be XML.
 fn split(bytes: &[u8]) -> Result<(Cow<'_, [u8]>, Option<Source<'_>>), Fault> {
-    let Some(start) = xml::find(bytes, b"<AppendedData") else { return Ok((bytes.into(), None)) };
+    let Some(start) = find(bytes, b"<AppendedData") else { return Ok((bytes.into(), None)) };
     let rest = &bytes[start..];
     let broken = |found: &str| Fault::item("AppendedData", found, "expected a complete file");
-    let open = xml::find(rest, b">").ok_or_else(|| broken("the tag does not end"))?;
+    let open = find(rest, b">").ok_or_else(|| broken("the tag does not end"))?;
     let close = b"</AppendedData>";
     let end = rest.windows(close.len()).rposition(|w| w == close).ok_or_else(|| broken("the file ends within it"))?;
     let (tag, data) = (&rest[..open], rest.get(open + 1..end).unwrap_or_default());
     let data = data.trim_ascii_start().strip_prefix(b"_").ok_or_else(|| broken("no underscore at its start"))?;
-    let is_base64 = xml::find(tag, b"raw").is_none();
+    let is_base64 = find(tag, b"raw").is_none();
     let source = Source { bytes: if is_base64 { data.trim_ascii_end() } else { data }, is_base64 };
     Ok(([&bytes[..start], b"</VTKFile>"].concat().into(), Some(source)))
 }

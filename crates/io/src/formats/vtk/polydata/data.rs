@@ -1,6 +1,6 @@
 //! The polylines and named arrays of a VTK file, as they are read and while they are joined; which array holds the radius.
 
-use crate::formats::{Fault, Point, ReadOptions, is_radius};
+use crate::formats::{Fault, Point, ReadOptions, is_radius, radius_of};
 use willis_core::support::{numbered::marked, suggestions::did_you_mean};
 
 /// The most points, cells or indices of a file: one that announces more is broken.
@@ -127,7 +127,7 @@ pub(super) fn radii(piece: &PolyData, cells: &[Vec<usize>], options: &ReadOption
         let closed = find(&[CLOSED]);
         let closed = |point: usize| closed.as_ref().is_none_or(|c| c.values[point] != 0.0);
         for (point, value) in first.values.iter_mut().enumerate() {
-            *value = if closed(point) { (*value / std::f64::consts::PI).sqrt() } else { f64::NAN };
+            *value = if closed(point) { radius_of(*value) } else { f64::NAN };
         }
     }
     let mut note = if is_area {

@@ -135,7 +135,7 @@ fn letters_only(name: &str) -> String {
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
-/// The labels of the lines; none without an array of them. Whole numbers become text.
+/// The labels of the lines; none without an array of them. Whole numbers become text, 0 none.
 fn labels_of_lines(piece: &PolyData) -> Vec<String> {
     let has = |name: &str| piece.line_data.iter().chain(&piece.point_data).any(|array| array.name == name);
     let circle = CIRCLE_RADII.iter().any(|name| has(name));
@@ -148,13 +148,12 @@ fn labels_of_lines(piece: &PolyData) -> Vec<String> {
 
 fn texts(array: &NamedValues, circle: bool) -> Option<Vec<String>> {
     let name = |number: &f64| {
-        if number.is_nan() {
+        if number.is_nan() || *number == 0.0 {
             return String::new();
         }
         let number = *number as i64;
         let known = usize::try_from(number).ok().and_then(|number| CIRCLE.get(number)).filter(|_| circle);
-        let known = known.filter(|name| number == 0 || !name.is_empty());
-        known.map_or_else(|| number.to_string(), |name| (*name).to_owned())
+        known.filter(|name| !name.is_empty()).map_or_else(|| number.to_string(), |name| (*name).to_owned())
     };
     match &array.values {
         ArrayValues::Texts(texts) => Some(texts.clone()),
