@@ -106,7 +106,12 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
         let mut fed: Vec<(String, f64)> = fed.collect();
         fed.sort_by(|a, b| (b.1 as f32).total_cmp(&(a.1 as f32)));
         let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
-        terminal.say("feeds", format!("{}{when}: {}", end_name(network, *source), listed(fed.iter().map(words), NAMED)));
+        let fed = if fed.is_empty() {
+            format!("less than {} % of the blood of any outlet", 100.0 * LEAST_SHARE)
+        } else {
+            listed(fed.iter().map(words), NAMED)
+        };
+        terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
     }
     let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
     let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
@@ -127,7 +132,9 @@ fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Puls
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
     let period = (1e3 * pulse.period).round() / 1e3;
-    terminal.say("pulse", format!("period {period} s, {} harmonics; pulsatility{when} {}", pulse.harmonics, first.join(", ")));
+    let pulsates =
+        if first.is_empty() { format!("no blood flows{when}") } else { format!("pulsatility{when} {}", first.join(", ")) };
+    terminal.say("pulse", format!("period {period} s, {} harmonics; {pulsates}", pulse.harmonics));
     let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
     back.sort_by(|a, b| (b.1.reversed_share as f32).total_cmp(&(a.1.reversed_share as f32)));
     if !back.is_empty() {

@@ -1,6 +1,6 @@
 //! What is drawn of a simulation: the flow of each vessel as bars, whose blood every outlet gets, and the flow of arteries over a cycle.
 
-use super::axis::{LinearRange, TickLabel};
+use super::axis::{LinearRange, TickLabel, decimals};
 use super::figure::Figure;
 use super::sheet::{
     Align, HAIR, LEGEND_AT, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, SMALL, Sheet, TEXT, TICK, fitting, room,
@@ -114,8 +114,7 @@ fn figure(flow: f64) -> TickLabel {
         let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         return TickLabel { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
     }
-    let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
-    TickLabel::plain(format!("{sign}{size:.decimals$}"))
+    TickLabel::plain(format!("{sign}{size:.*}", decimals(size)))
 }
 
 /// Height of the lines of the legend of inlets, and the entries in each.
