@@ -14,8 +14,9 @@ function showAnswer() {
   const sizes = [true, false].map(first => data.first.filter(of => of === first).length);
   const sure = order.filter(row => cell("p_holm", row) < SURE);
   const words = [];
-  if (found.rows === 0) words.push(`By ${data.compare}: no measure differs between subjects.`);
-  else words.push(make("b", { text: `${groups[0]} (${sizes[0]}) and ${groups[1]} (${sizes[1]})` }),` by ${data.compare}, in ${grouped(found.rows)} measure${found.rows === 1 ? "" : "s"}: `,
+  if (sizes.includes(0)) words.push(`By ${data.compare}: nothing is compared, for no subject of a group could be measured.`);
+  else if (found.rows === 0) words.push(`By ${data.compare}: no measure differs between subjects.`);
+  else words.push(make("b", { text: `${groups[0]} (${sizes[0]}) and ${groups[1]} (${sizes[1]})` }),` by ${data.compare}, in ${count(found.rows, "measure")}: `,
     make("b", { text: sure.length === 0 ? "none differs" : sure.length === 1 ? `one differs, ${cell("measure", sure[0])},` : `${grouped(sure.length)} differ` }), ` beyond chance at ${SURE}, corrected for all of them.`);
   byId("answer-words").append(...words);
   byId("origin").textContent = `Made by willis ${data.record.willis}.`;
@@ -69,17 +70,4 @@ function panel(row) {
     make("p", {}, `p ${chance(cell("p", row))}, `, make(sure ? "b" : "span", { text: `p (Holm) ${chance(cell("p_holm", row))}` })));
 }
 
-const CARDS = 24;
-function showPanels() {
-  let at = 0;
-  const more = () => {
-    byId("cards").append(...order.slice(at, at + CARDS).map(panel));
-    at += CARDS;
-    byId("more-cards").hidden = at >= order.length;
-    byId("more-cards").textContent = `Show more (${grouped(order.length - at)})`;
-  };
-  byId("more-cards").addEventListener("click", more);
-  more();
-}
-
-showAll(showAnswer, showPanels, () => byId("sheet").append(new Sheet(found, [], () => {}).element), showRun);
+showAll(showAnswer, () => showCards(order, panel), () => byId("sheet").append(new Sheet(found, [], () => {}).element), showRun);
