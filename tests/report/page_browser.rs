@@ -118,7 +118,8 @@ fn lists_are_loaded_as_they_were_saved() {
     fs::write(here.path().join("groups.csv"), "input,subject,group\nw.swc,a,x\nx.swc,b,x\ny.swc,c,y\nz.swc,d,y\n")
         .expect("written");
     willis(here.path(), &["measure", "groups.csv", "--compare", "group", "-o", "uncompared", "-q"]);
-    let folders = ["formulas", "unplaced", "lone", "apart", "joined", "uncompared"];
+    run(here.path(), &["infer", &data("scan.nii.gz"), "-n", "64", "-o", "contacts", "-q"]);
+    let folders = ["formulas", "unplaced", "lone", "apart", "joined", "contacts", "uncompared"];
     drive("drive_lists.py", tools.each_ref().map(String::as_str), here.path(), &folders);
 }
 

@@ -1,7 +1,7 @@
 // Builds the page of a cohort.
 const subjects = table(data.table);
 const names = subjects.find("subject"), status = subjects.find("status");
-const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
+const good = upTo(subjects.rows).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
 names.address = row => bad(row) ? null : page(row).endsWith(".html") ? wayTo(page(row)) : encoded(page(row));
@@ -39,7 +39,7 @@ function showSummary() {
 
 // A card a subject: its picture, its name, and why it needs a person.
 function showPersons() {
-  const all = Array.from({ length: subjects.rows }, (_, row) => row), open = all.filter(row => reasons(row).length > 0);
+  const all = upTo(subjects.rows), open = all.filter(row => reasons(row).length > 0);
   const order = [...open, ...all.filter(row => reasons(row).length === 0)];
   byId("persons").hidden = subjects.rows === 0;
   byId("persons-heading").textContent = open.length ? "Subjects that need a person" : "Subjects";
@@ -57,7 +57,7 @@ function showPersons() {
 }
 
 function showFailures() {
-  const error = subjects.find("error"), failed = Array.from({ length: subjects.rows }, (_, row) => row).filter(bad);
+  const error = subjects.find("error"), failed = upTo(subjects.rows).filter(bad);
   byId("failed").hidden = failed.length === 0;
   byId("failures").append(...failed.slice(0, 100).map(row => make("li", {}, make("b", { text: names.at(row) }), `: ${error.at(row)}`)));
   if (failed.length > 100) byId("failures").append(make("li", { text: `and ${failed.length - 100} more: see the table` }));
@@ -69,7 +69,7 @@ const sheet = new Sheet(subjects, [], () => {});
 let ofBar = null;
 function filterRows() {
   const variant = byId("variant").value;
-  const all = Array.from({ length: subjects.rows }, (_, row) => row);
+  const all = upTo(subjects.rows);
   sheet.only(!ofBar && variant === "" ? null : new Set(all.filter(row => (!ofBar || ofBar.has(row)) && (variant === "" || variants.at(row) === variant))));
 }
 

@@ -5,7 +5,7 @@ const cell = (name, row) => found.find(name)?.at(row) ?? NaN;
 const groups = found.rows ? ["a", "b"].map(letter => cell(`group_${letter}`, 0)) : [];
 const SURE = 0.05;
 // By the corrected p, then by p, then by the size of the effect.
-const order = Array.from({ length: found.rows }, (_, row) => row).sort((r, s) =>
+const order = upTo(found.rows).sort((r, s) =>
   cell("p_holm", r) - cell("p_holm", s) || cell("p", r) - cell("p", s) || Math.abs(cell("cliffs_delta", s)) - Math.abs(cell("cliffs_delta", r)) || r - s);
 const share = x => x.toFixed(2).replace("-", "−");
 const chance = p => p < 0.001 ? "< 0.001" : `= ${shown(p, 2)}`;
@@ -44,7 +44,7 @@ function beside(heights, radius, most) {
 const WIDE = 260, HIGH = 190, LEFT = 52, TOP = 8, BOTTOM = 20;
 function panel(row) {
   const name = cell("measure", row), column = subjects.find(name);
-  const rows = Array.from({ length: subjects.rows }, (_, i) => i).filter(i => column && Number.isFinite(column.at(i)));
+  const rows = upTo(subjects.rows).filter(i => column && Number.isFinite(column.at(i)));
   const values = rows.map(i => column.at(i));
   let [low, high] = [Math.min(...values), Math.max(...values)];
   const room = 0.05 * (high - low) || 0.5;

@@ -58,10 +58,26 @@ class Decisions {
     } catch {
       this.stored = false;
     }
-    this.tell(() => {
-      const question = this.threshold.questions(), open = [...Array(this.threshold.rows).keys()].filter(row => !this.made.has(row) && question(row).asked).length;
-      return { willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open, isFirst: this.isFirst };
-    });
+    this.tell(() => ({ willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open: this.asked().length, isFirst: this.isFirst }));
+  }
+
+  // What is asked and nothing is said of yet, as `question` tells it; a place where vessels may only touch is answered by an edit, too.
+  asked(question = this.threshold.questions()) {
+    const edits = new Set(this.edits.map(of => of.places)), isAnswered = row => this.ways(row).some(way => edits.has(this.partOf(way)));
+    return upTo(this.threshold.rows).filter(row => !this.made.has(row)).map(question).filter(item => item.asked && !(item.touch && isAnswered(item.row)));
+  }
+
+  // The rows of the table of pairings for a contact, or for a vessel that stands for a place where vessels may only touch.
+  ways(row) {
+    const table = this.paired ??= tables.find(t => t.find("taken")) ?? null, touches = this.threshold.touch[row] > 0;
+    if (!table || !(touches || this.threshold.isContact(row))) return [];
+    const [contacts, vessels] = ["contacts", "vessels"].map(name => table.find(name)), is = text => String(text).split(/[^0-9]+/).includes(String(row));
+    return upTo(table.rows).filter(way => touches ? !contacts?.at(way) && is(vessels.at(way)) : contacts && is(contacts.at(way)));
+  }
+
+  // The places of the edit for a way; empty where there is none.
+  partOf(way) {
+    return String(this.paired.find("part")?.at(way) ?? "").trim();
   }
 
   // Tells the page of a cohort that shows this one.

@@ -27,6 +27,9 @@ function shown(x, digits = 5) {
 }
 const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
+// The numbers from 0 to one less than n: the rows of a table.
+const upTo = n => [...Array(n).keys()];
+
 // `1 vessel`, `2 vessels`.
 const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
 

@@ -84,7 +84,7 @@ function showChances(row) {
 function showAnswer() {
   const words = [], figure = (text, strong = true) => make(strong ? "b" : "span", { text });
   if (threshold) {
-    const origins = vessels.find("origin"), uncertain = threshold.known.length ? [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]) : [];
+    const origins = vessels.find("origin"), uncertain = threshold.known.length ? upTo(vessels.rows).filter(row => threshold.uncertain[row]) : [];
     const candidates = uncertain.filter(row => origins?.at(row) !== "contact" && origins?.at(row) !== "observed"), contacts = uncertain.filter(row => origins?.at(row) === "contact");
     const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
     const kept = candidates.filter(row => threshold.kept[row]).length;
@@ -321,7 +321,7 @@ function showReview() {
   });
   if (decisions.restored) byId("load-note").textContent = "Decisions that this browser kept are taken up.";
   byId("fit-doubt").addEventListener("click", () => {
-    const rows = review.open.length ? review.open.map(item => item.row) : [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]);
+    const rows = review.open.length ? review.open.map(item => item.row) : upTo(vessels.rows).filter(row => threshold.uncertain[row]);
     scene.showAll();
     dress();
     if (rows.length) scene.fly(scene.camera.fitting(rows.map(row => scene.shape.middle(row))));

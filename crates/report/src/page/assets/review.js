@@ -20,9 +20,7 @@ class Review {
     const { threshold } = this, question = threshold.questions(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
     const has = row => !this.words || this.name(row).toLowerCase().includes(this.words);
     const by = { consequence: a => -a.gain, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
-    const edits = new Set(this.decisions.edits.map(of => of.places));
-    const answered = row => this.ways(row).some(way => edits.has(this.partOf(way)));
-    const asked = [...Array(threshold.rows).keys()].filter(row => !this.decisions.made.has(row)).map(question).filter(item => item.asked && !(item.touch && answered(item.row)));
+    const asked = this.decisions.asked(question);
     this.total = asked.length;
     this.open = asked.filter(item => has(item.row)).sort((a, b) => by(a) - by(b) || a.row - b.row);
     this.items = [...this.open, ...made.filter(has).map(question)];
@@ -127,30 +125,17 @@ class Review {
     for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 
-  // The rows of the table of pairings for a contact, or for a vessel that stands for a place where vessels may only touch.
-  ways(row) {
-    const table = this.paired ??= tables.find(t => t.find("taken")) ?? null, touches = this.threshold.touch[row] > 0;
-    if (!table || !(touches || this.threshold.isContact(row))) return [];
-    const [contacts, vessels] = ["contacts", "vessels"].map(name => table.find(name)), is = text => String(text).split(/[^0-9]+/).includes(String(row));
-    return [...Array(table.rows).keys()].filter(way => touches ? !contacts?.at(way) && is(vessels.at(way)) : contacts && is(contacts.at(way)));
-  }
-
-  // The places of the edit for a way; empty where there is none.
-  partOf(way) {
-    return String(this.paired.find("part")?.at(way) ?? "").trim();
-  }
-
   // The ways to pair the vessels at a place; each is taken as one decision.
   pairings(row) {
-    const ways = this.ways(row), of = name => this.paired.find(name)?.at ?? (() => "");
-    const [accept, reject, contacts] = ["accept", "reject", "contacts"].map(name => this.paired ? of(name) : null);
+    const ways = this.decisions.ways(row), of = name => this.decisions.paired.find(name)?.at ?? (() => "");
     const rowsIn = text => String(text).split(" ").filter(Boolean).map(Number);
     if (!ways.length) return null;
+    const [accept, reject, contacts] = ["accept", "reject", "contacts"].map(of);
     const line = way => {
-      const edit = this.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
+      const edit = this.decisions.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
       const made = all.every(([rows, decision]) => rowsIn(rows).every(at => this.decisions.of(at).decision === decision)) && (!edit || this.decisions.edits.some(of => of.places === edit));
       const take = make("button", { type: "button", text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
-      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.partOf(way))));
+      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.decisions.partOf(way))));
       return make("li", {}, take, " ", make("small", { text: [Number.isNaN(of("probability")(way)) ? "" : isChance(of("probability")(way)), of("taken")(way) ? "taken by the run" : "", edit ? "an edit" : ""].filter(Boolean).join(" · ") }));
     };
     return make("div", { class: "pairings" }, make("p", { text: "Which vessels are one here (+), and which only touch (|):" }), make("ul", {}, ...ways.map(line)));

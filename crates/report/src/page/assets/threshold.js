@@ -29,7 +29,7 @@ class Threshold {
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
-    this.known = [...Array(this.rows).keys()].filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
+    this.known = upTo(this.rows).filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
     this.sorted = Float64Array.from(this.known, row => this.values[row]).sort();
     this.positive = this.sorted.filter(x => x > 0);
     // Every threshold that changes which vessels are kept, in ascending order.
