@@ -306,8 +306,7 @@ fn flow(made: &Made, _: &Path, digest: &mut Digest) -> Result<()> {
         let boundary = BoundaryOptions { conditions, ..BoundaryOptions::default() };
         let options = FlowOptions { boundary, viscosity: made.viscosity, ..FlowOptions::default() };
         let run = simulate(&input, &changes, &options)?;
-        let simulation = run.simulation();
-        for state in [Some(&simulation.unperturbed), simulation.perturbed.as_ref()].into_iter().flatten() {
+        for state in [Some(&run.result.unperturbed), run.result.perturbed.as_ref()].into_iter().flatten() {
             digest.numbers(state.pressure.iter().flatten().copied());
             digest.numbers(state.vessels.iter().map(|vessel| vessel.flow));
             digest.numbers([state.network_resilience, state.inflow]);

@@ -115,6 +115,18 @@ fn a_mean_of_its_own_shapes_by_name_and_perturbations() {
     assert!(column(here.path(), "edges.csv", "wave_speed_m_per_s").iter().all(|speed| speed.is_infinite()));
 }
 
+/// Where the only way in is closed, no wave reaches anything: the mean of the inlet is what is stated there, and no more is known.
+#[test]
+fn what_no_wave_reaches_has_no_range_of_pressures() {
+    let here = folder();
+    let said = run(here.path(), &["--pulse", "--occlude", "L-ICA I"]);
+    assert!(said.contains("harmonics; no blood flows after the perturbation\n"), "{said}");
+    assert_eq!(column(here.path(), "nodes.csv", "pressure_mean_mmHg_perturbed")[0], 90.0);
+    for name in ["pressure_max_mmHg_perturbed", "pressure_min_mmHg_perturbed", "delay_ms_perturbed"] {
+        assert!(column(here.path(), "nodes.csv", name)[0].is_nan(), "{name}");
+    }
+}
+
 const LUMPED: &[u8] =
     b"node,role,resistance_mmHg_s_per_mL,compliance_mL_per_mmHg\na,inlet,,\nb,inner,,\nc,outlet,30,0\nd,outlet,60,0.1\n";
 

@@ -453,3 +453,34 @@ fn closed_vessels_of_a_circle_are_as_numpy_solves_them() {
     let checked = std::process::Command::new(python).current_dir(here.path()).args(["-c", BY_NUMPY]).output().expect("runs");
     assert!(checked.status.success(), "{}", String::from_utf8_lossy(&checked.stderr));
 }
+
+/// 0.01 mL/min of 38,145 are less than a hundredth of a percent of what leaves at d.
+#[test]
+fn an_inlet_that_feeds_hardly_anything_is_said_to() {
+    let here = folder();
+    let said = run(here.path(), &["--flow", "c=0.01", "--transport"]);
+    assert!(said.contains("feeds  c: less than 0.5 % of the blood of any outlet\n"), "{said}");
+}
+
+/// Counted by hand: three observed vessels, one candidate, one contact.
+#[test]
+fn what_is_read_is_counted_by_its_origin() {
+    let here = folder();
+    let edges = "node_a,node_b,length_mm,radius_mm,origin,probability\na,b,20,1,observed,\nb,c,20,1,observed,\nb,d,10,1,candidate,0.5\n\
+                 c,e,20,1,contact,0.5\ne,d,10,1,observed,\n";
+    fs::write(here.path().join("graph.csv"), edges).expect("written");
+    let said = stderr(&willis(here.path(), &["infer", "graph.csv", "-o", "out", "--inlet", "a"]));
+    assert!(said.contains("5 nodes, 3 observed and 1 candidate vessels, 1 contact, radius"), "{said}");
+}
+
+#[test]
+fn counts_of_inlets_and_outlets_have_commas() {
+    let here = folder();
+    let ends: String = (0..1100).map(|end| format!("h,e{end},10,0.3\n")).collect();
+    fs::write(here.path().join("star.csv"), format!("node_a,node_b,length_mm,radius_mm\na,h,20,3\n{ends}")).expect("written");
+    let said = stderr(&willis(here.path(), &["simulate", "star.csv", "-o", "out", "--inlet", "a"]));
+    assert!(
+        said.contains("1,100 nodes, found: the other free ends: ") && said.contains("e5 (ground) and 1,094 more\n"),
+        "{said}"
+    );
+}

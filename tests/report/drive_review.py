@@ -41,6 +41,13 @@ def check_list(page):
     """The list asks what review.csv does, what a right answer puts right most first: the undecided at least, and a part that nothing connects by its length."""
     listed = page.listed()
     undecided = page.record["convergence"]["undecided_edges"]
+    loops = {row: nx.has_path(kept_graph(page, but=row), *(int(page.edges[row][end]) for end in ("node_a", "node_b"))) for row in listed[:8]}
+    for row in listed[:8]:
+        said = page.text(f"#review-list li[data-row='{row}'] small")
+        # Whatever is uncertain is decided in the list; where a vessel goes on is asked of certain ones alone. A loop is one by NetworkX.
+        decides = page.driver.execute_script("return Boolean(document.querySelector(arguments[0]))", f"#review-list li[data-row='{row}'] .choose")
+        assert decides == page.is_uncertain(page.edges[row]) and (not decides or "where does it go on?" not in said), (row, said)
+        assert "closes a loop" not in said or loops[row], (row, said)
     if page.edges[0]["probability"] == "" and not any(e["probability"] for e in page.edges):
         # At most fifty are listed.
         assert set(listed) <= set(undecided) and len(listed) == min(len(undecided), 50), (listed, undecided)
@@ -54,6 +61,7 @@ def check_list(page):
     if (page.folder / "summary.svg").exists():
         said = [text.text for text in ElementTree.parse(page.folder / "summary.svg").iter("{http://www.w3.org/2000/svg}text")]
         assert all(said.count(str(rank)) >= 2 for rank in ranks[:30]) and str(len(ranks[:30]) + 1) not in said, said
+    assert f"{len(asked)} question{'' if len(asked) == 1 else 's'} for a person" in page.text("#answer-words"), page.text("#answer-words")
     kept = kept_graph(page)
     for q in asked[:50]:
         edge, gain = page.edges[int(q["edge"])], float(q["gain_mm"])
@@ -296,6 +304,31 @@ def check_pairings(page, downloads):
         made = {int(d["edge"]) if d["edge"] else d["places"].strip(): d["decision"] for d in csv.DictReader(open(save(page, downloads)))}
         wanted = {row: "unsure" for row in rows} | {ways[at]["part"].strip(): "part"} if ways[at]["part"] else {int(row): name for name in ("accept", "reject") for row in ways[at][name].split()}
         assert made == wanted, (made, wanted)
+    page.driver.execute_script("localStorage.clear()")
+    page.open()
+    check_loaded_pairing(page, downloads)
+
+
+def check_loaded_pairing(page, downloads):
+    """A way that is an edit whose places begin with a minus is known again in a list, where a space stands before it."""
+    ways = list(csv.DictReader(open(page.folder / "pairings.csv")))
+    way = next((way for way in ways if way["contacts"] and way["part"].startswith(" -")), None)
+    if way is None:
+        return
+    rows = list(map(int, way["contacts"].split()))
+    target = Path(downloads) / "paired.csv"
+    with open(target, "w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow(["edge", "id_a", "id_b", "decision", "places"])
+        for row in rows:
+            out.writerow([row, *(page.nodes[int(page.edges[row][end])]["id"] for end in ("node_a", "node_b")), "unsure", ""])
+        out.writerow(["", "", "", "part", way["part"]])
+    page.one("#load").send_keys(str(target))
+    page.settle()
+    assert page.text("#load-note").startswith(f"{len(rows) + 1} decisions loaded"), page.text("#load-note")
+    go(page, rows[0])
+    pressed = [button.text for button in page.driver.find_elements("css selector", ".pairings button") if button.get_attribute("aria-pressed") == "true"]
+    assert pressed == [way["vessels"]], (pressed, way)
     page.driver.execute_script("localStorage.clear()")
     page.open()
 

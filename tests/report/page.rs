@@ -181,6 +181,24 @@ fn a_graph_without_coordinates_has_a_page_that_says_so() {
 }
 
 #[test]
+fn a_page_of_every_pattern_has_no_samples() {
+    let here = folder();
+    let edges = "node_a,node_b,length_mm,radius_mm,origin\na,b,10,1,observed\nb,c,10,1,candidate\nb,d,10,0.5,candidate\n";
+    fs::write(here.path().join("edges.csv"), edges).expect("written");
+    for (out, more) in [("sampled", None), ("counted", Some("--exact"))] {
+        let run_with = ["infer", "edges.csv", "-o", out, "--inlet", "a", "--outlet", "c", "--outlet", "d", "-q"];
+        run(here.path(), &run_with.into_iter().chain(more).collect::<Vec<_>>());
+        let content = content(&page(here.path(), out));
+        let facts = content["facts"].as_array().expect("facts");
+        assert_eq!(facts.iter().any(|fact| fact[0] == "samples"), more.is_none(), "{facts:?}");
+        let says = content["figures"][1]["caption"].as_str().expect("a caption");
+        assert_eq!(says.contains("more samples"), more.is_none(), "{says}");
+        let picture = fs::read_to_string(here.path().join(out).join("convergence.svg")).expect("a picture");
+        assert_eq!(picture.contains("Every pattern was counted"), more.is_some());
+    }
+}
+
+#[test]
 fn several_occlusion_probabilities_have_a_page_each() {
     let here = folder();
     run(here.path(), &["infer", &data("broken-circle-of-willis.swc"), "-o", "out", "--epsilon", "0.2,0.5", "-n", "64", "-q"]);
@@ -237,6 +255,9 @@ fn a_circle_is_drawn_from_its_phenotype() {
         assert!(html.contains("<section id=\"circle\""), "{out}");
     }
     let content = content(&page(here.path(), "classified"));
+    // How topologies were drawn is no warning.
+    assert!(content["record"]["notes"].to_string().contains("plausible topologies"), "{}", content["record"]["notes"]);
+    assert!(!content["warnings"].to_string().contains("plausible topologies"), "{}", content["warnings"]);
     let rows = csv(&here.path().join("classified/collateral.csv"))("artery").len();
     assert_eq!(content["collaterals"]["rows"], rows);
 }
@@ -297,4 +318,94 @@ fn a_page_begins_with_what_came_of_the_run() {
          (by less than 0.05 %); 4.1 % of the vessels are above the threshold of hypertension, before 4.1 %."
     );
     assert!(simulation(&json!({})).is_empty() && modulation(&json!({})).is_empty());
+    // The strongest modulation, wherever it stands.
+    let rest = json!({ "total_inflow_mL_per_min": 1000.0 });
+    let strong = json!({ "class": "0.3:0.5", "total_inflow_mL_per_min": 700.0 });
+    let weak = json!({ "class": "0:0.2", "total_inflow_mL_per_min": 900.0 });
+    for classes in [[&weak, &strong], [&strong, &weak]] {
+        let said = read(&modulation(&json!({ "unperturbed": rest, "classes": classes })));
+        assert!(said.contains("With u in 0.3\u{2013}0.5 inflow goes from 1000 to 700 mL/min"), "{said}");
+    }
+    // Three digits once rounded, and as what is printed has them.
+    for (inflow, said) in [(0.9999, "1.00"), (99.96, "100"), (123_456.0, "1.23e5"), (-0.5, "\u{2212}0.500"), (0.0, "0")] {
+        let plain = json!({ "total_inflow_mL_per_min": inflow, "counts": { "diffused": 1, "vessels": 1 } });
+        assert_eq!(read(&simulation(&plain)), format!("{said} mL/min flow in; blood flows in 1 of 1 vessel."));
+    }
+}
+
+/// Two parts of 30 and 25 mm that no blood reaches, with one candidate between them, of 10 mm along and 4 mm across: each is asked about in a row of its own. Where it is kept they
+/// are one part, as long as both and the gap.
+#[test]
+fn every_part_that_nothing_connects_is_asked_about_once() {
+    let here = folder();
+    let points = "1 0 0 0 0 2 -1\n2 0 60 0 0 2 1\n3 0 150 0 0 1 -1\n4 0 120 0 0 1 3\n5 0 110 4 0 1 -1\n6 0 110 29 0 1 5\n";
+    fs::write(here.path().join("parts.swc"), points).expect("written");
+    let whole = 55.0 + 116.0_f64.sqrt();
+    for (out, keep, parts) in [("apart", "probability=0.999", vec![30.0, 25.0]), ("joined", "probability=0.001", vec![whole])] {
+        run(here.path(), &["infer", "parts.swc", "-o", out, "--inlet", "1", "--keep", keep, "-q"]);
+        let asked = csv(&here.path().join(out).join("review.csv"));
+        let (rows, kinds) = (asked("edge"), asked("kind"));
+        let of_parts: Vec<usize> = (0..rows.len()).filter(|at| kinds[*at] == "part").collect();
+        assert_eq!(rows.iter().collect::<std::collections::BTreeSet<_>>().len(), rows.len(), "{rows:?}");
+        let (long, content) = (reals(&asked("hangs_mm")), content(&page(here.path(), out)));
+        let of_page = |name| numbers(column(&content["tables"][0], name), 4);
+        let (loose, rank) = (of_page("loose_mm"), of_page("rank"));
+        assert_eq!(of_parts.len(), parts.len(), "{kinds:?}");
+        for (at, length) in of_parts.into_iter().zip(parts) {
+            let row: usize = rows[at].parse().expect("a row");
+            assert!((long[at] - length).abs() < 1e-9 && (loose[row] - length).abs() < 1e-5, "{} for {length}", long[at]);
+            assert_eq!(rank[row] as usize, at + 1);
+        }
+    }
+}
+
+/// Up is known, and blood comes in from below, though the upper end is wider.
+#[test]
+fn a_page_says_of_an_inlet_that_was_found_what_is_known() {
+    let here = folder();
+    let point =
+        |at: i32| format!("{} 0 0 0.13 {} {} {}\n", at + 1, 2 * at, 1.2 + 0.03 * f64::from(at), if at == 0 { -1 } else { at });
+    fs::write(here.path().join("up.swc"), (0..31).map(point).collect::<String>()).expect("written");
+    run(here.path(), &["infer", "up.swc", "--frame", "RAS", "-o", "out", "-q"]);
+    let nodes = csv(&here.path().join("out/nodes.csv"));
+    let (roles, radii) = (nodes("role"), reals(&nodes("radius_mm")));
+    let inlet = roles.iter().position(|role| role == "inlet").expect("one");
+    assert!(radii.iter().any(|radius| *radius > radii[inlet]), "{radii:?}");
+    let said = "Nobody stated where blood enters: one free end is assumed to be the inlet. The option inlet states it.";
+    assert_eq!(content(&page(here.path(), "out"))["warnings"][0], said);
+}
+
+/// The letter of an axis stands where its coordinate rises; the patient's left is on the right, along whichever axis names say it is.
+#[test]
+fn the_picture_of_a_run_without_a_frame_has_the_sides_of_its_names() {
+    let here = folder();
+    for (out, left, right) in [("low", "-10", "10"), ("high", "10", "-10")] {
+        let nodes = format!("id,x_mm,y_mm,z_mm\na,0,{left},0\nb,1,{left},40\nc,0.5,{right},0\nd,-1,{right},40\n");
+        let edges = "node_a,node_b,label,length_mm,radius_mm,origin\na,b,L-ICA,40,2,observed\nc,d,R-ICA,40,2,observed\n";
+        fs::write(here.path().join("nodes.csv"), nodes).expect("written");
+        fs::write(here.path().join("edges.csv"), edges).expect("written");
+        run(here.path(), &["infer", "edges.csv", "-o", out, "--inlet", "a", "--inlet", "c", "-n", "8", "-q"]);
+        let picture = fs::read_to_string(here.path().join(out).join("summary.svg")).expect("a picture");
+        let across = |letter: &str| {
+            let text = picture.lines().find(|line| line.ends_with(&format!(">{letter}</text>"))).expect("a letter");
+            text.split("x=\"")
+                .nth(1)
+                .and_then(|rest| rest.split('"').next())
+                .and_then(|x| x.parse::<f64>().ok())
+                .expect("its place")
+        };
+        // The second view reaches from 206 to 390 points; the first, along y, is as it always is.
+        assert_eq!(across("y") < 29_800.0, out == "low", "{}", across("y"));
+        assert!(across("x") > 10_600.0, "{}", across("x"));
+    }
+}
+
+#[test]
+fn a_cohort_of_one_is_of_one_subject() {
+    let here = folder();
+    fs::create_dir(here.path().join("in")).expect("made");
+    fs::write(here.path().join("in/a.swc"), "1 0 0 0 0 1 -1\n2 0 5 0 0 1 1\n3 0 10 0 0 1 2\n").expect("written");
+    run(here.path(), &["infer", "in/*.swc", "-o", "out", "-q"]);
+    let html = fs::read_to_string(here.path().join("out/cohort.html")).expect("a page");
+    assert!(html.contains("<title>willis infer: 1 subject</title>"));
 }

@@ -90,6 +90,39 @@ fn thirty_connections_of_a_real_mask_are_decided_by_keys_and_replay() {
     drive("drive_session.py", tools.each_ref().map(String::as_str), here.path(), &["real"]);
 }
 
+/// Ids that a spreadsheet would take for formulas; a part that nothing can join; two parts that one candidate joins; nodes without places.
+#[test]
+fn lists_are_loaded_as_they_were_saved() {
+    let Some(tools) = tools() else {
+        eprintln!("skipped: WILLIS_CHROMIUM or WILLIS_PYTHON is not there");
+        return;
+    };
+    let here = folder();
+    let columns = "node_a,node_b,length_mm,radius_mm,origin,probability\n";
+    let placed = "-1,=b,20,1,observed,\n@c,d,20,1,observed,\n=b,@c,5,1,candidate,0.6\n=b,d,25,1,candidate,0.3\n";
+    fs::write(here.path().join("edges.csv"), format!("{columns}{placed}")).expect("written");
+    fs::write(here.path().join("nodes.csv"), "id,x_mm,y_mm,z_mm\n-1,0,0,0\n=b,20,0,0\n@c,25,0,0\nd,45,0,0\n").expect("written");
+    fs::create_dir(here.path().join("plain")).expect("made");
+    let plain = "a,b,20,1,observed,\nb,c,5,1,candidate,0.5\nc,d,20,1,observed,\n";
+    fs::write(here.path().join("plain/edges.csv"), format!("{columns}{plain}")).expect("written");
+    let lone = "1 0 0 0 0 2 -1\n2 0 60 0 0 2 1\n3 0 250 0 0 1 -1\n4 0 220 0 0 1 3\n";
+    fs::write(here.path().join("lone.swc"), lone).expect("written");
+    let parts = "1 0 0 0 0 2 -1\n2 0 60 0 0 2 1\n3 0 150 0 0 1 -1\n4 0 120 0 0 1 3\n5 0 110 4 0 1 -1\n6 0 110 29 0 1 5\n";
+    fs::write(here.path().join("parts.swc"), parts).expect("written");
+    run(here.path(), &["infer", "edges.csv", "--inlet=-1", "-n", "64", "-o", "formulas", "-q"]);
+    run(here.path(), &["infer", "plain/edges.csv", "--inlet=a", "-n", "64", "-o", "unplaced", "-q"]);
+    run(here.path(), &["infer", "lone.swc", "--inlet=1", "-n", "64", "-o", "lone", "-q"]);
+    run(here.path(), &["infer", "parts.swc", "--inlet=1", "-n", "64", "--keep", "probability=0.999", "-o", "apart", "-q"]);
+    run(here.path(), &["infer", "parts.swc", "--inlet=1", "-n", "64", "--keep", "probability=0.001", "-o", "joined", "-q"]);
+    // None of these inputs is there.
+    fs::write(here.path().join("groups.csv"), "input,subject,group\nw.swc,a,x\nx.swc,b,x\ny.swc,c,y\nz.swc,d,y\n")
+        .expect("written");
+    willis(here.path(), &["measure", "groups.csv", "--compare", "group", "-o", "uncompared", "-q"]);
+    run(here.path(), &["infer", &data("scan.nii.gz"), "-n", "64", "-o", "contacts", "-q"]);
+    let folders = ["formulas", "unplaced", "lone", "apart", "joined", "contacts", "uncompared"];
+    drive("drive_lists.py", tools.each_ref().map(String::as_str), here.path(), &folders);
+}
+
 /// The Python and the Chromium to test with.
 fn tools() -> Option<[String; 2]> {
     Some([std::env::var("WILLIS_PYTHON").ok()?, std::env::var("WILLIS_CHROMIUM").ok()?])

@@ -301,7 +301,7 @@ pub fn write_cohort(folder: &Path, rows: &[CohortRow], command: &str, line: &str
         data["pages"] = rows.iter().map(|row| row.page.as_deref()).collect();
     }
     data["pictures"] = rows.iter().map(|row| picture(row, folder)).collect();
-    let title = format!("willis {command}: {} subjects", rows.len());
+    let title = format!("willis {command}: {}", plural(rows.len(), "subject"));
     write_file(&page.path(), |out| write_page(out, &title, COHORT, &data))?;
     table.commit()?;
     page.commit().map(drop)

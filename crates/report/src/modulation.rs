@@ -4,6 +4,7 @@ use std::borrow::Cow;
 
 use serde_json::{Value, json};
 
+use crate::figures::axis::decimals;
 use crate::figures::{Boxes, Figure, Histogram, Histograms, Panel, SaveOptions, hypertension, modulation};
 use crate::page::{ColourScale, Colouring, Page, PagePicture, PageTable, condition_table, facts, lead, scene};
 use crate::run_record::{CONDITIONS, Provenance, RunRecord, conditions, counts, outlets_found};
@@ -279,8 +280,16 @@ fn vessel_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     columns(&rows, of_vessel)
 }
 
-/// A row of hypertension.csv: class, kind and quantity; the range of forces (Pa/m²); value and its standard error.
-type HypertensionRow<'a> = ([&'a str; 3], [f64; 2], [f64; 2]);
+/// A row of hypertension.csv.
+struct HypertensionRow<'a> {
+    class: &'a str,
+    kind: &'static str,
+    quantity: &'static str,
+    /// The range of forces, Pa/m².
+    range: [f64; 2],
+    value: f64,
+    std_error: f64,
+}
 
 /// hypertension.csv: histogram, fit and share at risk, of the unperturbed network and by class.
 fn hypertension_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
@@ -291,27 +300,31 @@ fn hypertension_columns(outcome: &ModulationRun<'_>) -> Vec<Column> {
     let [positive, above] = [0.0, found.threshold].map(|from| [from, f64::INFINITY]);
     let mut rows: Vec<HypertensionRow<'_>> = Vec::new();
     for (class, of_class) in std::iter::once(("unperturbed", &found.unperturbed)).chain(by_class) {
-        let bins = found.edges.windows(2).zip(&of_class.counts);
-        rows.extend(bins.map(|(bin, count)| ([class, "histogram", "count"], [bin[0], bin[1]], [*count as f64, NONE])));
-        if let Some(fit) = &of_class.fit {
-            rows.push(([class, "fit", "shape"], positive, [fit.gamma.shape, fit.shape_error]));
-            rows.push(([class, "fit", "scale_mmHg_per_mm2"], positive, [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2)));
-            rows.push(([class, "fit", "ks_distance"], positive, [of_class.distance, NONE]));
+        let mut row = |kind, quantity, range, [value, std_error]: [f64; 2]| {
+            rows.push(HypertensionRow { class, kind, quantity, range, value, std_error });
+        };
+        for (bin, count) in found.edges.windows(2).zip(&of_class.counts) {
+            row("histogram", "count", [bin[0], bin[1]], [*count as f64, NONE]);
         }
-        rows.push(([class, "fit", "share_without_force"], [NONE; 2], [of_class.without_force, NONE]));
-        rows.push(([class, "risk", "share_empirical"], above, [of_class.above, NONE]));
-        rows.push(([class, "risk", "share_by_fit"], above, [of_class.above_by_fit, NONE]));
+        if let Some(fit) = &of_class.fit {
+            row("fit", "shape", positive, [fit.gamma.shape, fit.shape_error]);
+            row("fit", "scale_mmHg_per_mm2", positive, [fit.gamma.scale, fit.scale_error].map(mmhg_per_mm2));
+            row("fit", "ks_distance", positive, [of_class.distance, NONE]);
+        }
+        row("fit", "share_without_force", [NONE; 2], [of_class.without_force, NONE]);
+        row("risk", "share_empirical", above, [of_class.above, NONE]);
+        row("risk", "share_by_fit", above, [of_class.above_by_fit, NONE]);
     }
-    let text = |name: &'static str, at: usize| Column::text(name, rows.iter().map(move |row| row.0[at].to_owned()));
-    let real = |name: &'static str, of: fn(&HypertensionRow<'_>) -> f64| Column::real(name, rows.iter().map(of));
+    let text = |name, of: fn(&HypertensionRow<'_>) -> String| Column::text(name, rows.iter().map(of));
+    let real = |name, of: fn(&HypertensionRow<'_>) -> f64| Column::real(name, rows.iter().map(of));
     vec![
-        text("class", 0),
-        text("kind", 1),
-        text("quantity", 2),
-        real("from_mmHg_per_mm2", |row| mmhg_per_mm2(row.1[0])),
-        real("to_mmHg_per_mm2", |row| mmhg_per_mm2(row.1[1])),
-        real("value", |row| row.2[0]),
-        real("std_error", |row| row.2[1]),
+        text("class", |row| row.class.to_owned()),
+        text("kind", |row| row.kind.to_owned()),
+        text("quantity", |row| row.quantity.to_owned()),
+        real("from_mmHg_per_mm2", |row| mmhg_per_mm2(row.range[0])),
+        real("to_mmHg_per_mm2", |row| mmhg_per_mm2(row.range[1])),
+        real("value", |row| row.value),
+        real("std_error", |row| row.std_error),
     ]
 }
 
@@ -392,9 +405,7 @@ fn hypertension_picture(outcome: &ModulationRun<'_>) -> Figure {
         let heading = match fit {
             Some(gamma) => {
                 let (shape, mean, by_fit) = (gamma.shape, gamma.shape * gamma.scale, percent(found.above_by_fit));
-                // With three digits.
-                let decimals = (2.0 - mean.log10().floor()).clamp(0.0, 9.0) as usize;
-                let fit = format!("shape {shape:.2}, mean {mean:.decimals$} mmHg/mm\u{b2}");
+                let fit = format!("shape {shape:.2}, mean {mean:.*} mmHg/mm\u{b2}", decimals(mean).min(9));
                 format!("u {}: {risk}, {by_fit} by the fit ({fit})", name(class))
             }
             None if found.distance.is_nan() => format!("u {}: {risk}", name(class)),

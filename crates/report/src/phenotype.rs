@@ -95,7 +95,7 @@ impl CircleFigures {
 /// A variant, its segments, and what topologies say of it where they are uncertain.
 pub type Classified<'a> = (&'a Variant, &'a CircleFigures, Option<&'a Posterior>);
 
-/// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, description
+/// The phenotype as CoW_Centerline_Extraction writes it (`anterior`, `posterior`, `fetal`, `fenestration`), with its name, its description,
 /// segments with their diameters, and those that are thin. Where topologies are uncertain it is the most probable variant, with probabilities.
 pub fn phenotype_json(network: &Network, (variant, circle, posterior): Classified<'_>) -> Value {
     let has = |artery| variant.has(artery);
@@ -213,6 +213,16 @@ pub fn collateral_json(collaterals: &[Collateral]) -> Value {
     Value::Object(collaterals.iter().map(each).collect())
 }
 
+/// A row of collateral.csv: the flow in an artery with all feeders and without one of them, mL/min.
+struct CollateralFlow {
+    occluded: Artery,
+    kind: &'static str,
+    artery: Artery,
+    before: f64,
+    after: f64,
+    takes_over: bool,
+}
+
 /// The columns of collateral.csv: the flow in every segment and territory, with all feeders and without each of them.
 pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
     let mut rows = Vec::new();
@@ -220,20 +230,20 @@ pub fn collateral_columns(collaterals: &[Collateral]) -> Vec<Column> {
         let segments = RING.iter().zip(&collateral.segments).map(|(artery, flows)| ("segment", artery, flows));
         let territories = TERRITORIES.iter().zip(&collateral.territories).map(|(artery, flows)| ("territory", artery, flows));
         for (kind, artery, flows) in segments.chain(territories) {
-            let Some([before, after]) = flows else { continue };
+            let Some([before, after]) = flows.map(|flows| flows.map(ml_per_min)) else { continue };
             let takes_over = kind == "segment" && collateral.takes_over == Some(*artery);
-            rows.push((collateral.occluded, kind, *artery, ml_per_min(*before), ml_per_min(*after), takes_over));
+            rows.push(CollateralFlow { occluded: collateral.occluded, kind, artery: *artery, before, after, takes_over });
         }
     }
-    let real = |name, of: fn(f64, f64) -> f64| Column::real(name, rows.iter().map(move |row| of(row.3, row.4)));
+    let real = |name, of: fn(&CollateralFlow) -> f64| Column::real(name, rows.iter().map(of));
     vec![
-        Column::text("occluded", rows.iter().map(|row| row.0.to_string())),
-        Column::text("kind", rows.iter().map(|row| row.1.to_owned())),
-        Column::text("artery", rows.iter().map(|row| row.2.to_string())),
-        real("flow_mL_per_min", |before, _| before),
-        real("flow_occluded_mL_per_min", |_, after| after),
-        real("residual_share", |before, after| if before > 0.0 { after / before } else { f64::NAN }),
-        Column::whole("takes_over", rows.iter().map(|row| usize::from(row.5))),
+        Column::text("occluded", rows.iter().map(|row| row.occluded.to_string())),
+        Column::text("kind", rows.iter().map(|row| row.kind.to_owned())),
+        Column::text("artery", rows.iter().map(|row| row.artery.to_string())),
+        real("flow_mL_per_min", |row| row.before),
+        real("flow_occluded_mL_per_min", |row| row.after),
+        real("residual_share", |row| if row.before > 0.0 { row.after / row.before } else { f64::NAN }),
+        Column::whole("takes_over", rows.iter().map(|row| usize::from(row.takes_over))),
     ]
 }
 
@@ -316,12 +326,26 @@ pub type Segments = [bool; 7];
 /// The segments of the front, those of the back, and all: L-A1, R-A1, AComm, then P1 and PComm.
 const PARTS: [(&str, std::ops::Range<usize>); 3] = [("anterior", 0..3), ("posterior", 3..7), ("circle", 0..7)];
 
+/// The figures of accuracy.csv; one that a row has not is no number.
+const ACCURACY: [&str; 9] = [
+    "variants",
+    "there_found",
+    "there_missed",
+    "absent_found",
+    "absent_missed",
+    "sensitivity",
+    "specificity",
+    "accuracy",
+    "balanced_accuracy",
+];
+
 /// The columns of accuracy.csv, of pairs of what is true and what was found: a row for each segment, then for the variants of each part of the circle.
 ///
 /// The balanced accuracy of a segment is the mean of sensitivity and specificity. That of a part is the mean, over the variants that are true of any subject, of the share
 /// of their subjects in whom every segment of the part is right: the variant-balanced accuracy of TopCoW (Yang et al. 2023, arXiv:2312.17670).
 pub fn accuracy_columns(pairs: &[(Segments, Segments)]) -> Vec<Column> {
-    let share = |part: usize, of: usize| if of > 0 { part as f64 / of as f64 } else { f64::NAN };
+    const NONE: f64 = f64::NAN;
+    let share = |part: usize, of: usize| if of > 0 { part as f64 / of as f64 } else { NONE };
     let mean = |of: &[f64]| {
         let known: Vec<f64> = of.iter().copied().filter(|x| x.is_finite()).collect();
         known.iter().sum::<f64>() / known.len() as f64
@@ -330,8 +354,10 @@ pub fn accuracy_columns(pairs: &[(Segments, Segments)]) -> Vec<Column> {
         let count = |truth: bool, found: bool| pairs.iter().filter(|(t, f)| (t[at], f[at]) == (truth, found)).count();
         let [hit, missed, invented, absent] =
             [(true, true), (true, false), (false, true), (false, false)].map(|(t, f)| count(t, f));
-        let rates = [share(hit, hit + missed), share(absent, absent + invented)];
-        (artery.to_string(), 1, Some(([hit, missed, invented, absent], rates)), share(hit + absent, pairs.len()), mean(&rates))
+        let (sensitivity, specificity) = (share(hit, hit + missed), share(absent, absent + invented));
+        let (accuracy, balanced) = (share(hit + absent, pairs.len()), mean(&[sensitivity, specificity]));
+        let [hit, missed, invented, absent] = [hit, missed, invented, absent].map(|count| count as f64);
+        (artery.to_string(), [NONE, hit, missed, invented, absent, sensitivity, specificity, accuracy, balanced])
     });
     let parts = PARTS.into_iter().map(|(name, of)| {
         let mut variants = std::collections::BTreeMap::<&[bool], [usize; 2]>::new();
@@ -342,23 +368,12 @@ pub fn accuracy_columns(pairs: &[(Segments, Segments)]) -> Vec<Column> {
         }
         let right: usize = variants.values().map(|[right, _]| right).sum();
         let each: Vec<f64> = variants.values().map(|[right, all]| share(*right, *all)).collect();
-        (name.to_owned(), variants.len(), None, share(right, pairs.len()), mean(&each))
+        let (accuracy, balanced) = (share(right, pairs.len()), mean(&each));
+        (name.to_owned(), [variants.len() as f64, NONE, NONE, NONE, NONE, NONE, NONE, accuracy, balanced])
     });
-    let rows: Vec<_> = segments.chain(parts).collect();
-    let counted =
-        |name, at: usize| Column::real(name, rows.iter().map(move |row| row.2.map_or(f64::NAN, |(counts, _)| counts[at] as f64)));
-    let rate = |name, at: usize| Column::real(name, rows.iter().map(move |row| row.2.map_or(f64::NAN, |(_, rates)| rates[at])));
-    vec![
-        Column::text("what", rows.iter().map(|row| row.0.clone())),
-        Column::whole("subjects", rows.iter().map(|_| pairs.len())),
-        Column::real("variants", rows.iter().map(|row| if row.2.is_some() { f64::NAN } else { row.1 as f64 })),
-        counted("there_found", 0),
-        counted("there_missed", 1),
-        counted("absent_found", 2),
-        counted("absent_missed", 3),
-        rate("sensitivity", 0),
-        rate("specificity", 1),
-        Column::real("accuracy", rows.iter().map(|row| row.3)),
-        Column::real("balanced_accuracy", rows.iter().map(|row| row.4)),
-    ]
+    let rows: Vec<(String, [f64; 9])> = segments.chain(parts).collect();
+    let names = Column::text("what", rows.iter().map(|(what, _)| what));
+    let subjects = Column::whole("subjects", rows.iter().map(|_| pairs.len()));
+    let figures = ACCURACY.iter().enumerate().map(|(at, name)| Column::real(*name, rows.iter().map(move |(_, of)| of[at])));
+    [names, subjects].into_iter().chain(figures).collect()
 }

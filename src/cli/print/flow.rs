@@ -6,8 +6,9 @@ use crate::internals::simulation::{FlowChange, Perturbation, gains, reversals};
 use crate::{
     Change, Network, SimulationRun, Stenosis, internals::flow::state::LAMINAR_LIMIT, internals::flow::state::State,
     internals::network::Condition, internals::report::MOST_COLLATERALS, internals::report::end_name,
-    internals::report::page::lead::change, internals::simulation::ClosedVessel, internals::simulation::pulse::Pulse,
-    internals::simulation::pulse::fourier::Indices, internals::simulation::transport::Transport,
+    internals::report::figures::largest_first, internals::report::page::lead::change, internals::simulation::ClosedVessel,
+    internals::simulation::pulse::Pulse, internals::simulation::pulse::fourier::Indices,
+    internals::simulation::transport::Transport,
 };
 
 /// The least share of an outlet's blood that is named.
@@ -104,13 +105,18 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
             (share >= LEAST_SHARE).then(|| (end_name(network, *exit), share))
         });
         let mut fed: Vec<(String, f64)> = fed.collect();
-        fed.sort_by(|a, b| (b.1 as f32).total_cmp(&(a.1 as f32)));
+        largest_first(&mut fed, |(_, share)| *share);
         let words = |(name, share): &(String, f64)| format!("{name} {:.0} %", 100.0 * share);
-        terminal.say("feeds", format!("{}{when}: {}", end_name(network, *source), listed(fed.iter().map(words), NAMED)));
+        let fed = if fed.is_empty() {
+            format!("less than {} % of the blood of any outlet", 100.0 * LEAST_SHARE)
+        } else {
+            listed(fed.iter().map(words), NAMED)
+        };
+        terminal.say("feeds", format!("{}{when}: {fed}", end_name(network, *source)));
     }
     let arrivals = transport.exits.iter().filter_map(|(exit, _)| Some((*exit, transport.nodes[*exit].as_ref()?.mean)));
     let mut arrivals: Vec<(usize, f64)> = arrivals.collect();
-    arrivals.sort_by(|a, b| (a.1 as f32).total_cmp(&(b.1 as f32)));
+    largest_first(&mut arrivals, |(_, mean)| -mean);
     if let (Some(first), Some(last)) = (arrivals.first(), arrivals.last()) {
         let words = |(exit, mean): &(usize, f64)| format!("{} ({:.0} ms)", end_name(network, *exit), milliseconds(*mean));
         terminal.say("arrival", format!("first at {}, last at {}{when}", words(first), words(last)));
@@ -121,15 +127,16 @@ fn say_transport(terminal: TextTerminal, network: &Network, transport: &Transpor
 fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Pulse, when: &str) {
     let network = &*simulated.network;
     let mut found: Vec<(usize, Indices)> = (0..pulse.vessels.len()).map(|row| (row, pulse.flow_indices(row))).collect();
-    // In single precision, so that rounding does not change the order of equal flows.
-    found.sort_by(|a, b| (b.1.mean.abs() as f32).total_cmp(&(a.1.mean.abs() as f32)));
+    largest_first(&mut found, |(_, of)| of.mean.abs());
     let defined = found.iter().filter(|(_, of)| of.pulsatility.is_finite());
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
     let period = (1e3 * pulse.period).round() / 1e3;
-    terminal.say("pulse", format!("period {period} s, {} harmonics; pulsatility{when} {}", pulse.harmonics, first.join(", ")));
+    let pulsates =
+        if first.is_empty() { format!("no blood flows{when}") } else { format!("pulsatility{when} {}", first.join(", ")) };
+    terminal.say("pulse", format!("period {period} s, {} harmonics; {pulsates}", pulse.harmonics));
     let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
-    back.sort_by(|a, b| (b.1.reversed_share as f32).total_cmp(&(a.1.reversed_share as f32)));
+    largest_first(&mut back, |(_, of)| of.reversed_share);
     if !back.is_empty() {
         let words = |(row, of): &&(usize, Indices)| format!("{} ({:.0} %)", name(network, *row), 100.0 * of.reversed_share);
         let vessels = listed(back.iter().map(words), NAMED);

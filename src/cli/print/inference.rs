@@ -56,7 +56,7 @@ pub fn say_outcome(terminal: TextTerminal, outcome: &Outcome<'_>, seconds: f64) 
         let median = &outcome.above_median;
         let above = format!("{} of {}", count(median.kept as u64), plural(median.kept + median.pruned, "uncertain vessel"));
         let shape = format!("{}, {}", plural(median.components, "component"), plural(median.cycles, "independent cycle"));
-        say("median", format!("{above} lie above the median of L: {shape}, as topology-median"));
+        say("median", format!("{above} above the median of L: {shape}, as topology-median"));
     }
 }
 

@@ -10,6 +10,7 @@ use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use super::{command_line::flags_in, signals::listen, signals::stops};
 use crate::internals::network::units::{millimetres, ml_per_min, mmhg, mmhg_s_per_ml};
 use crate::internals::network::{Condition, Origin, Role, fragments};
+pub use crate::internals::report::page::lead::brief;
 use crate::{
     Contents, Error, Input, Network, Step, internals::flow::Boundary, internals::flow::boundary_conditions::unfed_fragments,
     internals::pipeline::nothing_built, internals::report::figures::axis::with_commas, internals::support::printable::printable,
@@ -187,17 +188,6 @@ pub fn listed(words: impl Iterator<Item = String>, most: usize) -> String {
     format!("{}{rest}", all[..all.len() - more].join(", "))
 }
 
-/// Three or so significant digits.
-pub fn brief(x: f64) -> String {
-    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) {
-        return format!("{x:.2e}");
-    }
-    // The exponent once rounded: 0.9999 is 1.00.
-    let exponent: i32 = format!("{x:.2e}").split_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
-    let decimals = if x == 0.0 { 0 } else { (2 - exponent).clamp(0, 6) };
-    format!("{x:.*}", decimals as usize)
-}
-
 /// Says what was read; `assumed` where nobody said the unit.
 pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
     let (network, source) = (&input.network, &input.provenance);
@@ -210,9 +200,13 @@ pub fn say_read(terminal: TextTerminal, input: &Input, assumed: bool) {
         }
         Contents::Vessels => format!("{nodes}, {vessels}"),
         Contents::Graph => {
-            let observed = network.vessels().filter(|(_, v)| v.origin == Origin::Observed).count();
-            let candidates = network.vessel_count() - observed;
-            format!("{nodes}, {} observed and {} candidate vessels", count(observed as u64), count(candidates as u64))
+            let of = |origin: Origin| network.vessels().filter(|(_, v)| v.origin == origin).count();
+            let [observed, candidates] = [Origin::Observed, Origin::Candidate].map(|origin| count(of(origin) as u64));
+            let contacts = match of(Origin::Contact) {
+                0 => String::new(),
+                contacts => format!(", {}", plural(contacts, "contact")),
+            };
+            format!("{nodes}, {observed} observed and {candidates} candidate vessels{contacts}")
         }
     };
     let heading = format!("{}, {}{assumed}", source.format, source.units);
@@ -279,6 +273,9 @@ pub fn say_step(terminal: TextTerminal, step: &Step<'_>) {
     }
 }
 
+/// Up to this many inlets, and outlets, are named without `--verbose`.
+const MOST_CONDITIONS: usize = 6;
+
 /// Says which conditions are used, and which of them were found.
 fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) {
     for (role, heading, found) in
@@ -294,17 +291,15 @@ fn say_boundary(terminal: TextTerminal, network: &Network, boundary: &Boundary) 
                 Role::Inlet => ", found at free ends".to_owned(),
                 _ => ", found: the other free ends".to_owned(),
             },
-            n => format!(", {n} of them found at free ends"),
+            n => format!(", {} of them found at free ends", count(n as u64)),
         };
-        let most = 6;
-        let more = if words.len() > most { format!(", and {} more", words.len() - most) } else { String::new() };
-        let shown = format!("{}{more}", words[..most.min(words.len())].join(", "));
+        let shown = listed(words.iter().cloned(), MOST_CONDITIONS);
         terminal.say(heading, format!("{}{how}: {shown}", plural(rows.len(), "node")));
-        words.iter().skip(most).for_each(|word| terminal.detail(heading, word));
+        words.iter().skip(MOST_CONDITIONS).for_each(|word| terminal.detail(heading, word));
     }
     let unfed = unfed_fragments(network, boundary);
     if unfed > 0 {
-        let what = if unfed == 1 { "1 fragment" } else { &format!("{} fragments", count(unfed as u64)) };
+        let what = plural(unfed, "fragment");
         terminal.say("unfed", format!("{what} that nothing can join to an inlet: no blood flows there"));
     }
 }

@@ -117,6 +117,13 @@ pub fn count_ticks(last: u64, most: usize) -> Vec<Tick> {
     ticks.into_iter().filter(|tick| tick.at <= last as f64).collect()
 }
 
+/// How many decimals show three significant digits of a number, or all of those before the point: none of zero. 0.9999 is 1.00.
+pub fn decimals(x: f64) -> usize {
+    let rounded = format!("{x:.2e}");
+    let exponent = rounded.split_once('e').and_then(|(_, digits)| digits.parse().ok()).unwrap_or(0);
+    if x == 0.0 { 0 } else { (2_i32 - exponent).max(0) as usize }
+}
+
 /// A whole number with commas between its thousands.
 pub fn with_commas(n: u64) -> String {
     let digits = n.to_string();

@@ -26,7 +26,7 @@ const DPI: std::ops::RangeInclusive<u32> = 36..=1200;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct SaveOptions {
-    /// Resolution of the pictures, dots an inch, 30 to 1200.
+    /// Resolution of the pictures, dots an inch, 36 to 1200.
     pub dpi: u32,
 }
 

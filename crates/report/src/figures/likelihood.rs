@@ -200,27 +200,38 @@ fn borders(sheet: &mut Sheet, grid: &Grid, left: f64) {
     }
 }
 
+/// Neighbouring blocks with one name at the left, and from where to where they reach.
+struct NamedBlocks<'a> {
+    first: &'a str,
+    count: usize,
+    from: f64,
+    to: f64,
+}
+
 /// The names of the blocks at the left. Neighbours without room are named together by their number.
 fn names(sheet: &mut Sheet, grid: &Grid, left: f64) {
     let row = SIDE / grid.rows as f64;
-    let mut groups: Vec<(&str, usize, f64, f64)> = Vec::new();
+    let mut groups: Vec<NamedBlocks<'_>> = Vec::new();
     let mut from = 0.0;
-    for (name, rows) in &grid.blocks {
+    for (first, rows) in &grid.blocks {
         let to = from + *rows as f64 * row;
         match groups.last_mut() {
-            Some(group) if group.3 - group.2 < APART && to - from < APART => (group.1, group.3) = (group.1 + 1, to),
-            _ => groups.push((name, 1, from, to)),
+            Some(group) if group.to - group.from < APART && to - from < APART => {
+                group.count += 1;
+                group.to = to;
+            }
+            _ => groups.push(NamedBlocks { first, count: 1, from, to }),
         }
         from = to;
     }
     let mut free = f64::NEG_INFINITY;
-    for (name, count, from, to) in groups {
+    for NamedBlocks { first, count, from, to } in groups {
         let y = TOP + f64::midpoint(from, to);
         if y < free {
             continue;
         }
         free = y + APART;
-        let text = if count > 1 { format!("{count} small ones") } else { name.to_owned() };
+        let text = if count > 1 { format!("{count} small ones") } else { first.to_owned() };
         let text = fitting(&text, LEFT[1] - TICK - 8.0, SMALL);
         sheet.tick_left([left, y], &TickLabel::plain(text), SMALL);
     }
@@ -337,7 +348,7 @@ pub fn convergence(samples: &[u64], series: &[Vec<f64>], line: (CutLine, &[f64])
     let Some(range) = range.map(LogRange::padded) else {
         let note = match (series.is_empty(), samples.is_empty()) {
             (true, _) => "Every vessel is certain: there is no likelihood that could converge.",
-            (_, true) => "No sample was drawn.",
+            (_, true) => "Every pattern was counted, so that nothing has to converge.",
             _ => "No uncertain vessel carries blood in any sample.",
         };
         sheet.plain(note, [left, top], Align::Begin);

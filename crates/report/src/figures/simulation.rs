@@ -1,11 +1,11 @@
 //! What is drawn of a simulation: the flow of each vessel as bars, whose blood every outlet gets, and the flow of arteries over a cycle.
 
-use super::axis::{LinearRange, TickLabel};
+use super::axis::{LinearRange, TickLabel, decimals};
 use super::figure::Figure;
 use super::sheet::{
     Align, HAIR, LEGEND_AT, LegendKey, NAME_BELOW, NAME_LEFT, POINTS_PER_INCH, SMALL, Sheet, TEXT, TICK, fitting, room,
 };
-use super::{GRID, INK, PERTURBED, Rgb, UNPERTURBED};
+use super::{GRID, INK, PERTURBED, Rgb, UNPERTURBED, largest_first};
 use willis_io::output::names::{FLOW_PICTURE, TERRITORY_PICTURE, WAVEFORM_PICTURE};
 
 /// Width of a figure of bars, points.
@@ -60,8 +60,7 @@ impl VesselFlow {
 /// A flow is positive in its direction in the unperturbed network, so that only reversed flows lie left of zero.
 pub fn flow_bars(flows: &[VesselFlow]) -> Figure {
     let mut shown: Vec<&VesselFlow> = flows.iter().collect();
-    // In single precision, so that rounding does not change the order of equal flows.
-    shown.sort_by(|a, b| (b.rank() as f32).total_cmp(&(a.rank() as f32)));
+    largest_first(&mut shown, |flow| flow.rank());
     shown.truncate(MOST);
     let pair = flows.iter().any(|f| f.perturbed.is_some());
     let title = match (flows.len(), pair) {
@@ -114,8 +113,7 @@ fn figure(flow: f64) -> TickLabel {
         let (digits, exponent) = text.split_once('e').unwrap_or((&text, "0"));
         return TickLabel { text: format!("{sign}{digits}\u{b7}10"), exponent: exponent.replace('-', "\u{2212}") };
     }
-    let decimals = if size == 0.0 { 0 } else { (2.0 - size.log10().floor()).max(0.0) as usize };
-    TickLabel::plain(format!("{sign}{size:.decimals$}"))
+    TickLabel::plain(format!("{sign}{size:.*}", decimals(size)))
 }
 
 /// Height of the lines of the legend of inlets, and the entries in each.
@@ -137,8 +135,7 @@ pub struct OutletSupply {
 /// Draws the up to 40 outlets of largest flow, in the order given, 6.8 inches wide; `inlets` have names and colours.
 pub fn supply_bars(outlets: &[OutletSupply], inlets: &[(String, Rgb)]) -> Figure {
     let mut rows: Vec<usize> = (0..outlets.len()).collect();
-    // In single precision, so that rounding does not change the order of equal flows.
-    rows.sort_by(|a, b| (outlets[*b].flow as f32).total_cmp(&(outlets[*a].flow as f32)));
+    largest_first(&mut rows, |row| outlets[*row].flow);
     rows.truncate(MOST);
     rows.sort_unstable();
     let shown: Vec<&OutletSupply> = rows.into_iter().map(|row| &outlets[row]).collect();

@@ -22,6 +22,7 @@ use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
 use willis_core::network::{Frame, Network, Node, Origin, fragments, millimetres};
 use willis_core::sampling::{Likelihood, Snapshot};
+use willis_core::support::geometry::{Point, centroid, sub};
 use willis_io::formats::{
     Checksummed, Column, END_POSITION_COLUMNS, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv,
     write_graphml, write_npy, write_npz, write_swc, write_vtp,
@@ -194,7 +195,7 @@ pub fn overview(outcome: &Outcome<'_>, asked: &[Question], name: &str) -> Option
         certain: !outcome.result.uncertain[row],
         kept: answer.kept[row],
     });
-    let ring = |number, place: willis_core::support::geometry::Point| Ring { place: place.map(millimetres), number };
+    let ring = |number, place: Point| Ring { place: place.map(millimetres), number };
     let rings: Vec<Ring> = if asked.is_empty() {
         answer.undecided.iter().map(|row| ring(None, network.middle_of(network.ends(*row), network.vessel(*row)))).collect()
     } else {
@@ -223,18 +224,19 @@ pub fn overview(outcome: &Outcome<'_>, asked: &[Question], name: &str) -> Option
     Some(summary_picture(name, [&words, &persons], drawn.collect(), &rings, &views(outcome)))
 }
 
-/// Whether what names call left lies where x is less than at what they call right; false without names of both.
-fn left_is_low(outcome: &Outcome<'_>) -> bool {
+/// The axis along which what names call left and right are farthest apart, if left is where the coordinate is less; `None` without names of both.
+fn axis_to_right(outcome: &Outcome<'_>) -> Option<usize> {
     let network = outcome.network;
     let labels = network.vessels().enumerate().map(|(row, (_, vessel))| (row, &vessel.label));
     let names: Vec<(usize, &String)> = labels.chain(outcome.arteries.iter().map(|(row, name)| (*row, name))).collect();
     let mean = |side: &str| {
         let rows = names.iter().filter(|(_, name)| name.starts_with(side)).map(|(row, _)| *row);
-        let x = rows.map(|row| network.middle_of(network.ends(row), network.vessel(row))[0]);
-        let (sum, count) = x.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
-        sum / count
+        let places: Vec<Point> = rows.map(|row| network.middle_of(network.ends(row), network.vessel(row))).collect();
+        (!places.is_empty()).then(|| centroid(places))
     };
-    mean("L-") < mean("R-")
+    let apart = sub(mean("L-")?, mean("R-")?);
+    let axis = (0..3).max_by(|a, b| apart[*a].abs().total_cmp(&apart[*b].abs()))?;
+    (apart[axis] < 0.0).then_some(axis)
 }
 
 /// From the front and from the patient's left as radiologists see it, where it is known which way that is.
@@ -246,8 +248,12 @@ fn views(outcome: &Outcome<'_>) -> [Projection; 2] {
         Frame::Ras => [along_y("front", -1.0, ["R", "L"]), along_x("left side", -1.0, ["A", "P"])],
         Frame::Lps => [along_y("front", 1.0, ["R", "L"]), along_x("left side", 1.0, ["A", "P"])],
         // The patient's left is on the right of the page, where names say which side it is.
-        Frame::Unknown if left_is_low(outcome) => [along_y("along y", -1.0, ["x", ""]), along_x("along x", 1.0, ["", "y"])],
-        Frame::Unknown => [along_y("along y", 1.0, ["", "x"]), along_x("along x", 1.0, ["", "y"])],
+        Frame::Unknown => {
+            let turned = axis_to_right(outcome);
+            let toward = |axis: usize| if turned == Some(axis) { -1.0 } else { 1.0 };
+            let edges = |axis: usize, name| if turned == Some(axis) { [name, ""] } else { ["", name] };
+            [along_y("along y", toward(0), edges(0, "x")), along_x("along x", toward(1), edges(1, "y"))]
+        }
     }
 }
 
@@ -291,10 +297,14 @@ pub fn pictures(folder: &Path, outcome: &Outcome<'_>, dpi: u32) -> Result<Vec<Pa
         CutLine::Threshold => ", and the threshold",
         CutLine::Median => ", and their median, above which lies topology-median",
     };
-    let says = format!(
-        "The mean contribution per sample of every uncertain vessel against the number of samples{cut}; \
-         lines that are still moving at the right end call for more samples."
-    );
+    let says = if outcome.sampling.exact {
+        "Every pattern of open and closed vessels was counted, so that nothing has to converge.".to_owned()
+    } else {
+        format!(
+            "The mean contribution per sample of every uncertain vessel against the number of samples{cut}; \
+             lines that are still moving at the right end call for more samples."
+        )
+    };
     Ok(vec![matrix, PagePicture::write("Convergence", &says, &traces, folder, dpi)?])
 }
 
@@ -383,6 +393,9 @@ fn page(outcome: &Outcome<'_>, asked: &[Question], run: &RunRecord, tables: [Vec
         ("seed", "/seed", ""),
         ("mean \u{3c1}_G", "/rho_G_W_per_m3", "W/m\u{b3}"),
     ];
+    if outcome.sampling.exact {
+        names.retain(|(name, ..)| *name != "samples");
+    }
     names.extend((!outcome.suggested_cuts.is_empty()).then_some(("suggested cuts", "/counts/suggested_cuts", "")));
     if outcome.contacts() > 0 {
         names.extend([("contacts of vessels", "/counts/contacts", ""), ("cut of these", "/counts/cut", "")]);

@@ -263,31 +263,45 @@ pub(super) fn positions<I: Iterator<Item = Point>>(of: impl Fn() -> I) -> Vec<Co
     coordinate_columns(POSITION_COLUMNS, || of().map(|at| at.map(millimetres))).to_vec()
 }
 
+/// A way to pair the vessels at a place, as a row of pairings.csv.
+struct PairingRow<'a> {
+    place: &'a Pairings,
+    told: String,
+    probability: f64,
+    taken: bool,
+    decision: PairingDecision,
+}
+
 /// The columns of pairings.csv; `None` where no contact was opened.
 pub fn pairing_columns(outcome: &Outcome<'_>) -> Option<Vec<Column>> {
-    let kept = &outcome.answer.kept;
-    let mut rows: Vec<(&Pairings, Vec<usize>, f64, bool)> = Vec::new();
-    for pairings in outcome.pairings {
-        let taken = pairings.taken(kept);
-        rows.extend(pairings.ways.iter().map(|(way, p)| (pairings, way.clone(), *p, *way == taken)));
-        if pairings.ways.iter().all(|(way, _)| *way != taken) {
-            rows.push((pairings, taken, f64::NAN, true));
+    let mut rows: Vec<PairingRow<'_>> = Vec::new();
+    for place in outcome.pairings {
+        let taken_way = place.taken(&outcome.answer.kept);
+        let mut row = |way: &[usize], probability, taken| {
+            let decision = place.decision(way, outcome.network).unwrap_or_default();
+            rows.push(PairingRow { place, told: place.told(way), probability, taken, decision });
+        };
+        for (way, probability) in &place.ways {
+            row(way, *probability, *way == taken_way);
+        }
+        if place.ways.iter().all(|(way, _)| *way != taken_way) {
+            row(&taken_way, f64::NAN, true);
         }
     }
-    let decided: Vec<PairingDecision> =
-        rows.iter().map(|(pairings, way, ..)| pairings.decision(way, outcome.network).unwrap_or_default()).collect();
     // A space before a minus, which is no formula then.
     let as_text = |places: String| if places.starts_with('-') { format!(" {places}") } else { places };
     let listed = |of: &[usize]| of.iter().map(usize::to_string).collect::<Vec<String>>().join(" ");
-    let mut columns = positions(|| rows.iter().map(|row| row.0.position));
+    let contacts = |row: &PairingRow<'_>| listed(&row.place.contacts.iter().map(|(_, row)| *row).collect::<Vec<_>>());
+    let part = |row: &PairingRow<'_>| row.decision.part.as_ref().map_or_else(String::new, |edit| as_text(edit.places()));
+    let mut columns = positions(|| rows.iter().map(|row| row.place.position));
     columns.extend([
-        Column::text("vessels", rows.iter().map(|(pairings, way, ..)| pairings.told(way))),
-        Column::real("probability", rows.iter().map(|row| row.2)),
-        Column::whole("taken", rows.iter().map(|row| usize::from(row.3))),
-        Column::text("contacts", rows.iter().map(|row| listed(&row.0.contacts.iter().map(|(_, row)| *row).collect::<Vec<_>>()))),
-        Column::text("accept", decided.iter().map(|of| listed(&of.accept))),
-        Column::text("reject", decided.iter().map(|of| listed(&of.reject))),
-        Column::text("part", decided.iter().map(|of| of.part.as_ref().map_or_else(String::new, |edit| as_text(edit.places())))),
+        Column::text("vessels", rows.iter().map(|row| row.told.clone())),
+        Column::real("probability", rows.iter().map(|row| row.probability)),
+        Column::whole("taken", rows.iter().map(|row| usize::from(row.taken))),
+        Column::text("contacts", rows.iter().map(contacts)),
+        Column::text("accept", rows.iter().map(|row| listed(&row.decision.accept))),
+        Column::text("reject", rows.iter().map(|row| listed(&row.decision.reject))),
+        Column::text("part", rows.iter().map(part)),
     ]);
     (!outcome.pairings.is_empty()).then_some(columns)
 }
@@ -428,43 +442,53 @@ fn touches(outcome: &Outcome<'_>, mut taken: BTreeSet<usize>) -> Vec<Question> {
     found
 }
 
-/// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it,
-/// or where there is none the observed vessel with its widest free end.
+/// What may stand for a part that nothing connects: a candidate that leads out of it, or an observed vessel with a free end there.
+struct WayOn {
+    row: usize,
+    /// The node of the part.
+    node: usize,
+    /// The probability of a candidate; zero of an observed vessel.
+    chance: f64,
+    /// The radius there, m.
+    radius: f64,
+}
+
+/// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it, or
+/// where there is none that stands for no longer part, the observed vessel with its widest free end.
 fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     let (network, answer) = (outcome.network, outcome.answer);
     let parts = fragments(network, |row, _| answer.kept[row]);
     let carries = willis_core::flow::floating_components::parts_that_carry(&parts, &outcome.held());
     let degree = network.degrees(|vessel| vessel.origin == Origin::Observed);
     let mut length = vec![0.0; parts.count];
-    // By part the probability of the candidate, or less than nothing, its width, its row and the node.
-    let mut best: Vec<Option<(f64, f64, usize, usize)>> = vec![None; parts.count];
+    let mut ways: Vec<Vec<WayOn>> = std::iter::repeat_with(Vec::new).take(parts.count).collect();
     for (row, (ends, vessel)) in network.vessels().enumerate() {
         let of = ends.map(|node| parts.of_node[node]);
-        let chance = match (vessel.origin, vessel.evidence()) {
-            (Origin::Observed, _) => -1.0,
-            (_, Some(evidence)) if !answer.kept[row] && of[0] != of[1] && evidence.probability > 0.0 => evidence.probability,
-            _ => continue,
-        };
         if answer.kept[row] {
             length[of[0]] += vessel.length;
         }
-        for (end, node) in ends.into_iter().enumerate().filter(|(_, node)| chance >= 0.0 || degree[*node] == 1) {
-            let one = (chance, vessel.end_radius(end == 1), row, node);
-            if best[of[end]].is_none_or(|most| (one.0, one.1) > (most.0, most.1)) {
-                best[of[end]] = Some(one);
-            }
+        let chance = match (vessel.origin, vessel.evidence()) {
+            (Origin::Observed, _) => 0.0,
+            (_, Some(evidence)) if !answer.kept[row] && of[0] != of[1] && evidence.probability > 0.0 => evidence.probability,
+            _ => continue,
+        };
+        for (end, node) in ends.into_iter().enumerate().filter(|(_, node)| chance > 0.0 || degree[*node] == 1) {
+            ways[of[end]].push(WayOn { row, node, chance, radius: vessel.end_radius(end == 1) });
         }
     }
+    let mut loose: Vec<usize> = (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).collect();
+    loose.sort_by(|a, b| length[*b].total_cmp(&length[*a]));
+    let mut taken = BTreeSet::new();
     let question = |part: usize| {
-        let (_, _, row, node) = best[part]?;
-        let id = &network.node(node).id;
-        let mm = millimetres(length[part]);
+        let free = ways[part].iter().filter(|way| !taken.contains(&way.row));
+        let WayOn { row, node, .. } = free.min_by(|a, b| b.chance.total_cmp(&a.chance).then(b.radius.total_cmp(&a.radius)))?;
+        taken.insert(*row);
+        let (id, mm) = (&network.node(*node).id, millimetres(length[part]));
         let words = format!("Nothing connects {mm:.0} mm of vessels: where do they go on, from {id} or another end?");
-        let at = network.node(node).position.unwrap_or_default();
-        let probability = probability(outcome, row);
-        Some(Question { row, kind: PART, at, words, probability, hangs: length[part], gain: length[part] })
+        let (at, probability) = (network.node(*node).position.unwrap_or_default(), probability(outcome, *row));
+        Some(Question { row: *row, kind: PART, at, words, probability, hangs: length[part], gain: length[part] })
     };
-    (0..parts.count).filter(|part| !carries[*part] && length[*part] >= WORTH).filter_map(question).collect()
+    loose.into_iter().filter_map(question).collect()
 }
 
 fn topology(t: &Topology) -> Value {

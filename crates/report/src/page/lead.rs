@@ -1,21 +1,23 @@
 //! The sentence that a page of a simulation or a modulation begins with: what came of it, from its record.
 
+use std::cmp::Ordering;
+
 use serde_json::Value;
+
+use crate::figures::axis::decimals;
 use willis_io::formats::tables::reader::plural;
+
 /// A part of the sentence, and whether it stands out.
 pub type Part = (String, bool);
 
-/// A number with three digits, in full below a million.
-fn brief(x: f64) -> String {
-    let size = x.abs();
-    if size == 0.0 || !size.is_finite() {
-        return x.to_string();
-    }
-    if !(1e-3..1e6).contains(&size) {
-        return format!("{x:.2e}");
-    }
-    let decimals = (2.0 - size.log10().floor()).max(0.0) as usize;
-    format!("{x:.decimals$}").replace('-', "\u{2212}")
+/// Three or so significant digits, on pages and in what is printed.
+pub fn brief(x: f64) -> String {
+    if x != 0.0 && !(1e-3..1e5).contains(&x.abs()) { format!("{x:.2e}") } else { format!("{x:.*}", decimals(x)) }
+}
+
+/// The same with the minus sign that pages have.
+fn on_page(x: f64) -> String {
+    brief(x).replace('-', "\u{2212}")
 }
 
 /// A change as a percentage, in brackets.
@@ -52,7 +54,7 @@ pub fn simulation(record: &Value) -> Vec<Part> {
     let Some(after) = number("/total_inflow_mL_per_min_perturbed") else {
         let [carrying, all] = ["/counts/diffused", "/counts/vessels"].map(|pointer| number(pointer).unwrap_or_default());
         return vec![
-            (format!("{} mL/min flow in", brief(inflow)), true),
+            (format!("{} mL/min flow in", on_page(inflow)), true),
             (format!("; blood flows in {carrying} of {}.", plural(all as usize, "vessel")), false),
         ];
     };
@@ -68,7 +70,7 @@ pub fn simulation(record: &Value) -> Vec<Part> {
     };
     let mut parts = vec![
         (format!("{what}: "), false),
-        (format!("inflow {} \u{2192} {} mL/min{}", brief(inflow), brief(after), change(inflow, after)), true),
+        (format!("inflow {} \u{2192} {} mL/min{}", on_page(inflow), on_page(after), change(inflow, after)), true),
         ("; ".to_owned(), false),
     ];
     let reversed = list("reversed");
@@ -82,7 +84,7 @@ pub fn simulation(record: &Value) -> Vec<Part> {
     });
     if let Some(first) = list("collaterals").first() {
         let gain = first["gain_mL_per_min"].as_f64().unwrap_or_default();
-        parts.push((format!("; {} gains most, {} mL/min", name(first), brief(gain)), false));
+        parts.push((format!("; {} gains most, {} mL/min", name(first), on_page(gain)), false));
     }
     parts.push((".".to_owned(), false));
     parts
@@ -90,7 +92,14 @@ pub fn simulation(record: &Value) -> Vec<Part> {
 
 /// What a modulation is about: how the class of the strongest modulation changes inflow, resilience and hypertension.
 pub fn modulation(record: &Value) -> Vec<Part> {
-    let class = record["classes"].as_array().and_then(|classes| classes.last());
+    // By the upper border of u, then by the lower one; class texts are LOW:HIGH.
+    let borders = |class: &Value| {
+        let number = |text: &str| text.parse::<f64>().unwrap_or_default();
+        let (low, high) = class["class"].as_str().and_then(|text| text.split_once(':')).unwrap_or_default();
+        [number(high), number(low)]
+    };
+    let classes = record["classes"].as_array();
+    let class = classes.and_then(|all| all.iter().max_by(|a, b| borders(a).partial_cmp(&borders(b)).unwrap_or(Ordering::Equal)));
     let (Some(class), rest) = (class, &record["unperturbed"]) else { return Vec::new() };
     let of = |name: &str| Some((rest[name].as_f64()?, class[name].as_f64()?));
     let Some((inflow, modulated)) = of("total_inflow_mL_per_min") else { return Vec::new() };
@@ -103,11 +112,14 @@ pub fn modulation(record: &Value) -> Vec<Part> {
     };
     let mut parts = vec![
         (format!("Of each vessel a number u is drawn: {does}. With u in {range} "), false),
-        (format!("inflow goes from {} to {} mL/min{}", brief(inflow), brief(modulated), change(inflow, modulated)), true),
+        (format!("inflow goes from {} to {} mL/min{}", on_page(inflow), on_page(modulated), change(inflow, modulated)), true),
     ];
     if let Some((before, after)) = of("rho_G_W_per_m3") {
         parts.push((", ".to_owned(), false));
-        parts.push((format!("resilience from {} to {} W/m\u{b3}{}", brief(before), brief(after), change(before, after)), true));
+        parts.push((
+            format!("resilience from {} to {} W/m\u{b3}{}", on_page(before), on_page(after), change(before, after)),
+            true,
+        ));
     }
     if let Some((before, after)) = of("share_above_threshold") {
         let percent = |share: f64| format!("{:.1} %", 100.0 * share);

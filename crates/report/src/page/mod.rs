@@ -105,7 +105,7 @@ pub(crate) fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<St
     let inlets = conditions.iter().filter(|c| c.role == Role::Inlet.name() && c.found && !c.source).count();
     let assumed = match inlets {
         0 => None,
-        1 => Some("the widest free end is assumed to be the inlet. The option inlet states it.".to_owned()),
+        1 => Some("one free end is assumed to be the inlet. The option inlet states it.".to_owned()),
         n => Some(format!("{n} free ends are assumed to be inlets. The option inlet states them.")),
     };
     all.extend(assumed.map(|what| format!("Nobody stated where blood enters: {what}")));
@@ -118,7 +118,9 @@ pub(crate) fn warnings(record: &Value, conditions: &[ConditionRecord]) -> Vec<St
         Some(n) => all.push(format!("{n} parts of what the run kept carry no flow: they lack an inlet or an outlet.")),
     }
     let notes = record["notes"].as_array().map_or(&[][..], Vec::as_slice).iter().filter_map(Value::as_str);
-    let plain = |note: &&str| note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING);
+    let plain = |note: &&str| {
+        note.starts_with("a mask of") || note.ends_with(LANDMARK_NOTE_ENDING) || note.contains(" plausible topologies, ")
+    };
     all.extend(notes.filter(|note| !plain(note)).map(|note| {
         let mut letters = note.chars();
         letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())

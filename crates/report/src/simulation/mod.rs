@@ -32,11 +32,6 @@ const MOST_IN_TABLE: usize = 1000;
 pub const MOST_COLLATERALS: usize = 5;
 
 impl SimulationRun<'_> {
-    /// Pressures, flows and resilience, before and after.
-    pub fn simulation(&self) -> &Simulation {
-        &self.result
-    }
-
     /// The tables of nodes and of vessels, as nodes.csv and edges.csv have them.
     pub fn tables(&self) -> [Vec<Column>; 2] {
         let Self { network, boundary, result, .. } = self;

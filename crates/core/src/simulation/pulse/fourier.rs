@@ -69,7 +69,7 @@ pub fn derivative(coefficients: &[Complex64], period: f64) -> Vec<Complex64> {
 /// Even times of a period at which a waveform is looked at.
 const TIMES: usize = 1000;
 
-/// The figures of a waveform. Those that a mean of zero leaves undefined are NaN.
+/// The figures of a waveform. Those that a mean of zero leaves undefined are NaN, as all but the mean are of a waveform whose harmonics are undefined.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indices {
     /// The mean, with its sign.
@@ -96,7 +96,7 @@ impl Indices {
         let mean = coefficients[0].re;
         let forward = if mean < 0.0 { -1.0 } else { 1.0 };
         let values = samples(coefficients, TIMES);
-        let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+        let (low, high) = values.iter().fold((f64::NAN, f64::NAN), |(low, high), x| (low.min(*x), high.max(*x)));
         let against: f64 = values.iter().map(|x| (-forward * x).max(0.0)).sum();
         let all: f64 = values.iter().map(|x| x.abs()).sum();
         let first = coefficients.get(1).map_or(0.0, |c| -(c * forward).arg() / TAU * period);

@@ -1,7 +1,7 @@
 // Builds the page of a cohort.
 const subjects = table(data.table);
 const names = subjects.find("subject"), status = subjects.find("status");
-const good = Array.from({ length: subjects.rows }, (_, row) => row).filter(row => status.at(row) === "ok");
+const good = upTo(subjects.rows).filter(row => status.at(row) === "ok");
 const bad = row => status.at(row) !== "ok";
 const page = row => data.pages?.[row] ?? `${names.at(row)}/${data.opens}`;
 names.address = row => bad(row) ? null : page(row).endsWith(".html") ? wayTo(page(row)) : encoded(page(row));
@@ -15,7 +15,6 @@ subjects.columns.sort((a, b) => late.includes(a.name) - late.includes(b.name));
 subjects.filterBy = "name, error, …";
 
 const undecided = subjects.find("undecided");
-const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
 
 // Why a subject needs a person; empty where it does not.
 function reasons(row) {
@@ -27,21 +26,20 @@ function reasons(row) {
 function showSummary() {
   const open = good.filter(row => reasons(row).length > 0).length, words = [make("b", { text: `${count(good.length, "subject")} of ${grouped(subjects.rows)} done` })];
   if (data.failed > 0) words.push(", ", make("b", { text: `${grouped(data.failed)} failed` }));
-  words.push("; ", make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` }), ".");
+  words.push(good.length < subjects.rows ? "; of those done " : "; ", make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` }), ".");
   const mean = name => {
     const column = subjects.find(name), values = column ? good.map(row => column.at(row)).filter(Number.isFinite) : [];
     return values.length ? values.reduce((a, b) => a + b) / values.length : NaN;
   };
   const means = [["connections kept of", mean("kept")], ["candidates", mean("candidates")]];
-  if (means.every(([, x]) => Number.isFinite(x))) words.push(` On average ${shown(means[0][1], 3)} of ${shown(means[1][1], 3)} possible connections are kept`, Number.isFinite(mean("expected_wrong")) ? `, ${shown(mean("expected_wrong"), 2)} of them expected to be wrong.` : ".");
+  if (means.every(([, x]) => Number.isFinite(x))) words.push(` On average ${shown(means[0][1], 3)} of ${shown(means[1][1], 3)} possible connections are kept`, Number.isFinite(mean("expected_wrong")) ? `; of all that is kept ${shown(mean("expected_wrong"), 2)} are expected to be wrong.` : ".");
   byId("answer-words").append(...words);
   byId("origin").textContent = `Made by willis ${data.willis}.`;
 }
 
 // A card a subject: its picture, its name, and why it needs a person.
-const CARDS = 24;
 function showPersons() {
-  const all = Array.from({ length: subjects.rows }, (_, row) => row), open = all.filter(row => reasons(row).length > 0);
+  const all = upTo(subjects.rows), open = all.filter(row => reasons(row).length > 0);
   const order = [...open, ...all.filter(row => reasons(row).length === 0)];
   byId("persons").hidden = subjects.rows === 0;
   byId("persons-heading").textContent = open.length ? "Subjects that need a person" : "Subjects";
@@ -54,20 +52,12 @@ function showPersons() {
       variant ? make("p", {}, make("a", { href: variants.address(row), text: variant })) : null,
       why.length ? make("ul", {}, ...why.map(text => make("li", { text }))) : make("p", { class: "quiet", text: undecided?.at(row) > 0 ? `nothing to check: ${count(undecided.at(row), "open connection")}, of which none would change the variant` : "nothing to check" })].filter(Boolean));
   };
-  let at = 0;
-  const more = () => {
-    byId("cards").append(...order.slice(at, at + CARDS).map(card));
-    at += CARDS;
-    byId("more-cards").hidden = at >= order.length;
-    byId("more-cards").textContent = `Show more (${grouped(order.length - at)})`;
-  };
-  byId("more-cards").addEventListener("click", more);
-  more();
+  showCards(order, card);
   if (data.walks) new Walk(order.filter(row => !bad(row) && page(row).endsWith(".html")));
 }
 
 function showFailures() {
-  const error = subjects.find("error"), failed = Array.from({ length: subjects.rows }, (_, row) => row).filter(bad);
+  const error = subjects.find("error"), failed = upTo(subjects.rows).filter(bad);
   byId("failed").hidden = failed.length === 0;
   byId("failures").append(...failed.slice(0, 100).map(row => make("li", {}, make("b", { text: names.at(row) }), `: ${error.at(row)}`)));
   if (failed.length > 100) byId("failures").append(make("li", { text: `and ${failed.length - 100} more: see the table` }));
@@ -79,7 +69,7 @@ const sheet = new Sheet(subjects, [], () => {});
 let ofBar = null;
 function filterRows() {
   const variant = byId("variant").value;
-  const all = Array.from({ length: subjects.rows }, (_, row) => row);
+  const all = upTo(subjects.rows);
   sheet.only(!ofBar && variant === "" ? null : new Set(all.filter(row => (!ofBar || ofBar.has(row)) && (variant === "" || variants.at(row) === variant))));
 }
 
@@ -88,7 +78,7 @@ function showVariants() {
   for (const row of variants ? good : []) if (variants.at(row) !== "") counts.set(variants.at(row), (counts.get(variants.at(row)) || 0) + 1);
   byId("by-variant").hidden = counts.size === 0;
   const sorted = [...counts].sort((a, b) => b[1] - a[1] || (a[0] < b[0] ? -1 : 1));
-  byId("variant").append(make("option", { value: "", text: "all" }), ...sorted.map(([text, count]) => make("option", { value: text, text: `${text} (${grouped(count)})` })));
+  byId("variant").append(make("option", { value: "", text: "all" }), ...sorted.map(([text, n]) => make("option", { value: text, text: `${text} (${grouped(n)})` })));
   byId("variant").addEventListener("change", filterRows);
 }
 
@@ -104,7 +94,7 @@ function showDistribution() {
     filterRows();
     const counted = showBars(byId("bars"), column, good, bar => { ofBar = bar && new Set(bar.rows); filterRows(); });
     const without = good.length - counted;
-    byId("distribution-note").textContent = `${grouped(counted)} subjects` + (without ? `, ${grouped(without)} without this figure` : "") + ". Choose a bar to filter the table.";
+    byId("distribution-note").textContent = count(counted, "subject") + (without ? `, ${grouped(without)} without this figure` : "") + ". Choose a bar to filter the table.";
   };
   const first = ["variant", "sparsity", "kept"].map(name => columns.findIndex(c => c.name === name)).find(at => at >= 0);
   choice.value = first ?? 0;

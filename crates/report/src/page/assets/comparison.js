@@ -5,7 +5,7 @@ const cell = (name, row) => found.find(name)?.at(row) ?? NaN;
 const groups = found.rows ? ["a", "b"].map(letter => cell(`group_${letter}`, 0)) : [];
 const SURE = 0.05;
 // By the corrected p, then by p, then by the size of the effect.
-const order = Array.from({ length: found.rows }, (_, row) => row).sort((r, s) =>
+const order = upTo(found.rows).sort((r, s) =>
   cell("p_holm", r) - cell("p_holm", s) || cell("p", r) - cell("p", s) || Math.abs(cell("cliffs_delta", s)) - Math.abs(cell("cliffs_delta", r)) || r - s);
 const share = x => x.toFixed(2).replace("-", "−");
 const chance = p => p < 0.001 ? "< 0.001" : `= ${shown(p, 2)}`;
@@ -14,8 +14,9 @@ function showAnswer() {
   const sizes = [true, false].map(first => data.first.filter(of => of === first).length);
   const sure = order.filter(row => cell("p_holm", row) < SURE);
   const words = [];
-  if (found.rows === 0) words.push(`By ${data.compare}: no measure differs between subjects.`);
-  else words.push(make("b", { text: `${groups[0]} (${sizes[0]}) and ${groups[1]} (${sizes[1]})` }),` by ${data.compare}, in ${grouped(found.rows)} measure${found.rows === 1 ? "" : "s"}: `,
+  if (sizes.includes(0)) words.push(`By ${data.compare}: nothing is compared, for no subject of a group could be measured.`);
+  else if (found.rows === 0) words.push(`By ${data.compare}: no measure differs between subjects.`);
+  else words.push(make("b", { text: `${groups[0]} (${sizes[0]}) and ${groups[1]} (${sizes[1]})` }),` by ${data.compare}, in ${count(found.rows, "measure")}: `,
     make("b", { text: sure.length === 0 ? "none differs" : sure.length === 1 ? `one differs, ${cell("measure", sure[0])},` : `${grouped(sure.length)} differ` }), ` beyond chance at ${SURE}, corrected for all of them.`);
   byId("answer-words").append(...words);
   byId("origin").textContent = `Made by willis ${data.record.willis}.`;
@@ -43,7 +44,7 @@ function beside(heights, radius, most) {
 const WIDE = 260, HIGH = 190, LEFT = 52, TOP = 8, BOTTOM = 20;
 function panel(row) {
   const name = cell("measure", row), column = subjects.find(name);
-  const rows = Array.from({ length: subjects.rows }, (_, i) => i).filter(i => column && Number.isFinite(column.at(i)));
+  const rows = upTo(subjects.rows).filter(i => column && Number.isFinite(column.at(i)));
   const values = rows.map(i => column.at(i));
   let [low, high] = [Math.min(...values), Math.max(...values)];
   const room = 0.05 * (high - low) || 0.5;
@@ -69,17 +70,4 @@ function panel(row) {
     make("p", {}, `p ${chance(cell("p", row))}, `, make(sure ? "b" : "span", { text: `p (Holm) ${chance(cell("p_holm", row))}` })));
 }
 
-const CARDS = 24;
-function showPanels() {
-  let at = 0;
-  const more = () => {
-    byId("cards").append(...order.slice(at, at + CARDS).map(panel));
-    at += CARDS;
-    byId("more-cards").hidden = at >= order.length;
-    byId("more-cards").textContent = `Show more (${grouped(order.length - at)})`;
-  };
-  byId("more-cards").addEventListener("click", more);
-  more();
-}
-
-showAll(showAnswer, showPanels, () => byId("sheet").append(new Sheet(found, [], () => {}).element), showRun);
+showAll(showAnswer, () => showCards(order, panel), () => byId("sheet").append(new Sheet(found, [], () => {}).element), showRun);

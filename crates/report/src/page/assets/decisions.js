@@ -1,5 +1,8 @@
 // What a person decides: connections that are accepted, rejected, or that the reader is unsure of, with comments and undo. They stay in the
 // browser, and are the list that `willis infer --decisions` takes.
+// What a spreadsheet would take for a formula; it has an apostrophe before it in tables, as all that willis writes.
+const FORMULA = /^'*[=+\-@\t\r＝＋－＠]/;
+
 class Decisions {
   // `changed` is called after each change.
   constructor(threshold, vessels, nodes, changed) {
@@ -55,10 +58,26 @@ class Decisions {
     } catch {
       this.stored = false;
     }
-    this.tell(() => {
-      const question = this.threshold.questions(), open = [...Array(this.threshold.rows).keys()].filter(row => !this.made.has(row) && question(row).asked).length;
-      return { willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open, isFirst: this.isFirst };
-    });
+    this.tell(() => ({ willis: "decisions", csv: this.csv(), made: this.made.size + this.edits.length, open: this.asked().length, isFirst: this.isFirst }));
+  }
+
+  // What is asked and nothing is said of yet, as `question` tells it; a place where vessels may only touch is answered by an edit, too.
+  asked(question = this.threshold.questions()) {
+    const edits = new Set(this.edits.map(of => of.places)), isAnswered = row => this.ways(row).some(way => edits.has(this.partOf(way)));
+    return upTo(this.threshold.rows).filter(row => !this.made.has(row)).map(question).filter(item => item.asked && !(item.touch && isAnswered(item.row)));
+  }
+
+  // The rows of the table of pairings for a contact, or for a vessel that stands for a place where vessels may only touch.
+  ways(row) {
+    const table = this.paired ??= tables.find(t => t.find("taken")) ?? null, touches = this.threshold.touch[row] > 0;
+    if (!table || !(touches || this.threshold.isContact(row))) return [];
+    const [contacts, vessels] = ["contacts", "vessels"].map(name => table.find(name)), is = text => String(text).split(/[^0-9]+/).includes(String(row));
+    return upTo(table.rows).filter(way => touches ? !contacts?.at(way) && is(vessels.at(way)) : contacts && is(contacts.at(way)));
+  }
+
+  // The places of the edit for a way; empty where there is none.
+  partOf(way) {
+    return String(this.paired.find("part")?.at(way) ?? "").trim();
   }
 
   // Tells the page of a cohort that shows this one.
@@ -144,7 +163,7 @@ class Decisions {
   csv() {
     const who = byId("who").value.trim();
     const cell = text => {
-      const plain = String(text).replace(/[\r\n]+/g, " ").replace(/^(?=[=+@\t-])/, "'");
+      const flat = String(text).replace(/[\r\n]+/g, " "), plain = FORMULA.test(flat) ? `'${flat}` : flat;
       return /[",]/.test(plain) ? `"${plain.replaceAll('"', '""')}"` : plain;
     };
     // A space before a minus, which is no formula then.
@@ -163,9 +182,7 @@ class Decisions {
   }
 
   download() {
-    const address = URL.createObjectURL(new Blob([this.csv()], { type: "text/csv" }));
-    make("a", { href: address, download: `${nameOfInput()}-decisions.csv` }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10000);
+    save(new Blob([this.csv()], { type: "text/csv" }), `${nameOfInput()}-decisions.csv`);
     this.saved = true;
   }
 
@@ -176,9 +193,10 @@ class Decisions {
     const changes = new Map(), edits = [];
     lines.forEach((cells, i) => {
       const fault = what => { throw new Error(`row ${i + 1}: ${what}`); };
-      const cell = name => at(name) < 0 ? "" : cells[at(name)] ?? "", row = Number(cell("edge")), decision = cell("decision");
+      const cell = name => { const text = at(name) < 0 ? "" : cells[at(name)] ?? ""; return text[0] === "'" && FORMULA.test(text) ? text.slice(1) : text; };
+      const row = Number(cell("edge")), decision = cell("decision");
       if (cell("input_sha256") && cell("input_sha256") !== data.record.input.sha256) fault("it was decided on another input");
-      if (["join", "part", "delete"].includes(decision)) return edits.push({ decision, places: cell("places"), who: cell("who"), when: cell("when"), comment: cell("comment") });
+      if (["join", "part", "delete"].includes(decision)) return edits.push({ decision, places: cell("places").trim(), who: cell("who"), when: cell("when"), comment: cell("comment") });
       if (!/^\d+$/.test(cell("edge")) || !this.threshold.uncertain[row]) fault(`edge "${cell("edge")}" is no connection that can be decided here`);
       const ids = this.idsOf(row);
       if (ids[0] !== cell("id_a") || ids[1] !== cell("id_b")) fault(`edge ${row} joins ${cell("id_a")} to ${cell("id_b")} in the list, and ${ids.join(" to ")} here`);

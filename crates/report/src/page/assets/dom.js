@@ -27,9 +27,37 @@ function shown(x, digits = 5) {
 }
 const grouped = x => x < 10000 ? String(x) : String(x).replace(/\B(?=(\d{3})+$)/g, "\u202f");
 
+// The numbers from 0 to one less than n: the rows of a table.
+const upTo = n => [...Array(n).keys()];
+
+// `1 vessel`, `2 vessels`.
+const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
+
 const POWERS = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 const power = e => "10" + (e < 0 ? "⁻" : "") + [...String(Math.abs(e))].map(d => POWERS[d]).join("");
 const withUnit = (text, unit) => unit && text ? `${text} ${unit}` : text;
+
+// Saves something as a file of a name.
+function save(blob, name) {
+  const address = URL.createObjectURL(blob);
+  make("a", { href: address, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(address), 10000);
+}
+
+// Shows the first cards of an order, and more of them on demand; `card(row)` makes one.
+const CARDS = 24;
+function showCards(order, card) {
+  const button = byId("more-cards");
+  let at = 0;
+  const more = () => {
+    byId("cards").append(...order.slice(at, at + CARDS).map(card));
+    at += CARDS;
+    button.hidden = at >= order.length;
+    button.textContent = `Show more (${grouped(order.length - at)})`;
+  };
+  button.addEventListener("click", more);
+  more();
+}
 
 // A path as an address.
 const encoded = path => path.split("/").map(encodeURIComponent).join("/");

@@ -8,7 +8,7 @@ class Flows {
     this.reversed = new Set(rows("Reversed flows").map(of => of("edge")));
     this.changed = rows("Perturbations").map(of => ({ at: scene.shape.middle(of("edge")), text: of("kind"), strong: true }));
     const long = vessels.find("length_mm");
-    this.rows = Array.from({ length: vessels.rows }, (_, row) => row).sort((a, b) => long.at(b) - long.at(a) || a - b).slice(0, MOST_ARROWS);
+    this.rows = upTo(vessels.rows).sort((a, b) => long.at(b) - long.at(a) || a - b).slice(0, MOST_ARROWS);
     this.rows.push(...[...this.reversed].filter(row => !this.rows.includes(row)));
   }
 

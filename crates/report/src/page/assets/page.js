@@ -83,9 +83,8 @@ function showChances(row) {
 // One sentence that says what was found.
 function showAnswer() {
   const words = [], figure = (text, strong = true) => make(strong ? "b" : "span", { text });
-  const count = (n, one, many = `${one}s`) => `${grouped(n)} ${n === 1 ? one : many}`;
   if (threshold) {
-    const origins = vessels.find("origin"), uncertain = threshold.known.length ? [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]) : [];
+    const origins = vessels.find("origin"), uncertain = threshold.known.length ? upTo(vessels.rows).filter(row => threshold.uncertain[row]) : [];
     const candidates = uncertain.filter(row => origins?.at(row) !== "contact" && origins?.at(row) !== "observed"), contacts = uncertain.filter(row => origins?.at(row) === "contact");
     const observed = uncertain.length - candidates.length - contacts.length, { counts, expected } = threshold;
     const kept = candidates.filter(row => threshold.kept[row]).length;
@@ -93,7 +92,9 @@ function showAnswer() {
     const cut = contacts.filter(row => !threshold.kept[row]).length;
     if (contacts.length) words.push(", ", figure(`${grouped(cut)} of ${count(contacts.length, "observed contact")} cut, ${grouped(contacts.length - cut)} kept`));
     if (observed) words.push(", ", figure(`${count(uncertain.filter(row => origins?.at(row) === "observed" && !threshold.kept[row]).length, "observed vessel")} pruned`));
-    if (uncertain.length) words.push("; ", figure(counts.undecided === 0 ? "none needs a person" : `${grouped(counts.undecided)} need${counts.undecided === 1 ? "s" : ""} a person`));
+    // As many as the list has.
+    const asked = review.total;
+    if (uncertain.length || asked) words.push("; ", figure(asked === 0 ? "no question for a person" : `${count(asked, "question")} for a person`));
     const about = x => x < 0.05 ? "none" : `about ${shown(x, x < 1 ? 1 : 2)}`;
     if (expected) words.push("; of all that is kept ", figure(`${about(expected.wrong)} expected to be wrong, ${about(expected.missed)} missed`, false));
     words.push(". ", figure(`The vessels form ${count(counts.components, "part")}${counts.cycles ? ` with ${count(counts.cycles, "loop")}` : ""}.`, false));
@@ -254,7 +255,7 @@ function showThreshold() {
       byId("live").textContent = `Threshold ${value}: ${counts.kept} kept, ${counts.pruned} pruned, ${counts.undecided} undecided, ${counts.components} components, ${counts.cycles} cycles.`;
       sheet?.refresh();
       // Decisions have shown it already.
-      if (review?.setting !== review?.settingShown) review?.show();
+      if (review.setting !== review.settingShown) { review.show(); showAnswer(); }
       if (picked >= 0) showPicked();
     }, 250);
   };
@@ -291,7 +292,7 @@ function showReview() {
   decisions = new Decisions(threshold, vessels, tables.find(t => t.title === "Nodes"), show);
   review = new Review(threshold, decisions, vessels, goTo);
   edits = new Edits(decisions, scene);
-  byId("review").hidden = !threshold.uncertain.some(Boolean);
+  byId("review").hidden = !threshold.uncertain.some(Boolean) && review.total === 0;
   byId("review-more").addEventListener("click", () => { review.shown = Infinity; review.show(); });
   for (const id of ["undo", "decide-undo"]) byId(id).addEventListener("click", takeBack);
   byId("download").addEventListener("click", () => decisions.download());
@@ -312,7 +313,7 @@ function showReview() {
     if (!file) return;
     try {
       const loaded = decisions.load(await file.text());
-      note.textContent = `${grouped(loaded)} decision${loaded === 1 ? "" : "s"} loaded from ${file.name}.`;
+      note.textContent = `${count(loaded, "decision")} loaded from ${file.name}.`;
     } catch (fault) {
       note.textContent = `${file.name}: ${fault.message}. Nothing was loaded.`;
     }
@@ -320,7 +321,7 @@ function showReview() {
   });
   if (decisions.restored) byId("load-note").textContent = "Decisions that this browser kept are taken up.";
   byId("fit-doubt").addEventListener("click", () => {
-    const rows = review.open.length ? review.open.map(item => item.row) : [...Array(vessels.rows).keys()].filter(row => threshold.uncertain[row]);
+    const rows = review.open.length ? review.open.map(item => item.row) : upTo(vessels.rows).filter(row => threshold.uncertain[row]);
     scene.showAll();
     dress();
     if (rows.length) scene.fly(scene.camera.fitting(rows.map(row => scene.shape.middle(row))));

@@ -20,9 +20,7 @@ class Review {
     const { threshold } = this, question = threshold.questions(), gap = this.vessels.find("length_mm"), made = [...this.decisions.made.keys()].reverse();
     const has = row => !this.words || this.name(row).toLowerCase().includes(this.words);
     const by = { consequence: a => -a.gain, probability: a => -threshold.figureOf(a.row), gap: a => gap.at(a.row), place: () => 0 }[this.order];
-    const edits = new Set(this.decisions.edits.map(of => of.places));
-    const answered = row => this.ways(row).some(way => edits.has(this.partOf(way)));
-    const asked = [...Array(threshold.rows).keys()].filter(row => !this.decisions.made.has(row)).map(question).filter(item => item.asked && !(item.touch && answered(item.row)));
+    const asked = this.decisions.asked(question);
     this.total = asked.length;
     this.open = asked.filter(item => has(item.row)).sort((a, b) => by(a) - by(b) || a.row - b.row);
     this.items = [...this.open, ...made.filter(has).map(question)];
@@ -45,12 +43,12 @@ class Review {
     line?.scrollIntoView({ block: "nearest" });
   }
 
-  // What a connection is called: by its label, by the arteries that it joins, or by its row.
+  // What a connection is called: by its label or by the arteries that it joins, and by its row.
   name(row) {
-    const label = this.vessels.find("label"), kind = this.vessels.find("origin")?.at(row);
-    if (label?.at(row)) return label.at(row);
-    const [a, b] = this.threshold.ends.map(of => this.labelAt(of[row]));
+    const label = this.vessels.find("label")?.at(row), kind = this.vessels.find("origin")?.at(row);
     const what = `${{ contact: "contact", observed: "vessel" }[kind] ?? "connection"} ${row}`;
+    if (label) return `${label}, ${what}`;
+    const [a, b] = this.threshold.ends.map(of => this.labelAt(of[row]));
     return a && b ? a === b ? `${a}, ${what}` : `${a} to ${b}, ${what}` : a || b ? `${a || b}, ${what}` : what;
   }
 
@@ -76,15 +74,17 @@ class Review {
     return `${threshold.name.split(" ").at(-1)} = ${withUnit(shown(threshold.values[row], 3), threshold.unit)}`;
   }
 
-  line({ row, hangs, loose, loop, touch }) {
+  line({ row, hangs, closes, loose, loop, touch }) {
     const { threshold } = this, { decision, comment } = this.decisions.of(row);
-    const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length;
-    const observed = threshold.isObserved(row), depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : "closes a loop";
+    const gap = this.vessels.find("length_mm").at(row), rivals = threshold.rivals(row).length, observed = threshold.isObserved(row);
+    // A question about a place, and not whether the vessel is there.
+    const isPlace = !threshold.uncertain[row] || touch > 0;
+    const depend = hangs > 0 ? `${shown(hangs, 2)} mm of vessel depend on it` : closes ? "closes a loop" : "nothing else depends on it";
     const words = [observed || threshold.isContact(row) ? null : `gap ${shown(gap, 2)} mm`, loose ? `nothing connects ${shown(loose, 2)} mm of vessel` : loop ? `in a loop of ${shown(loop, 2)} mm` : depend,
-      touch ? "do vessels only touch there?" : observed ? "where does it go on?" : rivals ? `${rivals} alternative${rivals > 1 ? "s" : ""}` : "no alternative", comment];
+      touch ? "do vessels only touch there?" : isPlace ? "where does it go on?" : observed ? null : rivals ? count(rivals, "alternative") : "no alternative", comment];
     const rank = this.vessels.find("rank")?.at(row);
     const go = make("button", { type: "button", class: "go" },
-      make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (observed ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
+      make("span", { class: "rank", text: rank > 0 ? rank : "" }), " ", make("b", { text: this.name(row) }), " ", make("span", { class: "chance", text: { accept: "accepted", reject: "rejected", unsure: "unsure" }[decision] ?? (isPlace ? "" : this.figure(row)) }), " ", make("small", { text: words.filter(Boolean).join(" · ") }));
     go.addEventListener("click", () => this.goes(row));
     const choose = (text, label, which) => {
       const button = make("button", { type: "button", text, "aria-pressed": decision === which, "aria-label": `${label} ${this.name(row)}`, title: label, class: which });
@@ -92,7 +92,7 @@ class Review {
       return button;
     };
     return make("li", { class: decision || null, "data-row": row, "data-state": threshold.state(row) },
-      go, observed ? "" : make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
+      go, isPlace ? "" : make("span", { class: "choose" }, choose("✓", "Accept", "accept"), choose("✗", "Reject", "reject")));
   }
 
   // What the list depends on beside the decisions.
@@ -112,43 +112,30 @@ class Review {
     const all = this.total, first = byId("review-order").selectedOptions[0].dataset.says;
     byId("review-note").textContent = items.length === 0 ? this.words ? "None has this name." : "Nothing: every connection is decided." :
       open.length === 0 && !this.words ? "All are decided. Download the decisions, and give them to willis infer --decisions." :
-      `${this.words ? `${grouped(open.length)} of ` : ""}${grouped(all)} open, ${first} first. Keys: n next, a accept, r reject, x unsure, u undo.`;
+      `${this.words ? `${grouped(open.length)} of ` : ""}${grouped(all)} open, ${first} first.${scene ? " Keys: n next, a accept, r reject, x unsure, u undo." : ""}`;
     byId("review-tools").hidden = all < 8 && !this.words;
     const more = byId("review-more");
     more.hidden = open.length <= this.shown;
     more.textContent = `Show all (${grouped(open.length - this.shown)} more)`;
     byId("decided").hidden = made.size + edits.length === 0;
-    const count = decision => [...made.values()].filter(of => of.decision === decision).length;
-    const said = [["accept", "accepted"], ["reject", "rejected"], ["unsure", "unsure"]].map(([name, word]) => count(name) && `${grouped(count(name))} ${word}`).filter(Boolean).join(", ");
-    const sum = [said, edits.length && `${grouped(edits.length)} edit${edits.length > 1 ? "s" : ""}`].filter(Boolean).join(", ");
+    const many = decision => [...made.values()].filter(of => of.decision === decision).length;
+    const said = [["accept", "accepted"], ["reject", "rejected"], ["unsure", "unsure"]].map(([name, word]) => many(name) && `${grouped(many(name))} ${word}`).filter(Boolean).join(", ");
+    const sum = [said, edits.length && count(edits.length, "edit")].filter(Boolean).join(", ");
     byId("decided-note").textContent = `${sum ? `${sum}. ` : ""}${stored ? "Kept in this browser." : "This browser keeps nothing: download them before the page is left."} Probabilities beside a decision follow from it.`;
     for (const button of [byId("undo"), byId("decide-undo")]) button.disabled = history.length === 0;
   }
 
-  // The rows of the table of pairings for a contact, or for a vessel that stands for a place where vessels may only touch.
-  ways(row) {
-    const table = this.paired ??= tables.find(t => t.find("taken")) ?? null, touches = this.threshold.touch[row] > 0;
-    if (!table || !(touches || this.threshold.isContact(row))) return [];
-    const [contacts, vessels] = ["contacts", "vessels"].map(name => table.find(name)), is = text => String(text).split(/[^0-9]+/).includes(String(row));
-    return [...Array(table.rows).keys()].filter(way => touches ? !contacts?.at(way) && is(vessels.at(way)) : contacts && is(contacts.at(way)));
-  }
-
-  // The places of the edit for a way; empty where there is none.
-  partOf(way) {
-    return String(this.paired.find("part")?.at(way) ?? "").trim();
-  }
-
   // The ways to pair the vessels at a place; each is taken as one decision.
   pairings(row) {
-    const ways = this.ways(row), of = name => this.paired.find(name)?.at ?? (() => "");
-    const [accept, reject, contacts] = ["accept", "reject", "contacts"].map(name => this.paired ? of(name) : null);
+    const ways = this.decisions.ways(row), of = name => this.decisions.paired.find(name)?.at ?? (() => "");
     const rowsIn = text => String(text).split(" ").filter(Boolean).map(Number);
     if (!ways.length) return null;
+    const [accept, reject, contacts] = ["accept", "reject", "contacts"].map(of);
     const line = way => {
-      const edit = this.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
+      const edit = this.decisions.partOf(way), all = [[accept(way), "accept"], [reject(way), "reject"], [edit && contacts(way), "unsure"]];
       const made = all.every(([rows, decision]) => rowsIn(rows).every(at => this.decisions.of(at).decision === decision)) && (!edit || this.decisions.edits.some(of => of.places === edit));
       const take = make("button", { type: "button", text: of("vessels")(way), "aria-pressed": made, "aria-label": `Pair vessels ${of("vessels")(way)}`, disabled: !edit && all.every(([rows]) => !rowsIn(rows).length) });
-      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.partOf(way))));
+      take.addEventListener("click", () => this.decisions.pair(all.flatMap(([rows, decision]) => rowsIn(rows).map(at => [at, made ? null : decision])), made ? "" : edit, ways.map(way => this.decisions.partOf(way))));
       return make("li", {}, take, " ", make("small", { text: [Number.isNaN(of("probability")(way)) ? "" : isChance(of("probability")(way)), of("taken")(way) ? "taken by the run" : "", edit ? "an edit" : ""].filter(Boolean).join(" · ") }));
     };
     return make("div", { class: "pairings" }, make("p", { text: "Which vessels are one here (+), and which only touch (|):" }), make("ul", {}, ...ways.map(line)));

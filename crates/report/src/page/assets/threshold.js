@@ -29,7 +29,7 @@ class Threshold {
     const share = row => Math.sqrt(this.values[row] * (1 - this.values[row]) / Math.max(source.samples, 1));
     const near = source.band === null ? share : () => source.band;
     this.errorOf = source.error ? row => errors ? errors.values[row] : NaN : near;
-    this.known = [...Array(this.rows).keys()].filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
+    this.known = upTo(this.rows).filter(row => this.uncertain[row] && !Number.isNaN(this.values[row]));
     this.sorted = Float64Array.from(this.known, row => this.values[row]).sort();
     this.positive = this.sorted.filter(x => x > 0);
     // Every threshold that changes which vessels are kept, in ascending order.
@@ -215,8 +215,8 @@ class Threshold {
     return Math.exp(-0.5 * ((this.values[row] - flip) / error) ** 2);
   }
 
-  // What is asked of a row, as a function of it: whether anything is; the vessels that hang on it, mm (the shorter of what it joins, or would join); the
-  // length of the part or of the loop that it stands for; and what a right answer is expected to put right.
+  // What is asked of a row, as a function of it: whether anything is; the vessels that hang on it, mm (the shorter of what it joins, or would join); whether
+  // it closes a loop, or would; the length of the part or of the loop that it stands for; and what a right answer is expected to put right.
   questions() {
     const side = sides(this.nodes, this.rows, this.ends, row => this.kept[row], this.lengths);
     const whole = new Float64Array(this.nodes);
@@ -224,12 +224,12 @@ class Threshold {
     return row => {
       if (this.touch[row]) return { row, loose: 0, loop: 0, touch: this.touch[row], hangs: this.touch[row], asked: true, gain: this.touchGain[row] };
       const [a, b] = this.ends.map(of => this.componentOf[of[row]]), p = this.chance(row);
-      const loop = this.kept[row] && !this.decided.has(row) && side[row] === 0 && this.loop[row] || 0;
-      const hangs = this.kept[row] ? side[row] || loop : a === b ? 0 : Math.min(whole[a], whole[b]);
+      const closes = this.kept[row] ? Number.isNaN(side[row]) : a === b, loop = this.kept[row] && !this.decided.has(row) && closes && this.loop[row] || 0;
+      const hangs = closes ? loop : this.kept[row] ? side[row] : Math.min(whole[a], whole[b]);
       const still = !this.decided.has(row) && (this.isObserved(row) ? whole[a] <= this.loose[row] * (1 + 1e-6) : a !== b);
       const loose = still && this.loose[row] || 0, wrong = Number.isNaN(p) ? this.doubt(row) : this.kept[row] ? 1 - p : p;
       const costs = this.law?.oneByOne && this.uncertain[row] && this.kept[row] && !this.decided.has(row) && wrong * hangs > this.worth;
-      return { row, loose, loop, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
+      return { row, loose, loop, closes, hangs: loose || hangs, asked: Boolean(this.open[row] || loose || costs), gain: loose || wrong * (hangs + this.lengths[row]) };
     };
   }
 
@@ -263,9 +263,9 @@ function parts(nodes, rows, ends, has) {
   return { count, of: join.roots() };
 }
 
-// For each vessel of a graph the length of the shorter side if it were cut, mm; 0 where that cuts nothing off (Tarjan 1974, bridges).
+// For each vessel of a graph the length of the shorter side if it were cut, mm; NaN where that cuts nothing off (Tarjan 1974, bridges).
 function sides(nodes, rows, ends, has, lengths) {
-  const first = new Int32Array(nodes + 1), side = new Float64Array(rows);
+  const first = new Int32Array(nodes + 1), side = new Float64Array(rows).fill(NaN);
   for (let row = 0; row < rows; row++) if (has(row)) for (const of of ends) first[of[row] + 1] += 1;
   for (let node = 0; node < nodes; node++) first[node + 1] += first[node];
   const next = first.slice(0, nodes), list = new Int32Array(first[nodes]);

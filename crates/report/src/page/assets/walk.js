@@ -61,8 +61,6 @@ class Walk {
   // One archive with SUBJECT-decisions.csv of each, of those without a decision too: a cohort wants one for every input.
   save() {
     const head = [...this.kept.values()][0].csv.split("\n")[0], files = this.order.map(row => [`${names.at(row)}-decisions.csv`, this.kept.get(names.at(row))?.csv ?? `${head}\n`]);
-    const address = URL.createObjectURL(zipped(files));
-    make("a", { href: address, download: "decisions.zip" }).click();
-    setTimeout(() => URL.revokeObjectURL(address), 10000);
+    save(zipped(files), "decisions.zip");
   }
 }
