@@ -317,6 +317,9 @@ fn two_readers_of_a_run_are_compared() {
     assert_eq!(said, truth.iter().map(|(row, a, b)| (*row, (*a).to_owned(), (*b).to_owned())).collect::<Vec<_>>());
     assert!(differ.iter().all(|row| row["id_a"] == *id(row["edge"].parse().expect("a row"), "node_a")));
     assert_eq!((&*differ[0]["who_a"], &*differ[0]["who_b"], &*differ[0]["comment_b"]), ("R0", "R1", "why"));
+    // The folder is one of its own, which the same command replaces.
+    let again = willis(here, &["measure", "run", "-o", "out", "--reader", "{}-a.csv", "--reader", "{}-b.csv", "--force"]);
+    assert!(again.status.success(), "{}", stderr(&again));
     fs::write(here.join("run-b.csv"), made(1).replacen(&candidates[0].to_string(), "99999", 1)).expect("written");
     for (words, why) in [
         (&["run", "--reader", "run-a.csv"][..], "--reader run-a.csv: expected two of them"),

@@ -11,7 +11,10 @@ use crate::peers;
 use crate::peers::{document, network_of, read_first};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use willis::internals::formats::{Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv_graph};
+use willis::internals::formats::tables::reader::TableReader;
+use willis::internals::formats::{
+    Column, Content, ReadOptions, read_csv_edges, read_csv_nodes, read_prior_npy, write_csv, write_csv_graph,
+};
 use willis::internals::network::centerlines::Centerlines;
 use willis::internals::network::units::Scale;
 use willis::internals::network::{Network, Origin};
@@ -151,6 +154,11 @@ fn tables_carry_no_formulas_and_bring_every_label_back() {
     let (again, _) = read_csv_edges(&edges[..], Some(table), &ReadOptions::default()).unwrap();
     let found: Vec<&str> = again.vessels().map(|(_, vessel)| vessel.label.as_str()).collect();
     assert_eq!(found, labels);
+    // What a manifest calls a column goes into the header of a table.
+    let mut table = Vec::new();
+    write_csv(&mut table, &[Column::text("=1+1", ["a"].into_iter()), Column::text("age", ["3"].into_iter())]).unwrap();
+    assert_eq!(String::from_utf8_lossy(&table), "'=1+1,age\na,3\n");
+    assert_eq!(TableReader::ragged(&table).unwrap().find(&["=1+1"]), Some(0));
     let pair: [(&str, &[u8]); 2] = [("edges.csv", &edges), ("nodes.csv", &nodes)];
     assert!(matches!(read_first(&pair, &ReadOptions::default()).map(|d| d.content), Ok(Content::Graph(_))));
 }

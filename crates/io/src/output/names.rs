@@ -107,7 +107,7 @@ pub const SET: &str = "set.json";
 
 /// The files that the folder of a run may hold besides pictures and topologies, in groups; --force replaces no folder with others.
 pub const FILES: [&[&str]; 6] = [
-    &[RECORD, LEDGER, PAGE, GRAPH, COMPARISON, INTERVALS, SUBJECTS],
+    &[RECORD, LEDGER, PAGE, GRAPH, COMPARISON, INTERVALS, SUBJECTS, READERS, DIFFERENCES, LABELLED],
     &[EDGES, NODES, VESSELS, BIFURCATIONS, ENDS, SUGGESTED_CUTS, PAIRINGS, REVIEW, DENSE_LIKELIHOOD, LIKELIHOOD],
     &[OCCLUSIONS, TERRITORIES, TRANSIT, WAVEFORMS, WAVEFORM_TABLE, HARMONICS, SUPPLY],
     &[CLASSES, HYPERTENSION, INSTANCES],

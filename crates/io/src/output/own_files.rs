@@ -22,7 +22,6 @@ fn is_run_file(path: &Path) -> bool {
     let part = |part: Option<&OsStr>, known: &[&str]| part.and_then(OsStr::to_str).is_some_and(|part| known.contains(&part));
     let is = |stems: &[&str], endings: &[&str]| part(path.file_stem(), stems) && part(path.extension(), endings);
     is_named(path, &FILES.concat())
-        || is_named(path, &[LABELLED])
         || BESIDE_LABELLED.iter().any(|ending| path.ends_with(Path::new(LABELLED).with_extension(ending)))
         || is(&PICTURES.concat(), &["png", "svg"])
         || is(&[TOPOLOGY, MEDIAN_TOPOLOGY], &["graphml", "vtp", "swc"])

@@ -86,7 +86,8 @@ impl<'a> TableReader<'a> {
         };
         let delimiter = delimiter(&String::from_utf8_lossy(first)) as u8;
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).flexible(ragged).trim(csv::Trim::All).from_reader(rest);
-        let header: Vec<String> = reader.headers().map_err(|e| fault(&e, rest, line))?.iter().map(str::to_owned).collect();
+        let names = reader.headers().map_err(|e| fault(&e, rest, line))?;
+        let header: Vec<String> = names.iter().map(|name| unescape_formula(name).to_owned()).collect();
         let mut seen = std::collections::HashSet::new();
         if let Some(twice) = header.iter().find(|name| !name.is_empty() && !seen.insert(name.as_str())) {
             return Err(Fault::line(line, format!("column \"{twice}\" comes twice"), "expected every column once"));

@@ -145,8 +145,11 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     let rows = columns.first().map_or(0, |c| c.values.rows());
     check_rows(columns, rows)?;
     let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
+    for column in columns {
+        csv.write_field(escape_formula(&column.name).as_bytes())?;
+    }
     if !columns.is_empty() {
-        csv.write_record(columns.iter().map(|c| &*c.name))?;
+        csv.write_record(None::<&[u8]>)?;
     }
     for row in 0..rows {
         for column in columns {
