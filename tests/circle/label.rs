@@ -18,7 +18,7 @@ use willis::internals::naming::emission::{Pose, Search, Single};
 use willis::internals::naming::nodes::Bridge;
 use willis::internals::naming::presence::ways;
 use willis::internals::naming::{NamingModel, NamingModels, Nodes};
-use willis::internals::network::{Frame, Network, Node, Origin, RadiusRule, Vessel};
+use willis::internals::network::{Frame, Network, Node, Origin, RadiusRule, Vessel, fragments};
 use willis::internals::support::arc_lengths::{arc_lengths, in_direction};
 use willis::internals::support::geometry::distance;
 use willis::{InferOptions, Input, ReadOptions, Silent, label, read};
@@ -215,6 +215,23 @@ fn no_id_comes_twice_where_names_divide_a_vessel() {
     let found = labelled(&input);
     let ids: BTreeSet<&str> = found.nodes().map(|node| node.id.as_str()).collect();
     assert_eq!(ids.len(), found.node_count());
+}
+
+/// The topology that a run kept has as many parts with names as without: what connects them is there.
+#[test]
+fn connections_that_were_kept_are_there_under_names() {
+    let here = folder();
+    let run = |arguments: &[&str]| {
+        let output = command(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    run(&["phantom", "cerebral", "--break", "--seed", "3", "-o", "a.swc"]);
+    run(&["infer", "a.swc", "-n", "20", "-o", "run"]);
+    run(&["label", "run/topology.graphml", "-o", "named.graphml"]);
+    let graph = |file: &str| read(&here.path().join(file), &ReadOptions::default()).expect("a graph").network;
+    let (kept, named) = (graph("run/topology.graphml"), graph("named.graphml"));
+    assert!(kept.vessels().any(|(_, vessel)| vessel.origin == Origin::Candidate));
+    assert_eq!(fragments(&named, |_, _| true).count, fragments(&kept, |_, _| true).count);
 }
 
 /// A wrong exponent or a wrong unit makes vessels that no head has: no name, for which there is no memory, but a message that says so.
