@@ -30,7 +30,7 @@ pub struct Labelled {
     pub not_seen: [bool; 7],
     /// The landmarks, in mm and RAS.
     pub landmarks: Vec<NamedPlace>,
-    /// The observed vessels with their names, divided where the name changes.
+    /// The observed vessels and kept connections with their names, divided where the name changes.
     pub network: Network,
     /// The probability of each vessel's name; none for a vessel without one.
     pub probability: Vec<Option<f64>>,

@@ -12,9 +12,10 @@ use willis_core::support::{boosted_trees::Boosted, in_order, model_provenance::M
 use willis_io::formats::{ReadOptions, read_mask};
 use willis_io::masks::{Field, Foreground};
 use willis_models::candidates::resample::{CenterlineKind, Resampled};
+use willis_models::contacts::branches::MOST_ENDS;
 use willis_models::contacts::model::{ContactKind, ContactModel, ContactPart, ContactScores, Crowding, NOT_CALIBRATED};
 use willis_models::contacts::partition::{
-    MOST_ENDS, PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
+    PARTITION_FEATURES, PartitionWeights, SIZES, numbered, pair_probabilities, partition_features, partitions, size_of,
 };
 use willis_models::contacts::{Basis, ContactTable, split::split};
 

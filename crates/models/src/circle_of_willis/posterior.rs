@@ -131,6 +131,16 @@ const ROUNDS: usize = 200;
 /// Variants below this probability are not listed.
 const LEAST_VARIANT: f64 = 1e-6;
 
+/// Whether a variant has a segment, both by their numbers: bit s of that of a variant says that it has segment s of [`RING`].
+fn has(variant: usize, segment: usize) -> bool {
+    variant >> segment & 1 == 1
+}
+
+/// The sum of a table over the variants that have a segment.
+fn sum_with(table: &[f64], segment: usize) -> f64 {
+    table.iter().enumerate().filter(|(variant, _)| has(*variant, segment)).map(|(_, x)| x).sum()
+}
+
 /// The variants with the given probabilities of their segments.
 fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)> {
     let index = |variant: &Variant| (0..7).filter(|s| variant.present[*s]).map(|s| 1 << s).sum::<usize>();
@@ -139,17 +149,17 @@ fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)
         table[index(variant)] += BY_TOPOLOGIES * p;
     }
     for (v, p) in table.iter_mut().enumerate() {
-        let alone = (0..7).map(|s| if v >> s & 1 == 1 { segments[s] } else { 1.0 - segments[s] }).product::<f64>();
+        let alone = (0..7).map(|s| if has(v, s) { segments[s] } else { 1.0 - segments[s] }).product::<f64>();
         *p += (1.0 - BY_TOPOLOGIES) * alone;
     }
     for _ in 0..ROUNDS {
         let mut most = 0.0_f64;
         for (s, target) in segments.iter().enumerate() {
-            let there: f64 = table.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, p)| p).sum();
+            let there = sum_with(&table, s);
             let total: f64 = table.iter().sum();
             most = most.max((there / total - target).abs());
             for (v, p) in table.iter_mut().enumerate() {
-                *p *= if v >> s & 1 == 1 { target / there } else { (1.0 - target) / (total - there) };
+                *p *= if has(v, s) { target / there } else { (1.0 - target) / (total - there) };
             }
         }
         if most < 1e-12 {
@@ -165,7 +175,7 @@ fn fitted(sampled: &[(Variant, f64)], segments: &[f64; 7]) -> Vec<(Variant, f64)
             out.extend(own.iter().map(|(variant, q)| (*variant, p * q / sum)));
             continue;
         }
-        let mut variant = Variant { present: std::array::from_fn(|s| v >> s & 1 == 1), ..likely };
+        let mut variant = Variant { present: std::array::from_fn(|s| has(v, s)), ..likely };
         for side in BodySide::BOTH {
             let wider = likely.fetal[side.index()] && likely.has(Artery::P1(side));
             variant.set_fetal(side, || wider);
@@ -283,7 +293,7 @@ impl VariantFrequencies {
 
     /// The share of people who have each segment.
     pub fn marginals(&self) -> [f64; 7] {
-        std::array::from_fn(|s| self.share.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, p)| p).sum())
+        std::array::from_fn(|s| sum_with(&self.share, s))
     }
 
     /// The probability of each segment that is not `decidable`, given the probabilities of the others; these stay.
@@ -293,7 +303,7 @@ impl VariantFrequencies {
             let fits = (0..7).filter(|s| decidable[*s]).map(|s| {
                 // What is seen, over what the table alone says of it.
                 let (p, usual) = (presence[s], marginals[s]);
-                if variant >> s & 1 == 1 { p / usual } else { (1.0 - p) / (1.0 - usual) }
+                if has(variant, s) { p / usual } else { (1.0 - p) / (1.0 - usual) }
             });
             self.share[variant] * fits.product::<f64>()
         };
@@ -303,7 +313,7 @@ impl VariantFrequencies {
             if decidable[s] || total <= 0.0 {
                 return if decidable[s] { presence[s] } else { marginals[s] };
             }
-            weights.iter().enumerate().filter(|(v, _)| v >> s & 1 == 1).map(|(_, w)| w).sum::<f64>() / total
+            sum_with(&weights, s) / total
         })
     }
 }
@@ -315,7 +325,7 @@ impl VariantFrequencies {
 /// The accepted form.
 pub fn present_segments(missing: &str) -> Result<[bool; 7], String> {
     let index = index_of(missing).map_err(|_| segments_accepted())?;
-    Ok(std::array::from_fn(|s| index >> s & 1 == 1))
+    Ok(std::array::from_fn(|s| has(index, s)))
 }
 
 fn segments_accepted() -> String {

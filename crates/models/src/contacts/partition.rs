@@ -13,14 +13,12 @@
 use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
-use super::branches::{BranchEnd, Branches};
+use super::branches::{BranchEnd, Branches, MOST_ENDS};
 use super::features::{PairTable, pairs_among};
 use willis_core::support::geometry::{Point, centroid, lerp};
 use willis_core::support::statistics::{median, sigmoid};
 use willis_io::masks::Field;
 
-/// Clusters of more ends are not summed exactly: they would have more than 203 partitions.
-pub const MOST_ENDS: usize = 6;
 /// Features of a partition; weights differ for two or three ends, four, and more.
 pub const PARTITION_FEATURES: usize = 6;
 /// Kinds of clusters by their number of ends.

@@ -331,6 +331,16 @@ pub fn bins_of(label: ArteryLabel) -> usize {
     if label == OTHER { 1 } else { in_atlas(label).bins }
 }
 
+/// A row of a table whose columns are the states.
+pub fn row(table: &[f64], at: usize) -> &[f64] {
+    &table[at * STATES..(at + 1) * STATES]
+}
+
+/// A row of such a table, to be changed.
+pub fn row_mut(table: &mut [f64], at: usize) -> &mut [f64] {
+    &mut table[at * STATES..(at + 1) * STATES]
+}
+
 /// The states of a label.
 pub fn states_of(label: ArteryLabel) -> std::ops::Range<AtlasState> {
     first_state(label)..first_state(label) + bins_of(label)

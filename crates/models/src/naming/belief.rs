@@ -7,7 +7,7 @@
 use std::ops::Range;
 
 use super::algebra::{TableTimes, dot, normalise};
-use super::atlas::{Atlas, STATES};
+use super::atlas::{Atlas, STATES, row, row_mut};
 use super::nodes::Nodes;
 use willis_core::support::{numbered::grouped, simd::InstructionSet};
 
@@ -320,7 +320,7 @@ impl MessagePass<'_> {
             for (number, share) in at.iter().enumerate() {
                 let weight = joined * share * middle / 6.0;
                 if weight > 0.0 {
-                    let states = &table[(k * 3 + number) * STATES..(k * 3 + number + 1) * STATES];
+                    let states = row(table, 3 * k + number);
                     out.iter_mut().zip(states).for_each(|(o, s)| *o += weight * s);
                 }
             }
@@ -350,14 +350,6 @@ pub fn ratio(gap: &[f64], a: &[f64], b: &[f64]) -> f64 {
     gap.chunks(STATES).zip(a).map(|(states, p)| p * dot(states, b)).sum::<f64>() / (sum_a * sum_b)
 }
 
-fn row(all: &[f64], node: usize) -> &[f64] {
-    &all[node * STATES..(node + 1) * STATES]
-}
-
-fn row_mut(all: &mut [f64], node: usize) -> &mut [f64] {
-    &mut all[node * STATES..(node + 1) * STATES]
-}
-
 /// Multiplies and divides by the largest, so that nothing becomes too small; returns that.
 fn multiply(row: &mut [f64], by: &[f64]) -> f64 {
     row.iter_mut().zip(by).for_each(|(r, b)| *r *= b);
@@ -384,10 +376,10 @@ const MOST: f64 = 100.0;
 /// The factor of each bridge: the probability of the names at its ends if a vessel passes between them, over that if they have nothing to
 /// do with each other. A false piece says nothing.
 pub fn factors(nodes: &Nodes, atlas: &Atlas, beliefs: &Beliefs, false_pieces: &[f64]) -> Vec<f64> {
-    let states = |n: usize| &beliefs.states[n * STATES..(n + 1) * STATES];
     let each = nodes.bridges.iter().zip(&beliefs.bridge_ratio).map(|(bridge, known)| {
         let [a, b] = bridge.nodes;
-        let ratio = known.unwrap_or_else(|| ratio(&atlas.gaps[bridge.length_class()], states(a), states(b)));
+        let ratio =
+            known.unwrap_or_else(|| ratio(&atlas.gaps[bridge.length_class()], row(&beliefs.states, a), row(&beliefs.states, b)));
         let is_true = (1.0 - false_pieces[nodes.piece[a]]) * (1.0 - false_pieces[nodes.piece[b]]);
         (is_true * ratio + 1.0 - is_true).clamp(1.0 / MOST, MOST)
     });

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::atlas::{
     ArteryLabel, Atlas, BA, LABELS, OTHER, STATES, artery_of, as_one_with_m1, bins_of, first_state, label_named, label_of,
-    mirrored, most_probable, name_of, states_of,
+    mirrored, most_probable, name_of, row, states_of,
 };
 use super::model::{NamingModel, TOPOLOGY_FEATURE};
 use super::{Names, belief::probability_with, nodes::Nodes, presence::kind_of};
@@ -385,7 +385,7 @@ const ONE_SIDED: f64 = 0.25;
 pub fn ends(nodes: &Nodes, labels: &[[f64; LABELS]], states: &[f64], atlas: &Atlas, best: &[ArteryLabel]) -> Vec<NamedPlace> {
     let mut found: BTreeMap<ArteryLabel, (f64, usize)> = BTreeMap::new();
     for n in (0..nodes.len()).filter(|n| nodes.degree(*n) <= 1 && best[*n] != OTHER) {
-        let of_states = &states[n * atlas.tables.label.len()..(n + 1) * atlas.tables.label.len()];
+        let of_states = row(states, n);
         let label = best[n];
         let (mut along, mut sum) = (0.0, 1e-9);
         for (state, p) in of_states.iter().enumerate().filter(|(state, _)| atlas.tables.label[*state] == label) {

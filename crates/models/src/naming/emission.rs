@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::algebra::{Matrix3, Symmetric, normalise, times, trace_of_product, transposed, turned};
-use super::atlas::{Atlas, AtlasState, NOWHERE, STATES};
+use super::atlas::{Atlas, AtlasState, NOWHERE, STATES, row};
 use super::{belief::NamingForest, nodes::Nodes};
 use willis_core::support::geometry::{Point, sub};
 use willis_core::support::simd::{InstructionSet, Kernel, Simd};
@@ -95,11 +95,11 @@ impl<'a> Search<'a> {
         let ([of_position, of_direction, of_radius], atlas, nodes) = (weights, self.atlas, self.nodes);
         let mut fit = vec![0.0; nodes.len() * STATES];
         let constant = -1.5 * (2.0 * std::f64::consts::PI).ln();
-        for (node, row) in fit.chunks_mut(STATES).enumerate() {
+        for (node, of_node) in fit.chunks_mut(STATES).enumerate() {
             let at = pose.apply(nodes.at[node]);
             let direction = turned(&pose.turn, &nodes.direction[node]);
-            let radius = &self.radius[node * STATES..(node + 1) * STATES];
-            for (state, to) in row.iter_mut().enumerate() {
+            let radius = row(&self.radius, node);
+            for (state, to) in of_node.iter_mut().enumerate() {
                 if state == NOWHERE {
                     *to = of_position * atlas.log_other + of_radius * radius[NOWHERE];
                     continue;
@@ -155,11 +155,11 @@ impl<'a> Single<'a> {
     /// For the nodes of a subset in some states; the radius counts with a weight.
     pub fn new(case: &Search<'a>, [subset, states]: [&'a [usize]; 2], radius_weight: f64) -> Self {
         let (nodes, atlas) = (case.nodes, case.atlas);
-        let of = |node: &usize| &case.radius[node * STATES..(node + 1) * STATES];
-        let weight = |row: &[f64], state: AtlasState| (radius_weight * row[state]).exp() * atlas.prior[state];
-        let weight =
-            subset.iter().flat_map(|node| states.iter().map(move |state| (of(node), *state))).map(|(row, s)| weight(row, s));
-        let weight = weight.collect();
+        let mut weight = Vec::with_capacity(subset.len() * states.len());
+        for node in subset {
+            let radius = row(&case.radius, *node);
+            weight.extend(states.iter().map(|state| (radius_weight * radius[*state]).exp() * atlas.prior[*state]));
+        }
         let along = std::array::from_fn(|k| arteries(states).map(|state| atlas.direction[state].0[k]).collect());
         Self { nodes, atlas, subset, states, weight, along, instructions: InstructionSet::detect() }
     }

@@ -27,8 +27,8 @@ struct NameRun {
     probability: f64,
 }
 
-/// The traced vessels of a graph with their names, and the probability of each name; vessels without one have an empty label and
-/// none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
+/// The traced vessels of a graph with their names, connections that an earlier run kept, and the probability of each name; vessels without one
+/// have an empty label and none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
 /// vessel. Vessels that are divided or put together again have radii by the `rule`.
 pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: RadiusRule) -> (Network, Vec<Option<f64>>) {
     let places = names.nodes.place.iter().enumerate();
@@ -38,7 +38,8 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: Radi
     let mut taken: BTreeSet<String> = nodes.iter().map(|node| node.id.clone()).collect();
     let mut pieces: Vec<Option<NamedPiece>> = Vec::new();
     for (row, (ends, vessel)) in graph.vessels().enumerate() {
-        let connects = vessel.origin == Origin::Contact && vessel.evidence().is_some_and(|e| e.probability >= CONNECTED);
+        let is_probable = || vessel.evidence().is_some_and(|evidence| evidence.probability >= CONNECTED);
+        let connects = vessel.kept == Some(true) || vessel.origin == Origin::Contact && is_probable();
         if !traced[row] && !connects {
             continue;
         }

@@ -1,6 +1,6 @@
 //! Pieces of the network: which are false, by how they fit and what they look like, and that a piece of an artery is there once.
 
-use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries};
+use super::atlas::{Atlas, BIN, LABELS, NOWHERE, OTHER, STATES, arteries, row, row_mut};
 use super::emission::{Pose, Search};
 use super::{algebra::UNIT, nodes::Nodes};
 use willis_core::support::geometry::{distance, dot, sub};
@@ -40,7 +40,7 @@ pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64],
     for (k, parts) in UNIT.into_iter().enumerate() {
         let e = case.emission(pose, &atlas.position, parts);
         let ratio = |n: usize| {
-            let (e, given) = (&e[n * STATES..(n + 1) * STATES], &given[n * STATES..(n + 1) * STATES]);
+            let (e, given) = (row(&e, n), row(&given, n));
             let sum: f64 = arteries().map(|s| given[s] * (e[s] - e[NOWHERE])).sum();
             sum.clamp(-MOST_RATIO, MOST_RATIO)
         };
@@ -49,13 +49,13 @@ pub fn piece_features(case: &Search, used: &[usize], pose: &Pose, names: &[f64],
     mean(4, &|n| nodes.log_radius[n] - median, &mut features);
     let (filled, by_all) = occupancy(&nodes.piece, nodes.pieces, nodes, weight, &given);
     let doubled = |n: usize| {
-        let own = &filled[nodes.piece[n] * STATES..(nodes.piece[n] + 1) * STATES];
-        let given = &given[n * STATES..(n + 1) * STATES];
+        let own = row(&filled, nodes.piece[n]);
+        let given = row(&given, n);
         arteries().filter(|s| atlas.tables.once[*s]).map(|s| given[s] * (by_all[s] - own[s]).clamp(0.0, 1.0)).sum()
     };
     mean(5, &doubled, &mut features);
     let best = |n: usize| {
-        let labels = label_probabilities(&given[n * STATES..(n + 1) * STATES], atlas);
+        let labels = label_probabilities(row(&given, n), atlas);
         labels[..OTHER].iter().fold(0.0_f64, |a, b| a.max(*b))
     };
     mean(6, &best, &mut features);
@@ -105,10 +105,10 @@ pub fn exclusion(case: &Search, names: &[f64]) -> Vec<f64> {
     let Search { nodes, atlas, weight, .. } = case;
     let (filled, all) = occupancy(&nodes.branch, nodes.branches, nodes, weight, names);
     let mut penalty = vec![0.0; nodes.len() * STATES];
-    for (n, row) in penalty.chunks_mut(STATES).enumerate() {
-        let own = &filled[nodes.branch[n] * STATES..(nodes.branch[n] + 1) * STATES];
+    for (of_node, branch) in penalty.chunks_mut(STATES).zip(&nodes.branch) {
+        let own = row(&filled, *branch);
         for state in (0..STATES).filter(|state| atlas.tables.once[*state]) {
-            row[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
+            of_node[state] = -PENALTY * (all[state] - own[state]).clamp(0.0, 1.0);
         }
     }
     penalty
@@ -119,8 +119,7 @@ pub fn occupancy(unit: &[usize], units: usize, nodes: &Nodes, weight: &[f64], na
     let mut filled = vec![0.0; units * STATES];
     for (n, names) in names.chunks(STATES).enumerate() {
         let length = nodes.weight[n] * weight[n] / BIN;
-        let row = &mut filled[unit[n] * STATES..(unit[n] + 1) * STATES];
-        row.iter_mut().zip(names).for_each(|(o, p)| *o += p * length);
+        row_mut(&mut filled, unit[n]).iter_mut().zip(names).for_each(|(o, p)| *o += p * length);
     }
     for o in &mut filled {
         *o = o.min(1.0);
