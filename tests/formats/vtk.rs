@@ -85,9 +85,26 @@ fn a_file_typed_by_hand_is_read() {
     assert_eq!(read_vtk(mixed.as_bytes(), &ReadOptions::default()).unwrap().0, lines);
 }
 
+/// Bytes that are the active scalars, as VTK 9.6 writes them: as text shares of 255, else as they are.
+#[test]
+fn radii_that_are_bytes_are_read() {
+    let head = |kind: &str| format!("# vtk DataFile Version 3.0\nt\n{kind}\nDATASET POLYDATA\nPOINTS 3 float\n").into_bytes();
+    let lines = |points: &[u8], cells: &[u8], radii: &[u8], kind: &str| {
+        let parts: [&[u8]; 7] =
+            [&head(kind), points, b"\nLINES 1 4\n", cells, b"\nPOINT_DATA 3\nCOLOR_SCALARS Radius 1\n", radii, b"\n"];
+        read_vtk(&parts.concat(), &ReadOptions::default()).unwrap().0
+    };
+    let text = lines(b"0 0 0 10 0 0 20 0 0", b"3 0 1 2", b"0.00784314 0.0117647 0.784314", "ASCII");
+    let points: Vec<u8> = [0.0_f32, 0.0, 0.0, 10.0, 0.0, 0.0, 20.0, 0.0, 0.0].into_iter().flat_map(f32::to_be_bytes).collect();
+    let cells: Vec<u8> = [3_i32, 0, 1, 2].into_iter().flat_map(i32::to_be_bytes).collect();
+    let binary = lines(&points, &cells, &[2, 3, 200], "BINARY");
+    assert_eq!(text.radii, [2.0, 3.0, 200.0].map(metres));
+    assert_eq!(binary, text);
+}
+
 #[test]
 fn every_fault_has_its_place_and_one_line() {
-    let named = "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"v\", \"n\", \"t\", \"a name\", \"Width\" and the cell arrays \
+    let named = "v: no point array MaximumInscribedSphereRadius, Radius, radius; there are \"v\", \"n\", \"c\", \"t\", \"a name\", \"Width\" and the cell arrays \
                  \"label\"; name one with `radius_array`, or give `default_radius`";
     for (from, to, message) in [
         ("ascii", "text", "v:3: the head of the file: \"text\"; expected ASCII or BINARY"),
@@ -171,7 +188,7 @@ fn areas_come_before_radii_and_spheres_stand_in() {
         .in_file(Path::new("v"));
     assert_eq!(
         unknown.to_string(),
-        "v: no point array \"Area\"; there are \"v\", \"n\", \"t\", \"a name\", \"Radius\" and the cell arrays \"label\""
+        "v: no point array \"Area\"; there are \"v\", \"n\", \"c\", \"t\", \"a name\", \"Radius\" and the cell arrays \"label\""
     );
 }
 

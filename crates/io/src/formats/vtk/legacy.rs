@@ -177,7 +177,15 @@ impl Reader<'_> {
             }
             "COLOR_SCALARS" => {
                 let width = self.cursor.count("a number of components", LIMIT)?;
-                self.cursor.numbers(BYTE, rows.saturating_mul(width)).map(drop)
+                let mut values = self.cursor.numbers(BYTE, rows.saturating_mul(width))?;
+                if !self.cursor.binary {
+                    // In text each byte is a share of 255.
+                    for value in &mut values {
+                        *value = (255.0 * *value).round();
+                    }
+                }
+                self.keep(&name, width, ArrayValues::Numbers(values));
+                Ok(())
             }
             "LOOKUP_TABLE" => {
                 let size = self.cursor.count("a size", LIMIT)?;
@@ -228,13 +236,18 @@ impl Reader<'_> {
             let kind = type_named(kind).ok_or_else(|| self.cursor.fault(format!("type \"{kind}\""), TYPES))?;
             ArrayValues::Numbers(self.cursor.numbers(kind, count)?)
         };
+        self.keep(name, width, values);
+        Ok(())
+    }
+
+    /// Adds an array to those of the points or cells, with its values if they are wanted.
+    fn keep(&mut self, name: &str, width: usize, values: ArrayValues) {
         let name = name.trim().to_owned();
         let values = if width == 1 && is_wanted(&name, self.options) { values } else { ArrayValues::Unread };
         if let Some((of_points, _)) = self.group {
             let arrays = if of_points { &mut self.data.point_data } else { &mut self.data.line_data };
             arrays.push(NamedValues { name, values });
         }
-        Ok(())
     }
 }
 
