@@ -5,7 +5,7 @@ use std::io::Write;
 use crate::peers::{python, read_first};
 use flate2::Compression;
 use flate2::write::{GzEncoder, ZlibEncoder};
-use willis::internals::formats::{Content, Document, ReadOptions};
+use willis::internals::formats::{Content, Document, NamedArray, ReadOptions, write_arrays};
 use willis::internals::network::centerlines::Centerlines;
 use willis::{LengthUnit, Scale};
 
@@ -256,6 +256,20 @@ fn a_numpy_mask_has_x_first_and_the_spacing_that_is_stated() {
     let c = npy("|u1", false, "(12, 5, 6)", &last_fastest);
     assert_eq!(ends(read_first(&[("a.npy", &c)], &options).expect("read")), tips(frame));
     assert!(read("a.npy", &c).expect_err("no spacing").contains("expected `spacing=SX,SY,SZ`, in mm"));
+    // An archive that states its spacing, and an option that says the same or another one.
+    let array =
+        |name: &str, shape: &[usize], values: Vec<f64>| NamedArray { name: name.to_owned(), shape: shape.to_vec(), values };
+    let mut npz = std::io::Cursor::new(Vec::new());
+    let voxels = last_fastest.iter().map(|voxel| f64::from(*voxel)).collect();
+    let arrays = [array("mask", &SHAPE, voxels), array("spacing", &[3], vec![0.5, 0.5, 0.75])];
+    write_arrays(&mut npz, arrays).expect("written");
+    let npz = npz.into_inner();
+    assert_eq!(ends(read("a.npz", &npz).expect("read")), tips(frame));
+    assert_eq!(ends(read_first(&[("a.npz", &npz)], &options).expect("read")), tips(frame));
+    let other = Scale { unit: LengthUnit::Millimetre, spacing: Some([0.5, 0.5, 0.8]) };
+    let said =
+        read_first(&[("a.npz", &npz)], &ReadOptions { scale: other, ..ReadOptions::default() }).map(|_| ()).expect_err("two");
+    assert_eq!(said, "a.npz: states voxels of 0.5 x 0.5 x 0.75 mm; expected no other `spacing`");
 }
 
 #[test]

@@ -13,11 +13,11 @@ use super::tables::reader::{counted, delimiter, plural};
 use super::vendors::icafe::{self, read_table_of_vessels, read_tracing};
 use super::{
     Content, Format, FormatTrait, ReadOptions, SolverSetting, add_loops, checksum, content::check_extent, content::unit_check,
-    find, graph_columns, read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre, read_vesselvio_edges,
-    read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, read_vtk, read_vtp, read_vtrails, solvers::is_openbf,
-    solvers::is_svzerod, tables::graph, vendors::amira::is_amira, write_amira, write_csv_graph, write_graphml, write_markups,
-    write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc, write_tre, write_vesselvio, write_voreen,
-    write_vtk, write_vtp, xml,
+    ensure, find, graph_columns, read_amira, read_graphml, read_markups, read_points, read_skeleton_npz, read_tre,
+    read_vesselvio_edges, read_vesselvio_vertices, read_voreen_edges, read_voreen_nodes, read_vtk, read_vtp, read_vtrails,
+    solvers::is_openbf, solvers::is_svzerod, tables::graph, vendors::amira::is_amira, write_amira, write_csv_graph,
+    write_graphml, write_markups, write_openbf, write_points, write_skeleton_npz, write_svzerod, write_swc, write_tre,
+    write_vesselvio, write_voreen, write_vtk, write_vtp, xml,
 };
 use crate::masks::{Cavities, Filled, Foreground, Image, Mask, RadiusFrom, trace, why_no_centerlines, why_no_vessels};
 use willis_core::error::{Error, Fault, Result};
@@ -78,7 +78,11 @@ impl Format {
             Self::Points => lines(read_points(bytes, options).map_err(here)?),
             Self::VTrails => lines(read_vtrails(bytes, options).map_err(here)?),
             Self::Nifti | Self::MetaImage | Self::Nrrd | Self::Tiff | Self::Npy => {
-                let (traced, voxels, notes) = centerlines_of(self.read_mask(path, bytes, options)?, options).map_err(here)?;
+                let mask = self.read_mask(path, bytes, options)?;
+                if self.is(FormatTrait::GivenSpacing) {
+                    check_spacing(&mask, options.scale.spacing).map_err(here)?;
+                }
+                let (traced, voxels, notes) = centerlines_of(mask, options).map_err(here)?;
                 lumen = Some(voxels);
                 lines((traced, notes))
             }
@@ -185,6 +189,14 @@ pub fn read_image(path: &Path, options: &ReadOptions) -> Result<(Image, String)>
     let format = format_of(path, &bytes).map_err(|fault| fault.in_file(path))?;
     let image = format.open_voxels("an image", path, &bytes, &mut Vec::new(), options)?.image(options.max_input)?;
     Ok((image, checksum(&bytes)))
+}
+
+/// Refuses a spacing that is given for a mask whose file states another one.
+fn check_spacing(mask: &Mask, given: Option<[f64; 3]>) -> Result<(), Fault> {
+    let stated = mask.as_in_file(mask.spacing());
+    let is_other = given.is_some_and(|given| (0..3).any(|axis| (given[axis] / stated[axis] - 1.0).abs() > 1e-6));
+    let found = || format!("states voxels of {} mm", stated.map(|mm| mm.to_string()).join(" x "));
+    ensure(!is_other, || Fault::file(found(), "expected no other `spacing`"))
 }
 
 /// The centerlines of a mask and the voxels inside its vessels, with what a person should know about them.

@@ -292,16 +292,15 @@ impl Tracer<'_> {
                 }
             }
         }
-        // Whether a line leaves the image at a voxel around its end: it heads for that border, or ends in the outermost voxels.
+        // Whether a line leaves the image at a voxel around its end: it heads for that border, or ends in the outermost voxels. Across a single
+        // slice there is nothing to leave.
         let outward = inverse_of(steps_of(&self.mask.affine)).map(unit);
         let leaves = |node: usize, to: Point, voxel: [usize; 3]| {
-            // Across a single slice there is nothing to leave.
-            let axes = (0..3).filter(|axis| self.mask.shape[*axis] > 1);
-            let borders = axes.flat_map(|axis| [(axis, true, 1.0), (axis, false, -1.0)]);
-            let mut reached = borders.filter(|(axis, forward, _)| self.vessels.is_last(voxel, *axis, *forward));
-            let tip = || self.vessels.voxel(graph.nodes[node][0] as usize);
-            reached.any(|(axis, forward, sign)| {
-                sign * dot(to, outward[axis]) > HEADING || self.vessels.is_last(tip(), axis, forward)
+            let tip = self.vessels.voxel(graph.nodes[node][0] as usize);
+            (0..3).any(|axis| {
+                let (last, along) = (self.mask.shape[axis] - 1, dot(to, outward[axis]));
+                let is_left = |border, along| voxel[axis] == border && (along > HEADING || tip[axis] == border);
+                last > 0 && (is_left(0, -along) || is_left(last, along))
             })
         };
         for (place, seed, volume) in volumes(self.mask, self.vessels, &voxels, &nearest) {

@@ -278,9 +278,9 @@ const BEYOND: f64 = 0.005;
 /// A mirrored file has none: its carotids lie on the other side too, which [`sides_look_exchanged`] looks at.
 fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> (Vec<Artery>, &'static str) {
     let pair = |artery: fn(BodySide) -> Artery| Some([*at.get(&artery(BodySide::Left))?, *at.get(&artery(BodySide::Right))?]);
-    let references: [(fn(BodySide) -> Artery, &str); 4] =
-        [(Artery::Ica, "the carotids"), (Artery::M1, "both M1"), (Artery::Mca, "both MCA"), (Artery::A1, "both A1")];
-    let reference = references.into_iter().find_map(|(artery, name)| Some((pair(artery)?, name)));
+    let carotids = pair(Artery::Ica).map(|pair| (pair, "the carotids"));
+    let branches = [(Artery::M1 as fn(BodySide) -> Artery, "both M1"), (Artery::Mca, "both MCA"), (Artery::A1, "both A1")];
+    let reference = carotids.or_else(|| branches.into_iter().find_map(|(artery, name)| Some((pair(artery)?, name))));
     let Some(([left, right], held_against)) = reference else { return (Vec::new(), "") };
     let (rightward, middle) = (unit(sub(right, left)), lerp(left, right, 0.5));
     let mut wrong = Vec::new();

@@ -203,6 +203,7 @@ impl PairTable {
 
     /// What pairing two ends, and the best two of the rest, gains on the best pairing that parts them, for every two; zeros with fewer than four
     /// ends.
+    #[must_use]
     pub fn pairing_gains(&self) -> Self {
         let mut best_first: Vec<[usize; 2]> = pairs_among(self.size).collect();
         best_first.sort_by(|[a, b], [c, d]| self.get(*c, *d).total_cmp(&self.get(*a, *b)));
