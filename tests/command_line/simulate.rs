@@ -476,7 +476,7 @@ fn what_is_read_is_counted_by_its_origin() {
 #[test]
 fn counts_of_inlets_and_outlets_have_commas() {
     let here = folder();
-    let ends: String = (0..1100).map(|end| format!("h,e{end},10,0.3\n")).collect();
+    let ends = (0..1100).map(|end| format!("h,e{end},10,0.3\n")).collect::<Vec<_>>().concat();
     fs::write(here.path().join("star.csv"), format!("node_a,node_b,length_mm,radius_mm\na,h,20,3\n{ends}")).expect("written");
     let said = stderr(&willis(here.path(), &["simulate", "star.csv", "-o", "out", "--inlet", "a"]));
     assert!(
