@@ -59,8 +59,11 @@ fn a_packed_file_of_any_format_is_read_as_what_it_holds() {
         run(&["convert", &scan, edges.trim_end_matches(".gz"), "--force"]);
         run(&["convert", edges.trim_end_matches(".gz"), "one.graphml", "--force"]);
         for name in [edges, nodes] {
-            let (plain, to) = (place(name.trim_end_matches(".gz")), place("packed").join(name));
-            if name.ends_with(".gz") { pack(&plain, &to) } else { drop(fs::copy(&plain, &to)) }
+            let to = place("packed").join(name);
+            match name.strip_suffix(".gz") {
+                Some(plain) => pack(&place(plain), &to),
+                None => drop(fs::copy(place(name), &to)),
+            }
         }
         run(&["convert", &format!("packed/{edges}"), "two.graphml", "--force"]);
         assert_eq!(
