@@ -184,21 +184,17 @@ impl Nodes {
         let mut rows = Vec::with_capacity(pieces + 1);
         for (j, point) in sampled.iter().enumerate() {
             let at_end = [(0, first.0), (pieces, last.0)].into_iter().find(|(at, _)| *at == j).map(|(_, node)| node);
-            let (known, own) = (at_end.map(|node| node_at[node]), radius(j).max(LEAST_RADIUS).ln());
-            let row = if let Some(row) = known.filter(|row| *row != usize::MAX) {
-                // A junction lies in the lumen of its widest vessel.
-                self.log_radius[row] = self.log_radius[row].max(own);
-                row
-            } else {
+            let known = at_end.map(|node| node_at[node]).filter(|row| *row != usize::MAX);
+            let row = known.unwrap_or_else(|| {
                 self.at.push(point.at);
-                self.log_radius.push(own);
+                self.log_radius.push(radius(j).max(LEAST_RADIUS).ln());
                 self.direction.push([0.0; 6]);
                 self.neighbours.push(Vec::new());
                 self.branch.push(self.branches);
                 self.place.push(point.place);
                 self.id.push(point.id);
                 self.at.len() - 1
-            };
+            });
             if let Some(node) = at_end {
                 node_at[node] = row;
             }
