@@ -192,7 +192,7 @@ fn links(vessels: &Foreground, thinned: &[u32]) -> Vec<BTreeSet<usize>> {
 }
 
 /// The voxels of each node, in the order of their first: an end alone, the connected voxels of three or more links together, unless they
-/// make a ring, which one node would hide, or make one with a single voxel beside them, whose line would lead there and back.
+/// make a ring, which one node would hide.
 fn clusters(links: &[BTreeSet<usize>]) -> Vec<Vec<usize>> {
     let is_junction = |at: usize| links[at].len() > 2;
     let within = |at: usize| links[at].iter().copied().filter(move |to| is_junction(at) && is_junction(*to));
@@ -203,14 +203,7 @@ fn clusters(links: &[BTreeSet<usize>]) -> Vec<Vec<usize>> {
         cluster.push(at);
         *count += within(at).count();
     }
-    // A voxel between two of one cluster closes a ring as a link within does. Each of these was met from both ends.
-    for beside in links.iter().filter(|beside| beside.len() == 2) {
-        if let [a, b] = beside.iter().map(|to| parts.of_node[*to]).collect::<Vec<usize>>()[..]
-            && a == b
-        {
-            clusters[a].1 += 2;
-        }
-    }
+    // Each link within was met from both ends.
     let parted = |(cluster, count): (Vec<usize>, usize)| {
         if count / 2 + 1 > cluster.len() { cluster.into_iter().map(|at| vec![at]).collect() } else { vec![cluster] }
     };

@@ -6,7 +6,7 @@ use std::{cmp::Reverse, collections::BinaryHeap, f64::consts::PI};
 use petgraph::unionfind::UnionFind;
 
 use super::skeleton::{Branch, Skeleton, skeleton};
-use super::{Cavities, Foreground, Mask, distances, indices_of, inverse_of, neighbours, row_at, steps_of, thin};
+use super::{Cavities, Foreground, Mask, distances, indices_of, neighbours, row_at, steps_of, thin};
 use willis_core::network::{Centerlines, metres, walks::other};
 use willis_core::support::arc_lengths::{arc_lengths, in_direction};
 use willis_core::support::geometry::{Point, distance, dot, lerp, norm_squared, sub, unit};
@@ -19,10 +19,6 @@ const FARTHEST: f64 = 0.866;
 /// A radius by area is at most so many distances to the background. On a stretch that is shorter than wide, at a junction, length says
 /// little.
 const WIDEST: f64 = 1.5;
-/// The least cosine between the normal of the image's border and a line that leaves there; a line along the border goes on within the image.
-const HEADING: f64 = 0.1;
-/// A place is at the border of the image where rounding puts it so far (voxels) beyond.
-const ROUNDING: f64 = 1e-6;
 /// The weights reach this many standard deviations.
 const REACH: f64 = 3.0;
 
@@ -248,21 +244,9 @@ impl Tracer<'_> {
         }
     }
 
-    /// How far from a place in the image its border is in a direction, mm.
-    fn to_border(&self, from: Point, to: Point) -> f64 {
-        let affine = &self.mask.affine;
-        let (rows, by) = (inverse_of(steps_of(affine)), sub(from, affine.map(|row| row[3])));
-        let along = |axis: usize| {
-            let (at, step) = (dot(rows[axis], by), dot(rows[axis], to));
-            let border = if step > 0.0 { self.mask.shape[axis] as f64 - 0.5 + ROUNDING } else { -0.5 - ROUNDING };
-            if step == 0.0 { f64::INFINITY } else { (border - at) / step }
-        };
-        (0..3).map(along).fold(f64::INFINITY, f64::min)
-    }
-
     /// Gives each point the volume of the lumen around it and the length of its stretch, at a free end to the tip of the lumen. Draws ends
     /// at the border of the image out to it.
-    /// Returns whether each node is a free end whose lumen leaves the image.
+    /// Returns whether each node is a free end whose lumen reaches the border of the image.
     fn fill(&self, graph: &Skeleton, degrees: &[usize], lines: &mut [TracedLine]) -> Vec<bool> {
         let mut at_border = vec![false; graph.nodes.len()];
         // Every voxel of the graph with where it is: a node, or a point of a branch.
@@ -292,17 +276,6 @@ impl Tracer<'_> {
                 }
             }
         }
-        // Whether a line leaves the image at a voxel around its end: it heads for that border, or ends in the outermost voxels. Across a single
-        // slice there is nothing to leave.
-        let outward = inverse_of(steps_of(&self.mask.affine)).map(unit);
-        let leaves = |node: usize, to: Point, voxel: [usize; 3]| {
-            let tip = self.vessels.voxel(graph.nodes[node][0] as usize);
-            (0..3).any(|axis| {
-                let (last, along) = (self.mask.shape[axis] - 1, dot(to, outward[axis]));
-                let is_left = |border, along| voxel[axis] == border && (along > HEADING || tip[axis] == border);
-                last > 0 && (is_left(0, -along) || is_left(last, along))
-            })
-        };
         for (place, seed, volume) in volumes(self.mask, self.vessels, &voxels, &nearest) {
             match seeds[seed as usize].1 {
                 LumenPlace::Point(row, point) => lines[row].volumes[point] += volume,
@@ -314,8 +287,9 @@ impl Tracer<'_> {
                         let width: f64 = steps_of(&self.mask.affine).map(|step| dot(to, step).abs()).iter().sum();
                         (dot(sub(at, tip), to) / width + 0.5).clamp(0.0, 1.0)
                     });
-                    at_border[node] |=
-                        self.vessels.contains(place) && direction[node].is_some_and(|(_, to)| leaves(node, to, voxel));
+                    let is_border =
+                        (0..3).any(|axis| [false, true].iter().any(|forward| self.vessels.is_last(voxel, axis, *forward)));
+                    at_border[node] |= is_border && self.vessels.contains(place) && direction[node].is_some();
                     beyond[node] += volume * share;
                     of_node[node] += volume * (1.0 - share);
                 }
@@ -352,8 +326,7 @@ impl Tracer<'_> {
                 let out = beyond[end] / area;
                 line.lengths[at] += out;
                 if at_border[end] {
-                    // Where the vessel goes on outside the image, so does its line up to there, however wide its lumen is at the border.
-                    let out = out.min(self.to_border(tip, to));
+                    // Where the vessel goes on outside the image, so does its line up to there.
                     line.points[at] = [0, 1, 2].map(|axis| tip[axis] + out * to[axis]);
                 }
             }
