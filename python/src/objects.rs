@@ -319,21 +319,18 @@ pub struct Simulation {
 
 /// A simulation that stands without its input.
 fn owned(run: SimulationRun<'_>) -> SimulationRun<'static> {
-    let SimulationRun { network, boundary, outlets, provenance, radius_rule, perturbations, .. } = run;
-    let SimulationRun { result, viscosity, transports, closures, pulses, .. } = run;
-    let (network, provenance) = (Cow::Owned(network.into_owned()), Cow::Owned(provenance.into_owned()));
     SimulationRun {
-        network,
-        boundary,
-        outlets,
-        provenance,
-        radius_rule,
-        perturbations,
-        result,
-        viscosity,
-        transports,
-        closures,
-        pulses,
+        network: Cow::Owned(run.network.into_owned()),
+        boundary: run.boundary,
+        outlets: run.outlets,
+        provenance: Cow::Owned(run.provenance.into_owned()),
+        radius_rule: run.radius_rule,
+        perturbations: run.perturbations,
+        result: run.result,
+        viscosity: run.viscosity,
+        transports: run.transports,
+        closures: run.closures,
+        pulses: run.pulses,
     }
 }
 

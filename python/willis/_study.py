@@ -53,7 +53,10 @@ def classify(
     options = {"landmarks": landmarks, "labels": labels, "variant_prior": variant_prior, "unseen": unseen, "arteries": arteries}
     options["hypoplastic"] = hypoplastic
     made = words(options, {})
-    with _with_folder(source) as given:
+    with _with_folder(source) as given, warnings.catch_warnings():
+        if isinstance(source, Run):
+            # What is to be said of its input was said.
+            warnings.simplefilter("ignore", Note)
         is_folder = isinstance(given, (str, os.PathLike)) and Path(given).is_dir()
         network = read_run(given) if is_folder else network_of(given)
         found = _willis.classify(network._scan, network._reading + made, "")

@@ -65,7 +65,8 @@ impl ClassifyArgs {
                 return done;
             }
         };
-        check_output(&self.output, force, [&*input])?;
+        let read = self.files(&input);
+        check_output(&self.output, force, read.iter().map(|path| &**path).chain([&*input]))?;
         let phenotype = self.phenotype(&input, command_line("again"), terminal)?;
         let folder = StagedFolder::new(&self.output, force)?;
         phenotype.write(&folder.path(), &name_of(&input))?;

@@ -203,7 +203,7 @@ impl Cohort<'_> {
         listen(2);
         let entry = |(at, subject): (usize, &Subject)| LedgerEntry::of(subject, work_of(at).files(&subject.input));
         let ledger = Ledger::new(self.command, &self.parameters, subjects.iter().enumerate().map(entry).collect());
-        let earlier = self.earlier(&ledger)?;
+        let earlier = self.earlier(subjects, &ledger)?;
         // Keeps a second command off while this one lives.
         let _lock = InProgress::new(self.output)?;
         clear_leftovers(self.output)?;
@@ -239,14 +239,15 @@ impl Cohort<'_> {
     }
 
     /// The ledger of the cohort to resume; the new one, without a subject, where the folder is made anew.
-    fn earlier(&self, ledger: &Ledger) -> Result<Ledger> {
+    fn earlier(&self, subjects: &[Subject], ledger: &Ledger) -> Result<Ledger> {
         if self.output.exists() && !self.force {
             let earlier: Result<Ledger> = read_json(&self.output.join(COHORT), "");
             let Ok(earlier) = earlier else { return Err(Error::Exists { path: self.output.to_owned() }) };
             ledger.resumes(&earlier, self.output)?;
             return Ok(earlier);
         }
-        check_output(self.output, self.force, ledger.subjects.iter().flat_map(|entry| entry.files.keys()).map(Path::new))?;
+        let files = ledger.subjects.iter().flat_map(|entry| entry.files.keys()).map(Path::new);
+        check_output(self.output, self.force, files.chain(subjects.iter().map(|subject| &*subject.input)))?;
         let empty = Ledger { subjects: Vec::new(), ..ledger.clone() };
         let folder = StagedFolder::new(self.output, self.force)?;
         empty.write(&folder.path())?;

@@ -15,13 +15,13 @@ const CHOICES: [&str; 3] = ["participant-label", "session-label", "filter"];
 
 /// A part of a command line: an option with its values, or a word by itself, of which the first is the subcommand.
 #[derive(Debug, Clone)]
-pub struct Part {
+pub struct LinePart {
     /// The long name of the option, however it was typed.
     option: Option<String>,
     words: Vec<String>,
 }
 
-impl Part {
+impl LinePart {
     fn alone(word: &str) -> Self {
         Self { option: None, words: vec![word.to_owned()] }
     }
@@ -43,7 +43,7 @@ impl Part {
 }
 
 /// The parts of a command line, given by its words after the name of the program.
-pub fn parts(parser: &clap::Command, words: &[String]) -> Vec<Part> {
+pub fn parts(parser: &clap::Command, words: &[String]) -> Vec<LinePart> {
     let command = subcommand(parser, words).and_then(|name| parser.find_subcommand(name));
     let own = command.into_iter().flat_map(clap::Command::get_arguments);
     let known: Vec<&clap::Arg> = own.chain(parser.get_arguments()).collect();
@@ -51,11 +51,11 @@ pub fn parts(parser: &clap::Command, words: &[String]) -> Vec<Part> {
     while let Some(word) = rest.next() {
         let options = options_in(word, &known);
         if options.is_empty() {
-            parts.push(Part::alone(word));
+            parts.push(LinePart::alone(word));
         }
         for (arg, typed) in options {
             let name = arg.get_long().unwrap_or(arg.get_id().as_str());
-            let mut part = Part { option: Some(name.to_owned()), words: vec![typed] };
+            let mut part = LinePart { option: Some(name.to_owned()), words: vec![typed] };
             if arg.get_action().takes_values() && is_bare(&part.words[0]) {
                 let values = arg.get_num_args().unwrap_or(1.into());
                 let is_value = |n: usize, word: &str| n <= values.min_values() || !word.starts_with('-');
@@ -68,7 +68,7 @@ pub fn parts(parser: &clap::Command, words: &[String]) -> Vec<Part> {
             parts.push(part);
         }
         if word == "--" {
-            parts.extend(rest.by_ref().map(|word| Part::alone(word)));
+            parts.extend(rest.by_ref().map(|word| LinePart::alone(word)));
         }
     }
     parts
@@ -109,7 +109,7 @@ pub fn command_line(again: &str) -> String {
 const INPUT: &str = "INPUT";
 
 /// The parts of a command line that all rows of a cohort share, with one place for an input where some were `given`.
-pub fn shared_parts(all: Vec<Part>, given: &[PathBuf]) -> Vec<Part> {
+pub fn shared_parts(all: Vec<LinePart>, given: &[PathBuf]) -> Vec<LinePart> {
     let given: HashSet<Cow<'_, str>> = given.iter().map(|path| path.to_string_lossy()).collect();
     let (mut parts, mut is_command, mut has_place) = (Vec::new(), true, false);
     for part in all {
@@ -119,53 +119,53 @@ pub fn shared_parts(all: Vec<Part>, given: &[PathBuf]) -> Vec<Part> {
             parts.push(part);
         } else if !has_place {
             has_place = true;
-            parts.push(Part { option: Some(INPUT.to_owned()), words: Vec::new() });
+            parts.push(LinePart { option: Some(INPUT.to_owned()), words: Vec::new() });
         }
     }
     parts
 }
 
 /// The parts of a command line for one `input` alone, with `options` of its own, by name and value, in the place of those that all share.
-pub fn row_parts(shared: &[Part], input: &Path, options: &[(String, String)]) -> Vec<Part> {
+pub fn row_parts(shared: &[LinePart], input: &Path, options: &[(String, String)]) -> Vec<LinePart> {
     let own: Vec<(String, &String)> = options.iter().map(|(name, value)| (name.replace('_', "-"), value)).collect();
-    let is_own = |part: &&Part| own.iter().any(|(name, _)| part.is_one_of(&[name.as_str()]));
+    let is_own = |part: &&LinePart| own.iter().any(|(name, _)| part.is_one_of(&[name.as_str()]));
     let parts = shared.iter().filter(|part| !is_own(part));
-    let parts = parts.map(|part| if part.is_one_of(&[INPUT]) { Part::input(input) } else { part.clone() }).collect();
-    let own = own.iter().map(|(name, value)| Part { option: Some(name.clone()), words: vec![format!("--{name}={value}")] });
+    let parts = parts.map(|part| if part.is_one_of(&[INPUT]) { LinePart::input(input) } else { part.clone() }).collect();
+    let own = own.iter().map(|(name, value)| LinePart { option: Some(name.clone()), words: vec![format!("--{name}={value}")] });
     with_options(parts, own)
 }
 
 /// The parts of `willis infer` for one mask of those that `willis bids` was given.
-pub fn infer_parts(given: Vec<Part>, mask: &Path) -> Vec<Part> {
+pub fn infer_parts(given: Vec<LinePart>, mask: &Path) -> Vec<LinePart> {
     let (mut parts, mut is_infer) = (Vec::new(), false);
     for part in given.into_iter().filter(|part| !part.is_one_of(&CHOICES)) {
         if part.option.is_some() {
             parts.push(part);
         } else if !is_infer {
             is_infer = true;
-            parts.extend([Part::alone("infer"), Part::input(mask)]);
+            parts.extend([LinePart::alone("infer"), LinePart::input(mask)]);
         }
     }
     parts
 }
 
 /// The same with options at the end, where no `--` makes words of them.
-pub fn with_options(mut parts: Vec<Part>, options: impl IntoIterator<Item = Part>) -> Vec<Part> {
+pub fn with_options(mut parts: Vec<LinePart>, options: impl IntoIterator<Item = LinePart>) -> Vec<LinePart> {
     let end = parts.iter().position(|part| part.option.is_none() && part.words[0] == "--").unwrap_or(parts.len());
     parts.splice(end..end, options);
     parts
 }
 
 /// The words of some parts.
-pub fn words_of(parts: Vec<Part>) -> Vec<String> {
+pub fn words_of(parts: Vec<LinePart>) -> Vec<String> {
     parts.into_iter().flat_map(|part| part.words).collect()
 }
 
 /// The command line of the parts that change a result.
-pub fn line_of(mut parts: Vec<Part>, again: &str) -> String {
+pub fn line_of(mut parts: Vec<LinePart>, again: &str) -> String {
     parts.retain(|part| !part.is_one_of(&IMMATERIAL));
     let output = ["-o".to_owned(), again.to_owned()].into();
-    let output = (!again.is_empty()).then(|| Part { option: Some("output".to_owned()), words: output });
+    let output = (!again.is_empty()).then(|| LinePart { option: Some("output".to_owned()), words: output });
     let words = words_of(with_options(parts, output));
     ["willis".to_owned()].into_iter().chain(words.iter().map(|word| quoted(word))).collect::<Vec<_>>().join(" ")
 }
@@ -219,7 +219,7 @@ fn of_line<T>(say: impl FnOnce(&CommandLine) -> Option<T>) -> Option<T> {
 }
 
 /// The parts of the command line.
-pub fn parts_at_work() -> Vec<Part> {
+pub fn parts_at_work() -> Vec<LinePart> {
     of_line(|line| Some(parts(&line.parser, &line.words))).unwrap_or_default()
 }
 

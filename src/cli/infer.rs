@@ -6,7 +6,7 @@ use super::args::reading::{ReadingArgs, inputs_of_a_cohort};
 use super::args::{ArteryArgs, CandidateArgs, boundary_for, file_of, probability, source_for, viscosity, whole, words};
 use super::checkpoint::{Follower, Interval, parse_interval};
 use super::cohort::{Cohort, FailedInput, Failure, Work};
-use super::command_line::{Part, command_line, line_of, parsed, with_flags, with_options};
+use super::command_line::{LinePart, command_line, line_of, parsed, with_flags, with_options};
 use super::print::inference::{say_outcome, say_variant};
 use super::subjects::{Inputs, Subject, check_output, expand};
 use super::{print::TextTerminal, shell::print_json, signals::listen};
@@ -156,7 +156,8 @@ impl InferArgs {
                 return cohort.run(&subjects, &work, terminal);
             }
         };
-        check_output(&self.output, force, [&*input])?;
+        let read = work.files(&input);
+        check_output(&self.output, force, read.iter().map(|path| &**path).chain([&*input]))?;
         let records_failure = work.args.sampling.record_failure;
         if records_failure {
             work.args.reading.shared()?;
@@ -215,7 +216,7 @@ impl Inferences {
     /// The command line that repeats the run of a subject.
     fn line_of(&self, subject: &Subject) -> String {
         let is_by_itself = self.options.arteries.is_some() && self.args.arteries.source().is_none();
-        let named = is_by_itself.then(|| Part::option("landmarks", "auto"));
+        let named = is_by_itself.then(|| LinePart::option("landmarks", "auto"));
         line_of(with_options(subject.parts.clone(), named), "again")
     }
 

@@ -36,7 +36,7 @@ pub use signals::ask_to_stop;
 /// What the tests of this project call. Nothing here is stable.
 pub mod internals {
     pub use super::bids::dataset::{BidsName, Filter, parse_filter};
-    pub use super::command_line::{Part, infer_parts, parts, quoted, row_parts, shared_parts, words_of};
+    pub use super::command_line::{LinePart, infer_parts, parts, quoted, row_parts, shared_parts, words_of};
     pub use super::parser;
     pub use super::print::counted;
     pub use super::subjects::{LONGEST, named};

@@ -4,7 +4,7 @@ use std::{collections::HashMap, collections::HashSet, fs, path::Component, path:
 
 use glob::Pattern;
 
-use super::command_line::{Part, is_option, line_of, parts_at_work, row_parts, shared_parts, words_of};
+use super::command_line::{LinePart, is_option, line_of, parts_at_work, row_parts, shared_parts, words_of};
 use crate::internals::formats::{Covariates, Format, ManifestRow, bytes_of, is_there, read_manifest, read_participants};
 use crate::internals::output::names::{ACCURACY, COHORT, COHORT_PAGE, COHORT_TABLE, RECORD};
 use crate::{
@@ -23,7 +23,7 @@ pub struct Subject {
     /// Its path, as given or as a pattern found it.
     pub input: PathBuf,
     /// The command line for it alone.
-    pub parts: Vec<Part>,
+    pub parts: Vec<LinePart>,
     /// The manifest with its row, where it has one.
     pub row: Option<(PathBuf, ManifestRow)>,
 }
@@ -205,12 +205,14 @@ fn is_pattern(path: &Path) -> bool {
 fn matches(pattern: &Path, kind: &str, fits: impl Fn(&Path) -> bool) -> Result<Vec<PathBuf>> {
     let text = pattern.to_string_lossy();
     let refused = |why: String| Error::parameter("INPUT", format!("\"{text}\""), why);
-    let is_pattern = |text: &str| Pattern::new(text).map_err(|e| refused(format!("no pattern of file names: {e}")));
-    is_pattern(&text)?;
+    let pattern_of = |text: &str| Pattern::new(text).map_err(|e| refused(format!("no pattern of file names: {e}")));
+    pattern_of(&text)?;
     let steps = pattern.components().filter(|step| *step != Component::CurDir);
-    let steps = steps.map(|step| Ok((step, is_pattern(&step.as_os_str().to_string_lossy())?)));
-    let mut files = Vec::new();
-    find(Path::new(""), &steps.collect::<Result<Vec<_>>>()?, &mut files)?;
+    let steps = steps.map(|step| Ok((step, pattern_of(&step.as_os_str().to_string_lossy())?)));
+    let (mut steps, mut files) = (steps.collect::<Result<Vec<_>>>()?, Vec::new());
+    // Any number of folders below any number of folders are any number of folders.
+    steps.dedup_by(|(a, _), (b, _)| a == b && a.as_os_str() == "**");
+    find(Path::new(""), &steps, &mut files)?;
     files.retain(|path| fits(path) && (path.is_dir() || !text.ends_with('/')));
     if files.is_empty() {
         return Err(refused(format!("matches no {kind}; expected a {kind}, or a pattern of *, ? and [...]")));

@@ -26,7 +26,7 @@ pub struct Labelled {
     pub names: Arc<Names>,
     /// For each segment of [`RING`] the probability that it is there, as [`classify`](crate::classify) gives it.
     pub segments: [f64; 7],
-    /// Of which of them too little is seen, of it and of what lies at its ends, as [`classify`](crate::classify) has it.
+    /// For each of them whether too little is seen, of it and of what lies at its ends, as [`classify`](crate::classify) has it.
     pub not_seen: [bool; 7],
     /// The landmarks, in mm and RAS.
     pub landmarks: Vec<NamedPlace>,

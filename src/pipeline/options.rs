@@ -14,6 +14,7 @@ use crate::{
 };
 use willis_core::flow::poiseuille::{BLOOD_VISCOSITY, check_viscosity};
 use willis_core::{flow::state::BLOOD_DENSITY, network::Windkessel};
+use willis_io::formats::check_name;
 use willis_models::{circle_of_willis::VariantFrequencies, naming, naming::NamingModel, naming::NamingModels};
 
 /// How [`infer`](crate::infer) works. The default is what `willis infer` does.
@@ -96,6 +97,7 @@ impl InferOptions {
         self.candidates.validate()?;
         self.sampling.validate()?;
         self.phenotypes.validate()?;
+        self.files().iter().try_for_each(|file| check_name(file))?;
         self.keep.map_or(Ok(()), Keep::validate)
     }
 

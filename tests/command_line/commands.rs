@@ -12,7 +12,7 @@ use crate::signals::with_signals;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use willis::cli::check;
-use willis::cli::internals::{Part, infer_parts, parser, parts, quoted, row_parts, shared_parts, words_of};
+use willis::cli::internals::{LinePart, infer_parts, parser, parts, quoted, row_parts, shared_parts, words_of};
 
 const LINE: &[u8] = b"1 0 0 0 0 1 -1\n2 0 1 0 0 1 1\n3 0 2 0 0 1 2\n";
 
@@ -377,7 +377,7 @@ fn a_run_of_a_dataset_is_one_of_its_mask() {
 }
 
 /// The parts of a line whose words have no blanks.
-fn typed(line: &str) -> Vec<Part> {
+fn typed(line: &str) -> Vec<LinePart> {
     parts(&parser(), &line.split(' ').map(str::to_owned).collect::<Vec<_>>())
 }
 

@@ -194,11 +194,12 @@ fn a_pattern_finds_names_that_are_no_utf8() {
         fs::create_dir_all(path.parent().expect("a folder")).expect("made");
         fs::write(path, &circle).expect("written");
     }
-    // The file that is named by such an input is beside it.
+    // The file that is named by such an input is beside it; but no record can hold its name.
     let conditions = std::ffi::OsStr::from_bytes(b"fran\xe7ois.bc.csv");
     fs::write(here.path().join(conditions), "node,kind,value,unit\n1,inlet,90,mmHg\n").expect("written");
     let (status, said) = run(here.path(), &["infer", "fran*.swc", "-n", "64", "-q", "--bc", "{}.bc.csv", "-o", "stated"]);
-    assert_eq!(status, Some(0), "{said}");
+    assert_eq!((status, here.path().join("stated").exists()), (Some(2), false));
+    assert!(said.contains("fran\u{fffd}ois.bc.csv: its name is no UTF-8"), "{said}");
     let found = |pattern: &str| -> Vec<String> {
         let (status, said) = run(here.path(), &["infer", pattern, "-n", "64", "-q", "--dpi", "36", "-o", "out", "--force"]);
         assert_eq!(status, Some(0), "{said}");

@@ -7,11 +7,11 @@ use willis::internals::flow::{WallLaw, poiseuille::resistance};
 use willis::internals::network::waveform::{Quantity, Waveform};
 use willis::internals::network::{Condition, Network, Vessel, Wall, Windkessel};
 use willis::internals::perturbation::{Stenosis, StretchPlace};
+use willis::internals::simulation::pulse::Friction;
 use willis::internals::simulation::pulse::arrival::rises;
 use willis::internals::simulation::pulse::fourier::{Indices, behind};
 use willis::internals::simulation::pulse::fourier::{coefficients, samples};
 use willis::internals::simulation::pulse::womersley::{Fluid, TubeSegment, viscous};
-use willis::internals::simulation::pulse::{Friction, Pulse};
 use willis::internals::simulation::{Change, Perturbation};
 
 use crate::draw::Draw;
@@ -253,17 +253,13 @@ fn mass_and_energy_are_kept_at_every_harmonic() {
     }
 }
 
-fn largest(pulse: &Pulse) -> f64 {
-    pulse.largest_flow
-}
-
 #[test]
 fn pieces_direction_and_delay_change_nothing() {
     let mut draw = Draw::new(5);
     for _ in 0..10 {
         let (network_of, conditions, wave) = random_case(&mut draw);
         let pulse = Case::new(&network_of, &conditions, vec![pressure_wave(0, &wave)]).solve();
-        let scale = largest(&pulse);
+        let scale = pulse.largest_flow;
         // Every vessel turned round and cut in three.
         let mut pieces = Network::new();
         for node in network_of.nodes() {
@@ -311,7 +307,7 @@ fn the_limit_of_no_frequency_is_poiseuille() {
             .collect();
         let drives = vec![pressure_wave(0, &[c(100.0 * MMHG, 0.0), c(100.0 * MMHG, 0.0)])];
         let pulse = Case { period: 1e15, ..Case::new(&network, &conditions, drives) }.solve();
-        let scale = largest(&pulse);
+        let scale = pulse.largest_flow;
         for ((_, vessel), found) in network.vessels().zip(&pulse.vessels) {
             // Pressures are doubles: their last digits make so much flow through a wide and short vessel.
             let resistance = resistance(1.0, vessel.radius, VISCOSITY) * vessel.length;

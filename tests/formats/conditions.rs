@@ -62,6 +62,7 @@ fn what_is_wrong_names_its_line() {
         ("node,x_mm,y_mm,z_mm,kind\n7,1,2,,ground\n", "b:2: no single node; "),
         ("node,kind,value\n1,ground,0\n2,ground,10\n", "b:3: ground with a value; expected none, or the kind pressure"),
         ("node,kind,value,venous_pressure_mmHg\n1,inlet,90,0\n2,pressure,9,5\n", "b:3: pressure with a venous_pressure_mmHg; "),
+        ("node,kind,value,venous_pressure_mmHg\n1,resistence,9,5\n", "b:2: kind \"resistence\"; did you mean \"resistance\"? "),
     ] {
         let said = read_csv(text.as_bytes()).expect_err(text).in_file("b".as_ref()).to_string();
         assert!(said.starts_with(message), "{said}, expected {message}");

@@ -110,7 +110,7 @@ fn what_is_damaged_or_unpacks_to_too_much_is_refused_by_name() {
     assert!(said.contains("twice.swc.gz") && said.contains("packed by gzip twice"), "{said}");
     let said = refused("much.swc.gz", &good, &["--max-input", "60kB"]);
     assert!(said.contains("much.swc.gz") && said.contains("--max-input"), "{said}");
-    // The checksum of a mask is its last eight bytes but four, after all voxels.
+    // After all voxels come four bytes of the checksum and four of the length.
     let scan = fs::read(command::data("scan.nii.gz")).expect("the example");
     let mut wrong = scan.clone();
     wrong[scan.len() - 6] ^= 1;

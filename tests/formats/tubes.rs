@@ -235,7 +235,7 @@ fn tre_faults_name_line_and_value() {
             tube("BinaryData = True\nCompressedData = True\nNPoints = 9\n", "abc"),
             "t:6: tube 1: CompressedData = True; expected points without compression",
         ),
-        (tube("DistanceUnits = inch\nNPoints = 1\n", "1 2 3 1\n"), "t:3: DistanceUnits inch; expected um, mm or cm"),
+        (tube("DistanceUnits = inch\nNPoints = 1\n", "1 2 3 1\n"), "t:3: DistanceUnits inch; expected mm, um, cm or m"),
         (family("ParentID = 4\nParentPoint = 5\n"), "t:14: ParentPoint 5; expected 0 to 4: tube 4 has 5 points"),
     ] {
         assert_eq!(tre(&text).unwrap_err(), message);

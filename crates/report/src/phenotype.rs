@@ -326,7 +326,7 @@ pub type Segments = [bool; 7];
 /// The segments of the front, those of the back, and all: L-A1, R-A1, AComm, then P1 and PComm.
 const PARTS: [(&str, std::ops::Range<usize>); 3] = [("anterior", 0..3), ("posterior", 3..7), ("circle", 0..7)];
 
-/// The figures of accuracy.csv; one that a row has not is no number.
+/// The figures of accuracy.csv; NaN where a row has none.
 const ACCURACY: [&str; 9] = [
     "variants",
     "there_found",

@@ -94,7 +94,7 @@ impl ContactTruth {
     ///
     /// # Errors
     ///
-    /// No such JSON, a node or station that is not there, a negative length.
+    /// No such JSON, a node or station that is not there, a negative length, a voxel without a size.
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         const ACCEPTED: &str = "expected the truth of a skeleton, with nodes, stations, station_nodes and adjacent";
         let file: ContactTruthFile =

@@ -109,7 +109,7 @@ impl ReadingArgs {
         Ok(self.said(read_run(input, &self.options(input)?)?.with_command(command), terminal))
     }
 
-    /// An input that was read so, once it has been said what it is.
+    /// Says what an input is that was read so, and hands it on.
     pub fn said(&self, read: Input, terminal: TextTerminal) -> Input {
         // Without a unit one is assumed, unless the spacing says it.
         say_read(terminal, &read, self.units.is_none() && !self.is_spacing_auto());

@@ -11,7 +11,7 @@ use derivative::Derivative;
 use serde_json::Value;
 
 use super::cohort::{Cohort, Failure, Ledger, LedgerEntry, Work, check_files, failed, gather, make_each, say_notes_of};
-use super::command_line::{Part, infer_parts, parts_at_work, with_flags};
+use super::command_line::{LinePart, infer_parts, parts_at_work, with_flags};
 use super::print::{TextTerminal, listed, plural};
 use super::{infer::InferenceArgs, infer::Inferences, shell::print_json, signals::listen, subjects::Subject};
 use crate::internals::formats::{Covariates, is_there};
@@ -174,7 +174,7 @@ struct MaskRun<'a> {
 }
 
 impl<'a> MaskRun<'a> {
-    fn of(mask: &'a DatasetMask, given: &[Part], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
+    fn of(mask: &'a DatasetMask, given: &[LinePart], work: &Inferences, parameters: &Value, dataset: &Dataset) -> Self {
         let parts = infer_parts(given.to_vec(), &mask.path);
         let subject = Subject { name: mask.run(), input: mask.path.clone(), parts, row: None };
         let entry = LedgerEntry::of(&subject, work.files(&mask.path));

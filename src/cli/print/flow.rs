@@ -132,8 +132,12 @@ fn say_pulse(terminal: TextTerminal, simulated: &SimulationRun<'_>, pulse: &Puls
     let words = |(row, of): &(usize, Indices)| format!("{} {:.2}", name(network, *row), of.pulsatility);
     let first: Vec<String> = defined.take(NAMED).map(words).collect();
     let period = (1e3 * pulse.period).round() / 1e3;
-    let pulsates =
-        if first.is_empty() { format!("no blood flows{when}") } else { format!("pulsatility{when} {}", first.join(", ")) };
+    let pulsates = match &first[..] {
+        // Blood that flows to and fro has no pulsatility either.
+        [] if found.iter().any(|(_, of)| of.max > of.min) => format!("the mean flow is 0{when}"),
+        [] => format!("no blood flows{when}"),
+        _ => format!("pulsatility{when} {}", first.join(", ")),
+    };
     terminal.say("pulse", format!("period {period} s, {} harmonics; {pulsates}", pulse.harmonics));
     let mut back: Vec<&(usize, Indices)> = found.iter().filter(|(_, of)| of.reversed_share >= LEAST_SHARE).collect();
     largest_first(&mut back, |(_, of)| of.reversed_share);

@@ -118,20 +118,17 @@ impl VesselLine {
         let (ends, vessel) = (network.ends(row), network.vessel(row));
         let piece = if is_placed { points_of(network, ends, vessel) } else { vec![([0.0; 3], vessel.radius); 2] };
         let piece = in_direction(piece, ends[0] == node);
-        let steps: Vec<f64> = piece.windows(2).map(|pair| distance(pair[0].0, pair[1].0)).collect();
-        let drawn: f64 = steps.iter().sum();
+        let drawn: f64 = piece.windows(2).map(|pair| distance(pair[0].0, pair[1].0)).sum();
         let mut so_far = self.length;
         for (i, (point, radius)) in piece.iter().enumerate() {
-            // Where nothing is drawn all of the length lies before the last point.
-            let is_undrawn = drawn <= 0.0 && i + 1 == piece.len();
-            so_far += if is_undrawn {
-                vessel.length
-            } else if i > 0 && drawn > 0.0 {
-                vessel.length / drawn * steps[i - 1]
-            } else {
-                0.0
+            let step = match i.checked_sub(1) {
+                Some(before) if drawn > 0.0 => vessel.length / drawn * distance(piece[before].0, *point),
+                // Where nothing is drawn all of the length lies before the last point.
+                Some(_) if i + 1 == piece.len() => vessel.length,
+                _ => 0.0,
             };
-            if self.points.last() != Some(point) || is_undrawn {
+            so_far += step;
+            if self.points.last() != Some(point) || step > 0.0 {
                 self.points.push(*point);
                 self.radii.push([*radius; 2]);
                 self.at.push(so_far);

@@ -188,11 +188,11 @@ impl Centerlines {
             if a == b {
                 continue;
             }
-            let kept = *row_of.entry([a.min(b), a.max(b)]).or_insert(self.links.len());
-            if kept == self.links.len() {
+            let first = *row_of.entry([a.min(b), a.max(b)]).or_insert(self.links.len());
+            if first == self.links.len() {
                 self.add_link([a, b], labels.of(row));
-            } else if self.labels.of(kept).is_empty() {
-                self.labels.set(kept, labels.of(row));
+            } else if self.labels.of(first).is_empty() {
+                self.labels.set(first, labels.of(row));
             }
         }
         self.points = kept.iter().map(|p| self.points[*p]).collect();
@@ -349,8 +349,8 @@ impl Vessel {
         Self { path, ..Self::new(length, radius, Origin::Observed) }
     }
 
-    /// The observed part of it along a piece of its course, which is `whole` m long. Of a length and a resistance that are stated the part has
-    /// its share, of everything else the same.
+    /// The observed part of it along a piece of its course, which is `whole` m long. The part has the radius of its own points, its share of the
+    /// length and of a resistance that is stated, and the same label, prior, wall and decisions.
     #[must_use]
     pub fn part(&self, piece: Vec<PathPoint>, whole: f64, rule: RadiusRule) -> Self {
         let along = Self::along(piece, rule);

@@ -31,9 +31,9 @@ pub fn divided(path: &[PathPoint], places: impl IntoIterator<Item = PathPlace>) 
     let (mut pieces, mut piece, mut next) = (Vec::new(), Vec::new(), 0);
     for place in places {
         piece.extend_from_slice(&path[next..next.max(place.point + usize::from(place.share > 0.0))]);
-        piece.push(place.on(path));
-        let begun = vec![place.on(path)];
-        pieces.push(std::mem::replace(&mut piece, begun));
+        let at = place.on(path);
+        piece.push(at);
+        pieces.push(std::mem::replace(&mut piece, vec![at]));
         next = place.point + 1;
     }
     piece.extend_from_slice(&path[next..]);

@@ -148,8 +148,10 @@ impl LengthUnit {
     /// not UTF-8, and its number in ImageJ.
     pub fn named(word: &str) -> Option<Self> {
         match word {
-            "mm" => Some(Self::Millimetre),
-            "um" | "µm" | "μm" | "\u{fffd}m" | "\\u00B5m" | "\\u00b5m" | "micron" | "microns" => Some(Self::Micrometre),
+            "mm" | "millimeter" | "millimetre" => Some(Self::Millimetre),
+            "um" | "µm" | "μm" | "\u{fffd}m" | "\\u00B5m" | "\\u00b5m" | "micron" | "microns" | "micrometer" | "micrometre" => {
+                Some(Self::Micrometre)
+            }
             "cm" => Some(Self::Centimetre),
             "m" => Some(Self::Metre),
             _ => None,

@@ -1,5 +1,7 @@
 //! How a file is read: units, radii, the frame, and what a mask means.
 
+use std::path::{Path, PathBuf};
+
 use crate::masks::{Cavities, RadiusFrom};
 use willis_core::error::{Error, Fault, Result};
 use willis_core::network::{Frame, LengthUnit, RadiusRule, Scale, millimetres};
@@ -21,7 +23,7 @@ pub struct ReadOptions {
     #[serde(rename = "default_radius_m")]
     pub default_radius: Option<f64>,
     /// A CSV file of pairs of point ids to link, which SWC cannot.
-    pub loops: Option<std::path::PathBuf>,
+    pub loops: Option<PathBuf>,
     /// Whether the vessels of a graph are taken as observed, so that candidates are built around them.
     pub observed: bool,
     /// The least value of a vessel's voxel in an image of probabilities or intensities, whose values then tell how much of the voxels at a
@@ -69,6 +71,7 @@ impl ReadOptions {
     /// Names the field, its value and the range.
     pub fn validate(&self) -> Result<()> {
         self.scale.validate()?;
+        self.loops.as_deref().map_or(Ok(()), check_name)?;
         if let Some(level) = self.level.filter(|level| !level.is_finite()) {
             return Err(Error::parameter("level", level, "expected a finite number"));
         }
@@ -100,4 +103,14 @@ pub(crate) fn stated_unit(
         Some("") => Ok(Some(LengthUnit::Millimetre)),
         Some(word) => LengthUnit::named(word).map(Some).ok_or_else(unknown),
     }
+}
+
+/// Checks the name of a file that belongs to a run: what is written down of the run holds it.
+///
+/// # Errors
+///
+/// It is no UTF-8.
+pub fn check_name(file: &Path) -> Result<()> {
+    let wrong = || Fault::file("its name is no UTF-8", "expected one that is, as run.json holds it").in_file(file);
+    file.to_str().ok_or_else(wrong).map(drop)
 }

@@ -42,10 +42,11 @@ pub fn read_swc(input: impl BufRead, scale: &Scale) -> Result<(Centerlines, Vec<
             let text = line.split('#').next().unwrap_or_default();
             let words: Vec<&str> = text.split_whitespace().collect();
             if words.is_empty() {
+                let frame = Frame::of_header(line);
                 if let Some((code, name)) = type_name(line) {
                     names.insert(code, name);
-                } else if Frame::of_header(line).is_known() {
-                    lines.frame = Frame::of_header(line);
+                } else if frame.is_known() {
+                    lines.frame = frame;
                 }
                 continue;
             }

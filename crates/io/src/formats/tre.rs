@@ -365,7 +365,7 @@ fn spacing(object: &Object) -> Result<[f64; 3], Fault> {
 /// The unit that a tube states; MetaIO writes `?` where it knows none.
 fn unit(object: &Object, given: &Scale) -> Result<Option<LengthUnit>, Fault> {
     let Some((line, word)) = object.fields.get("DistanceUnits").filter(|(_, word)| *word != "?") else { return Ok(None) };
-    stated_unit(Some(word), given, || Fault::line(line, format!("DistanceUnits {word}"), "expected um, mm or cm"))
+    stated_unit(Some(word), given, || Fault::line(line, format!("DistanceUnits {word}"), "expected mm, um, cm or m"))
 }
 
 /// Gives points their own ids where these are whole and all different, else numbers from 0.

@@ -258,7 +258,7 @@ impl LocalMean {
 
 /// Turns the order of the voxels along an axis round.
 fn reverse_along(values: &mut [f32], shape: [usize; 3], axis: usize) {
-    let stride: usize = shape[..axis].iter().product();
+    let stride = strides_of(shape)[axis];
     for part in values.chunks_exact_mut(stride * shape[axis]) {
         for n in 0..shape[axis] / 2 {
             let (low, high) = part.split_at_mut((shape[axis] - 1 - n) * stride);

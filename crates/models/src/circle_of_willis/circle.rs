@@ -272,15 +272,15 @@ const EXCHANGED: f64 = 0.003;
 /// One alone must lie so far beyond the midline, m.
 const BEYOND: f64 = 0.005;
 
-/// The arteries that lie on the other side than the carotids of their name, or than M1 or A1 where the carotids are not both known: both of a
-/// pair, or one whose other is not known. With what they were held against; nothing where no such pair is known.
+/// The arteries that lie on the other side than the carotids of their name, or than M1, MCA or A1 where the carotids are not both known: both of a
+/// pair, or one whose other is not known. And the words for what they were held against. Nothing where no such pair is known.
 ///
 /// A mirrored file has none: its carotids lie on the other side too, which [`sides_look_exchanged`] looks at.
 fn on_the_wrong_side(at: &BTreeMap<Artery, Point>) -> (Vec<Artery>, &'static str) {
     let pair = |artery: fn(BodySide) -> Artery| Some([*at.get(&artery(BodySide::Left))?, *at.get(&artery(BodySide::Right))?]);
-    let carotids = pair(Artery::Ica).map(|pair| (pair, "the carotids"));
-    let branches = [(Artery::M1 as fn(BodySide) -> Artery, "both M1"), (Artery::Mca, "both MCA"), (Artery::A1, "both A1")];
-    let reference = carotids.or_else(|| branches.into_iter().find_map(|(artery, name)| Some((pair(artery)?, name))));
+    let carotids = (Artery::Ica as fn(BodySide) -> Artery, "the carotids");
+    let references = [carotids, (Artery::M1, "both M1"), (Artery::Mca, "both MCA"), (Artery::A1, "both A1")];
+    let reference = references.into_iter().find_map(|(artery, name)| Some((pair(artery)?, name)));
     let Some(([left, right], held_against)) = reference else { return (Vec::new(), "") };
     let (rightward, middle) = (unit(sub(right, left)), lerp(left, right, 0.5));
     let mut wrong = Vec::new();

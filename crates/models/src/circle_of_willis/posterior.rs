@@ -250,7 +250,7 @@ impl VariantFrequencies {
     ///
     /// # Errors
     ///
-    /// A missing column, a segment that is none of the ring, a share that is no number from 0 on, or none above 0.
+    /// A missing column, a segment that is none of the ring, a share that is no number from 0 on, none above 0, or a sum that is no number.
     pub fn read(bytes: &[u8]) -> Result<Self, Fault> {
         let mut rows = TableReader::ragged(bytes)?;
         let line = rows.header_line;

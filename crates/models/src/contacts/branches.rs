@@ -10,8 +10,9 @@ use willis_core::support::statistics::median;
 
 /// Junctions are one cluster along a branch no longer than the sum of their radii, ...
 const REACH: f64 = 1.0;
-/// ... until more ends than this meet there, whose partitions (203) are summed exactly, unless the branch is shorter than this share of it.
+/// ... until more ends than this meet there. The partitions of so many, 203, are summed exactly; those of more are not.
 pub const MOST_ENDS: usize = 6;
+/// A branch shorter than this share of the sum joins junctions however many ends meet there.
 const NOTHING_BETWEEN: f64 = 0.5;
 /// Points of a course are a quarter of the branch's radius apart, and smoothed in so many rounds of (1/4, 1/2, 1/4).
 const STEP_RADII: f64 = 0.25;

@@ -202,7 +202,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
     let rivals = (arms.len() - 1) as f64;
     let better = |end: usize, own: f64| (0..arms.len()).filter(|q| *q != end && fit.get(end, *q) > own).count() as f64 / rivals;
     let core: Vec<Point> = c.core.iter().map(|p| p.position).collect();
-    let [fit_gains, straight_gains] = [&fit, &straight].map(|table| pairing_gains(table, arms.len()));
+    let gains = [&fit, &straight].map(|table| pairing_gains(table, arms.len()));
     let of_pair = |n: usize| -> Vec<f64> {
         let ends = pairs[n].ends;
         let [a, b] = ends.map(|end| &arms[end]);
@@ -221,9 +221,7 @@ fn of_cluster(field: &Field, scene: Option<&Scene>, branches: &Branches, pairs: 
         row.extend([to_widest, elongation, miss_margin, t.rings[0], t.rings[1]].concat());
         row.extend([t.depth[1], t.depth[0], ring_margin[0], ring_margin[1], t.signed[1], t.signed[0], t.far[1], t.far[0]]);
         row.push(t.far_inside);
-        row.extend(
-            [signed_margin, far_margin, [fit_gains.get(ends[0], ends[1]), straight_gains.get(ends[0], ends[1])], behind].concat(),
-        );
+        row.extend([signed_margin, far_margin, gains.each_ref().map(|table| table.get(ends[0], ends[1])), behind].concat());
         row.extend(t.sections);
         row.extend(way);
         row.extend([murray, shape[0], shape[1], shape[2], (deepest / most_radius + 0.1).ln()]);

@@ -327,7 +327,8 @@ impl Names {
 pub fn nothing_named(network: &Network) -> Fault {
     let found =
         if network.has_positions() { "no arteries of a circle of Willis could be named" } else { "a node without coordinates" };
-    let accepted = "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS; or labels, or `landmarks=FILE`";
+    let accepted = "expected centerlines of a head in mm, within some 30 degrees of RAS or LPS, or labels that name an internal carotid, \
+                    basilar or vertebral artery, or `landmarks=FILE`";
     Fault::file(found, accepted)
 }
 

@@ -27,9 +27,9 @@ struct NameRun {
     probability: f64,
 }
 
-/// The traced vessels of a graph with their names, connections that an earlier run kept, and the probability of each name; vessels without one
-/// have an empty label and none. The first nodes are the input's `own`, as it states them; of the others those are gone at which only a candidate had divided a
-/// vessel. Vessels that are divided or put together again have radii by the `rule`.
+/// The traced vessels of a graph with their names, the connections that an earlier run kept, or probable contacts, and the probability of each
+/// name; vessels without one have an empty label and none. The first nodes are the input's `own`, as it states them; of the others those are gone
+/// at which only a candidate had divided a vessel. Vessels that are divided or put together again have radii by the `rule`.
 pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: RadiusRule) -> (Network, Vec<Option<f64>>) {
     let places = names.nodes.place.iter().enumerate();
     let by_vessel = grouped(graph.vessel_count(), places.map(|(n, place)| (place.vessel, n)));
@@ -71,7 +71,7 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: Radi
             from = to;
         }
     }
-    merge(&mut pieces, nodes.len(), own.len()..graph.node_count(), rule);
+    merge(&mut pieces, &nodes, own.len()..graph.node_count(), rule);
     let mut out = Network::new();
     out.frame = graph.frame;
     let mut row = vec![usize::MAX; nodes.len()];
@@ -111,9 +111,10 @@ fn named(ends: [usize; 2], vessel: Vessel, run: Option<&NameRun>) -> NamedPiece 
 }
 
 /// Joins pieces of one name at the nodes where only a candidate had divided their vessel.
-fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, divided: Range<usize>, rule: RadiusRule) {
+fn merge(pieces: &mut [Option<NamedPiece>], nodes: &[Node], divided: Range<usize>, rule: RadiusRule) {
     let ends = |(row, piece): (usize, &Option<NamedPiece>)| piece.as_ref().map(|(ends, ..)| (row, *ends));
-    let mut at = edges_at(nodes, pieces.iter().enumerate().filter_map(ends));
+    let mut at = edges_at(nodes.len(), pieces.iter().enumerate().filter_map(ends));
+    let positions = |ends: [usize; 2]| ends.map(|end| nodes[end].position.unwrap_or_default());
     for node in divided {
         let [first, second] = at[node][..] else { continue };
         if first == second {
@@ -124,8 +125,9 @@ fn merge(pieces: &mut [Option<NamedPiece>], nodes: usize, divided: Range<usize>,
             continue;
         }
         let [from, to] = [ends_a, ends_b].map(|ends| other(ends, node));
-        let mut path = in_direction(a.path.clone(), ends_a[1] == node);
-        path.extend(in_direction(b.path, ends_b[1] != node).into_iter().skip(1));
+        let mut path = in_direction(a.path_between(positions(ends_a)), ends_a[1] == node);
+        path.extend(in_direction(b.path_between(positions(ends_b)), ends_b[1] != node).into_iter().skip(1));
+        path.dedup_by_key(|point| point.position);
         let length = a.length + b.length;
         let probability = p.zip(q).map(|(p, q)| (p * a.length + q * b.length) / length.max(1e-12));
         let resistance = a.resistance.zip(b.resistance).map(|(a, b)| a + b);

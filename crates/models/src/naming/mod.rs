@@ -96,7 +96,7 @@ struct NamingPass {
 }
 
 /// The names of the arteries in a network with positions: observed vessels get names, candidates and contacts are bridges. `None` for a
-/// network without a vessel or without positions.
+/// network without a vessel or without positions, and for one that is longer than any head has vessels.
 pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
     let frames: &[Frame] = if network.frame.is_known() { &[network.frame] } else { &[Frame::Ras, Frame::Lps] };
     let mut found: Vec<(Frame, Core, Vec<Scored>)> = Vec::new();
@@ -117,8 +117,8 @@ pub fn name_arteries(network: &Network, model: &NamingModel) -> Option<Names> {
     named.reduce(|first, second| if fit(&second) > fit(&first) { second } else { first })
 }
 
-/// The nodes of a network in a frame; `None` where there is none to name, or as many as no head has, which would fill the memory: a coordinate with a wrong
-/// exponent.
+/// The nodes of a network in a frame; `None` where there is none to name, or as many as no head has, which would fill the memory: a coordinate
+/// with a wrong exponent, or a wrong unit.
 fn nodes_of(network: &Network, frame: Frame) -> Option<Nodes> {
     let traced = is_traced(network);
     let along = |row: usize| length_of(&network.path_of(row));

@@ -114,7 +114,7 @@ impl NamingModel {
     ///
     /// # Errors
     ///
-    /// Not the TOML of a model; a state that is missing, unknown or no distribution; another number of weights.
+    /// Not the TOML of a model; a state that is missing, unknown or no distribution; another number of weights; what is no number.
     pub fn read(text: &str) -> Result<Self, Fault> {
         let file: NamingFile = parse(text, "expected a model as `willis train --model labels` writes it")?;
         let wrong = |what: String, accepted: &str| Fault::item(what, "is wrong", accepted.to_owned());

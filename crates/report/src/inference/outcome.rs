@@ -453,8 +453,8 @@ struct WayOn {
     radius: f64,
 }
 
-/// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it, or
-/// where there is none that stands for no longer part, the observed vessel with its widest free end.
+/// The parts of the kept graph that no blood flows through: where does each go on? The most probable candidate that leads out of a part stands for it, but
+/// for those that stand for longer parts; where there is none, the observed vessel with its widest free end.
 fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
     let (network, answer) = (outcome.network, outcome.answer);
     let parts = fragments(network, |row, _| answer.kept[row]);
@@ -472,7 +472,8 @@ fn loose_parts(outcome: &Outcome<'_>) -> Vec<Question> {
             (_, Some(evidence)) if !answer.kept[row] && of[0] != of[1] && evidence.probability > 0.0 => evidence.probability,
             _ => continue,
         };
-        for (end, node) in ends.into_iter().enumerate().filter(|(_, node)| chance > 0.0 || degree[*node] == 1) {
+        let may_stand = |(end, node): &(usize, usize)| !carries[of[*end]] && (chance > 0.0 || degree[*node] == 1);
+        for (end, node) in ends.into_iter().enumerate().filter(may_stand) {
             ways[of[end]].push(WayOn { row, node, chance, radius: vessel.end_radius(end == 1) });
         }
     }

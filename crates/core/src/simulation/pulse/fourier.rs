@@ -101,7 +101,7 @@ impl Indices {
         let all: f64 = values.iter().map(|x| x.abs()).sum();
         let first = coefficients.get(1).map_or(0.0, |c| -(c * forward).arg() / TAU * period);
         let top = if forward > 0.0 { high } else { -low };
-        let defined = mean.abs() > rounding;
+        let defined = mean.abs() > rounding && high >= low;
         let only = |x: f64| if defined { x } else { f64::NAN };
         Self {
             mean,

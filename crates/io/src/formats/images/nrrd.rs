@@ -241,7 +241,7 @@ impl NrrdHeader {
             let found = vectors(text).filter(|all| all.len() == 1).and_then(|all| all[0]);
             origin = found.ok_or_else(|| self.fields.wrong("space origin", "expected a vector of three numbers"))?;
         }
-        let unit = self.unit()?;
+        let unit = self.unit(of_space, sizes.len())?;
         Ok(std::array::from_fn(|row| {
             std::array::from_fn(|column| turn[row] * unit * if column < 3 { steps[column][row] } else { origin[row] })
         }))
@@ -278,13 +278,16 @@ impl NrrdHeader {
         }
     }
 
-    /// Millimetres of the unit of lengths.
-    fn unit(&self) -> Result<f64, Fault> {
+    /// Millimetres of the unit of lengths, of which a file of so many axes has one for each, or for each of its space.
+    fn unit(&self, of_space: [usize; 3], axes: usize) -> Result<f64, Fault> {
         let field = |name: &'static str| Some((name, self.fields.get(name)?.1));
-        let Some((name, words)) = field("space units").or_else(|| field("units")) else { return Ok(1.0) };
-        // The axis of layers has no unit.
-        let stated = words.split(['"', ' ']).filter(|word| !["", "none", "???"].contains(word));
-        let mut units = stated.map(LengthUnit::named);
+        let Some((name, text)) = field("space units").or_else(|| field("units")) else { return Ok(1.0) };
+        // Of quoted words every second piece lies between quotes.
+        let words: Vec<&str> =
+            if text.contains('"') { text.split('"').skip(1).step_by(2).collect() } else { text.split_whitespace().collect() };
+        let of_axis = |row: usize| words.len() != axes || name == "space units" || of_space.contains(&row);
+        let stated = words.iter().enumerate().filter(|(row, word)| of_axis(*row) && !["", "none", "???"].contains(&word.trim()));
+        let mut units = stated.map(|(_, word)| LengthUnit::named(word.trim()));
         let Some(first) = units.next() else { return Ok(1.0) };
         let wrong = || self.fields.wrong(name, "expected one unit for all axes of space: mm, um, cm or m");
         first.filter(|_| units.all(|other| other == first)).map(LengthUnit::mm).ok_or_else(wrong)

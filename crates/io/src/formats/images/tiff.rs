@@ -144,8 +144,8 @@ fn values_of(mut pages: Pages<'_>) -> impl Read {
     })
 }
 
-/// Gives the values of a page in which 0 is white as they are stored: the library turns them round, and whole numbers with a sign are
-/// refused by it.
+/// Gives the values of a page in which 0 is white as they are stored, reals but for rounding: the library turns them round, and refuses
+/// whole numbers with a sign.
 fn turn_back(values: &mut DecodingResult) {
     match values {
         DecodingResult::F32(reals) => *reals = reals.iter().map(|x| 1.0 - x).collect(),

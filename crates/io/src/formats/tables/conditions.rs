@@ -149,14 +149,6 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
         _ => return Err(fault(&place, NO_SINGLE_NODE, ONE_NODE)),
     };
     let kind = entry.kind.ok_or_else(|| fault(&place, "no kind", ACCEPTED))?;
-    // What is stated holds, or is refused.
-    let is_stated = |figure: Option<f64>| figure.is_some_and(|x| x != 0.0);
-    if kind == "ground" && is_stated(entry.value) {
-        return Err(fault(&place, "ground with a value", "expected none, or the kind pressure"));
-    }
-    if kind != "resistance" && is_stated(entry.venous_pressure_mmhg) {
-        return Err(fault(&place, format!("{kind} with a {VENOUS}"), "expected it with a resistance alone"));
-    }
     let figure = |dimension: Dimension| {
         let value = entry.value.ok_or_else(|| fault(&place, format!("{kind} without a value"), dimension.accepted()))?;
         let unit = entry.unit.as_deref().unwrap_or_default();
@@ -181,6 +173,14 @@ fn statement(entry: Entry, place: Place) -> Result<Statement, Fault> {
         }
         other => return Err(fault(&place, format!("kind \"{other}\""), did_you_mean(other, KINDS) + ACCEPTED)),
     };
+    // What is stated holds, or is refused.
+    let is_stated = |figure: Option<f64>| figure.is_some_and(|x| x != 0.0);
+    if kind == "ground" && is_stated(entry.value) {
+        return Err(fault(&place, "ground with a value", "expected none, or the kind pressure"));
+    }
+    if kind != "resistance" && is_stated(entry.venous_pressure_mmhg) {
+        return Err(fault(&place, format!("{kind} with a {VENOUS}"), "expected it with a resistance alone"));
+    }
     Ok(Statement { place, spec, role, condition })
 }
 

@@ -145,11 +145,8 @@ pub(crate) fn write_table(out: impl Write, delimiter: u8, columns: &[Column]) ->
     let rows = columns.first().map_or(0, |c| c.values.rows());
     check_rows(columns, rows)?;
     let mut csv = csv::WriterBuilder::new().delimiter(delimiter).from_writer(out);
-    for column in columns {
-        csv.write_field(escape_formula(&column.name).as_bytes())?;
-    }
     if !columns.is_empty() {
-        csv.write_record(None::<&[u8]>)?;
+        csv.write_record(columns.iter().map(|column| escape_formula(&column.name).into_owned()))?;
     }
     for row in 0..rows {
         for column in columns {

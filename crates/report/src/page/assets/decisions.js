@@ -1,8 +1,8 @@
-// What a person decides: connections that are accepted, rejected, or that the reader is unsure of, with comments and undo. They stay in the
-// browser, and are the list that `willis infer --decisions` takes.
-// What a spreadsheet would take for a formula; it has an apostrophe before it in tables, as all that willis writes.
+// What a spreadsheet would take for a formula: in a table it has an apostrophe before it, as in all tables that willis writes.
 const FORMULA = /^'*[=+\-@\t\r＝＋－＠]/;
 
+// What a person decides: connections that are accepted, rejected, or that the reader is unsure of, with comments and undo. They stay in the
+// browser, and are the list that `willis infer --decisions` takes.
 class Decisions {
   // `changed` is called after each change.
   constructor(threshold, vessels, nodes, changed) {
