@@ -100,7 +100,8 @@ pub fn supplies(
     let supply = |(at, destination): (usize, &Destination)| {
         let found = all.iter().zip(&chosen).filter_map(|(found, (_, weight))| Some((found.as_ref()?[at]?, *weight)));
         let found: Vec<(ArrivingBlood, f64)> = found.collect();
-        let fed: f64 = found.iter().map(|(_, weight)| weight).sum();
+        // Of none 0, where a sum is -0.
+        let fed = found.iter().fold(0.0, |sum, (_, weight)| sum + weight);
         let each = |of: &dyn Fn(&ArrivingBlood) -> f64| found.iter().map(|(blood, weight)| (of(blood), *weight)).collect();
         Supply {
             destination: *destination,

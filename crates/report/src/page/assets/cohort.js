@@ -26,7 +26,9 @@ function reasons(row) {
 function showSummary() {
   const open = good.filter(row => reasons(row).length > 0).length, words = [make("b", { text: `${count(good.length, "subject")} of ${grouped(subjects.rows)} done` })];
   if (data.failed > 0) words.push(", ", make("b", { text: `${grouped(data.failed)} failed` }));
-  words.push(good.length < subjects.rows ? "; of those done " : "; ", make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` }), ".");
+  const needs = make("b", { text: open === 0 ? "none needs a person" : `${grouped(open)} need${open === 1 ? "s" : ""} a person` });
+  if (good.length > 0) words.push(good.length < subjects.rows ? "; of those done " : "; ", needs);
+  words.push(".");
   const mean = name => {
     const column = subjects.find(name), values = column ? good.map(row => column.at(row)).filter(Number.isFinite) : [];
     return values.length ? values.reduce((a, b) => a + b) / values.length : NaN;
