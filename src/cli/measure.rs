@@ -12,7 +12,7 @@ use super::{
     args::reading::RunsArgs, checkpoint::Follower, command_line::command_line, command_line::parts_at_work, shell::print_json,
     signals::listen,
 };
-use crate::internals::formats::{Column, Covariates, checksum_of_file, write_csv, write_stacked};
+use crate::internals::formats::{Column, Covariates, check_name, checksum_of_file, write_csv, write_stacked};
 use crate::internals::output::names::{BIFURCATIONS, COMPARISON, DIFFERENCES, ENDS, INTERVALS, PAGE, READERS, SUBJECTS, VESSELS};
 use crate::internals::output::{StagedFolder, write_file, write_record};
 use crate::internals::report::cohort::{CohortRow, cohort_columns, row_records};
@@ -77,6 +77,8 @@ impl MeasureArgs {
     pub fn run(self, terminal: TextTerminal, force: bool) -> Result<()> {
         self.runs.reading.refuse_candidates("measure")?;
         self.runs.reading.shared()?;
+        let named = [&self.brain, &self.boundary.conditions, &self.participants];
+        named.into_iter().flatten().try_for_each(|file| check_name(file))?;
         let subjects = match expand(&self.runs.inputs, true)? {
             Inputs::Many(subjects) => subjects,
             Inputs::One(input) => {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned, de::IntoDeserializer, 
 
 use crate::{Error, Result};
 use willis_core::error::Fault;
-use willis_io::formats::{bytes_of, checksum};
+use willis_io::formats::{bytes_of, check_name, checksum};
 
 /// Refuses the value of a field, unless something holds.
 ///
@@ -38,6 +38,7 @@ pub struct SourceFile {
 impl SourceFile {
     /// A file and what it holds.
     pub(crate) fn read(path: &Path) -> Result<(Vec<u8>, Self)> {
+        check_name(path)?;
         let bytes = bytes_of(path)?;
         let sha256 = checksum(&bytes);
         Ok((bytes, Self { path: path.to_owned(), sha256 }))

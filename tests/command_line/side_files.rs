@@ -201,6 +201,13 @@ fn a_pattern_finds_names_that_are_no_utf8() {
     assert_eq!(status, Some(1), "{said}");
     let table = fs::read_to_string(here.path().join("stated/cohort.csv")).expect("a table");
     assert!(table.contains("fran\u{fffd}ois.bc.csv: its name is no UTF-8"), "{table}");
+    // Nor that of a file that others are given by its own name.
+    for [command, option] in [["classify", "--landmarks"], ["measure", "--brain"], ["measure", "--bc"]] {
+        let words = builder(here.path()).args([command, "a.swc", "-o", "refused", option]).arg(conditions).output();
+        let output = words.expect("runs");
+        assert_eq!(output.status.code(), Some(2), "{command} {option}");
+        assert!(stderr(&output).contains("its name is no UTF-8"), "{}", stderr(&output));
+    }
     let found = |pattern: &str| -> Vec<String> {
         let (status, said) = run(here.path(), &["infer", pattern, "-n", "64", "-q", "--dpi", "36", "-o", "out", "--force"]);
         assert_eq!(status, Some(0), "{said}");
