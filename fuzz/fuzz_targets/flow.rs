@@ -36,8 +36,8 @@ fuzz_target!(|bytes: &[u8]| {
     }
     let input = Input::from_network(network);
     let Ok(run) = simulate(&input, &[], &options) else { return };
-    let flow: Vec<f64> = run.simulation().unperturbed.vessels.iter().map(|vessel| vessel.flow).collect();
-    let vessels = &run.simulation().unperturbed.vessels;
+    let flow: Vec<f64> = run.result.unperturbed.vessels.iter().map(|vessel| vessel.flow).collect();
+    let vessels = &run.result.unperturbed.vessels;
     let (mut most, mut least) = (0.0_f64, f64::INFINITY);
     for vessel in vessels {
         (most, least) = (most.max(vessel.resistance), least.min(vessel.resistance));
