@@ -79,7 +79,7 @@ pub fn reduced_graph_solver(core: &Circuit, solver: Solver) -> Result<BatchSolve
         return BatchSolver::star_mesh(core, usize::MAX).ok_or(Error::Breakdown);
     }
     let gradients = BatchSolver::gradients(core)?;
-    if solver == Solver::Auto && gradients.core().is_some_and(|core| core.incomplete.nodes() <= MOST_CORE_NODES) {
+    if solver == Solver::Auto && gradients.core().is_some_and(|core| core.incomplete.program.nodes() <= MOST_CORE_NODES) {
         let nanoseconds = JOIN * gradients.joins() as f64 + STEPS * RAY_IN_STEP * gradients.rays_in_step() as f64;
         if let Some(solver) = BatchSolver::star_mesh(core, (nanoseconds / JOIN) as usize) {
             return Ok(solver);

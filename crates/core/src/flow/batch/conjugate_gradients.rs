@@ -63,10 +63,10 @@ impl ConjugateGradients {
 
     /// The memory for groups of `B` samples.
     pub fn workspace<const B: usize>(&self) -> GradientsWorkspace<B> {
-        let core = || vec![Lanes::ZERO; self.incomplete.nodes()];
+        let core = || vec![Lanes::ZERO; self.incomplete.program.nodes()];
         GradientsWorkspace {
-            weight: vec![[0.0; B]; self.incomplete.rays()],
-            inverse: vec![[0.0; B]; self.incomplete.nodes()],
+            weight: vec![[0.0; B]; self.incomplete.program.rays()],
+            inverse: vec![[0.0; B]; self.incomplete.program.nodes()],
             residual: core(),
             direction: core(),
             product: core(),
@@ -127,9 +127,9 @@ impl ConjugateGradients {
             *ground = map(simd, own, |g| simd.mul_f64s(g, simd.splat_f64s(self.scale)));
         }
         let grounded = splat(simd, GROUNDED);
-        let ray_to = self.incomplete.ray_to();
-        for k in 0..self.incomplete.nodes() {
-            let star = self.incomplete.star(k);
+        let ray_to = self.incomplete.program.ray_to();
+        for k in 0..self.incomplete.program.nodes() {
+            let star = self.incomplete.program.star(k);
             let (done, later) = weight.split_at_mut(star.end);
             let rays = &mut done[star.clone()];
             let own = ground[k];
@@ -139,7 +139,7 @@ impl ConjugateGradients {
             }
             let one_over = inverse(simd, &total);
             let to = &ray_to[star.clone()];
-            let mut mesh = self.incomplete.mesh(k).iter();
+            let mut mesh = self.incomplete.program.mesh(k).iter();
             for i in 0..rays.len() {
                 let weight = product(simd, &wide(&rays[i]), &one_over);
                 rays[i] = narrow(&weight, 1.0);
@@ -168,11 +168,11 @@ impl ConjugateGradients {
     /// Applies the preconditioner to the residual.
     #[inline(always)]
     fn improve<S: Simd, const B: usize>(&self, simd: S, work: &mut GradientsWorkspace<B>) {
-        let ray_to = self.incomplete.ray_to();
+        let ray_to = self.incomplete.program.ray_to();
         let GradientsWorkspace { weight, inverse, residual, product: better, .. } = work;
         better.copy_from_slice(residual);
-        for k in 0..self.incomplete.nodes() {
-            let star = self.incomplete.star(k);
+        for k in 0..self.incomplete.program.nodes() {
+            let star = self.incomplete.program.star(k);
             let own = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 let sum = &mut better[*to as usize];
@@ -180,8 +180,8 @@ impl ConjugateGradients {
             }
             better[k] = product(simd, &own, &wide(&inverse[k]));
         }
-        for k in (0..self.incomplete.nodes()).rev() {
-            let star = self.incomplete.star(k);
+        for k in (0..self.incomplete.program.nodes()).rev() {
+            let star = self.incomplete.program.star(k);
             let mut sum = better[k];
             for (weight, to) in weight[star.clone()].iter().zip(&ray_to[star]) {
                 sum = plus_product(simd, &sum, &wide(weight), &better[*to as usize]);

@@ -75,12 +75,12 @@ impl BatchSolver {
 
     /// The joins of one sample, exact and incomplete.
     pub fn joins(&self) -> usize {
-        self.mesh.program.joins() + self.core.as_ref().map_or(0, |core| core.incomplete.joins())
+        self.mesh.program.joins() + self.core.as_ref().map_or(0, |core| core.incomplete.program.joins())
     }
 
     /// Conductances of the core that a step of conjugate gradients passes over, those of its incomplete elimination twice.
     pub fn rays_in_step(&self) -> usize {
-        self.core.as_ref().map_or(0, |core| 2 * core.incomplete.rays() + self.mesh.program.core_rays())
+        self.core.as_ref().map_or(0, |core| 2 * core.incomplete.program.rays() + self.mesh.program.core_rays())
     }
 
     /// Where the pressure of a node stands in a workspace.

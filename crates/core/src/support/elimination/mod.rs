@@ -7,8 +7,6 @@
 pub mod graph;
 pub mod order;
 
-use std::ops::Deref;
-
 use super::{grouped, marked, placed};
 
 pub use order::{Star, least_degree};
@@ -18,87 +16,18 @@ use order::{least_fill, low_degrees, reverse_cuthill_mckee};
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;
 
-/// The joins of an elimination as flat lists.
+/// A compiled elimination: the nodes in the order in which they are eliminated, and their joins as flat lists.
 ///
-/// Node k has the rays `star(k)`, each to a later node, in order. Its pairs of rays (i, j), i < j, in order, add to the rays `mesh(k)`,
+/// The k-th node has the rays `star(k)`, each to a later one, in order. Its pairs of rays (i, j), i < j, in order, add to the rays `mesh(k)`,
 /// all of later stars.
-#[derive(Debug, Clone)]
-pub struct Program {
-    star: Vec<u32>,
-    ray_to: Vec<u32>,
-    mesh_start: Vec<u32>,
-    mesh: Vec<u32>,
-}
-
-impl Program {
-    /// From the rays of each node, in order; the first `eliminated` nodes join theirs. A join without a ray is [`NOWHERE`].
-    pub fn new(stars: impl IntoIterator<Item = Vec<u32>>, eliminated: usize) -> Self {
-        let mut program = Self { star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
-        for to in stars {
-            program.ray_to.extend(to);
-            program.star.push(program.ray_to.len() as u32);
-        }
-        for k in 0..eliminated {
-            let to = program.star(k);
-            for i in to.clone() {
-                for j in i + 1..to.end {
-                    let target = program.ray(program.ray_to[i], program.ray_to[j]);
-                    program.mesh.push(target.unwrap_or(NOWHERE));
-                }
-            }
-            program.mesh_start.push(program.mesh.len() as u32);
-        }
-        program
-    }
-
-    /// How many nodes there are.
-    pub fn nodes(&self) -> usize {
-        self.star.len() - 1
-    }
-
-    /// How many rays there are.
-    pub fn rays(&self) -> usize {
-        self.ray_to.len()
-    }
-
-    /// The joins of one sample: the length of the program.
-    pub fn joins(&self) -> usize {
-        self.mesh.len()
-    }
-
-    /// The ray from a node to a later one.
-    pub fn ray(&self, from: u32, to: u32) -> Option<u32> {
-        let star = self.star(from as usize);
-        self.ray_to[star.clone()].binary_search(&to).ok().map(|at| (star.start + at) as u32)
-    }
-
-    /// The rays of the k-th node.
-    #[inline]
-    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
-        self.star[k] as usize..self.star[k + 1] as usize
-    }
-
-    /// The node each ray leads to.
-    #[inline]
-    pub fn ray_to(&self) -> &[u32] {
-        &self.ray_to
-    }
-
-    /// The rays that the pairs of the k-th star add to; [`NOWHERE`] where the join is dropped.
-    #[inline]
-    pub fn mesh(&self, k: usize) -> &[u32] {
-        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
-    }
-}
-
-/// A compiled elimination: the program of its nodes in elimination order.
 #[derive(Debug, Clone)]
 pub struct Elimination {
     /// Per node its place in the order.
     place: Vec<u32>,
-    program: Program,
-    /// How many nodes are eliminated; the others are the core.
-    eliminated: usize,
+    star: Vec<u32>,
+    ray_to: Vec<u32>,
+    mesh_start: Vec<u32>,
+    mesh: Vec<u32>,
 }
 
 impl Elimination {
@@ -107,7 +36,7 @@ impl Elimination {
         let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
-        Some(Self::flatten(nodes, &filled.unwrap_or(stars), nodes))
+        Some(Self::of_stars(nodes, &filled.unwrap_or(stars), nodes))
     }
 
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
@@ -121,7 +50,7 @@ impl Elimination {
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
         let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
-        (pairs <= u32::MAX as usize / 2).then(|| Self::flatten(nodes, &stars, eliminated))
+        (pairs <= u32::MAX as usize / 2).then(|| Self::of_stars(nodes, &stars, eliminated))
     }
 
     /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others
@@ -141,7 +70,8 @@ impl Elimination {
         Some(Self { place, ..compiled })
     }
 
-    fn flatten(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
+    /// From the neighbours of each node at its elimination, all nodes in order; the first `eliminated` of them join theirs.
+    fn of_stars(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
         let mut place = vec![NOWHERE; nodes];
         for (at, star) in stars.iter().enumerate() {
             place[star.center] = at as u32;
@@ -151,8 +81,27 @@ impl Elimination {
             to.sort_unstable();
             to
         });
-        let program = Program::new(rays, eliminated);
-        Self { place, program, eliminated }
+        let rays: Vec<Vec<u32>> = rays.collect();
+        Self::of_rays(place, rays, eliminated)
+    }
+
+    /// From the places to which the rays of each node lead, in order; the first `eliminated` nodes join theirs. A join without a ray is [`NOWHERE`].
+    fn of_rays(place: Vec<u32>, rays: impl IntoIterator<Item = Vec<u32>>, eliminated: usize) -> Self {
+        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
+        for to in rays {
+            program.ray_to.extend(to);
+            program.star.push(program.ray_to.len() as u32);
+        }
+        for k in 0..eliminated {
+            let star = program.star(k);
+            for i in star.clone() {
+                for j in i + 1..star.end {
+                    program.mesh.push(program.ray_between(program.ray_to[i], program.ray_to[j]));
+                }
+            }
+            program.mesh_start.push(program.mesh.len() as u32);
+        }
+        program
     }
 
     /// The place of a node in the order; [`NOWHERE`] for one that does not take part.
@@ -160,33 +109,58 @@ impl Elimination {
         self.place[node]
     }
 
+    /// How many nodes there are.
+    pub fn nodes(&self) -> usize {
+        self.star.len() - 1
+    }
+
     /// How many nodes are eliminated; the places from there on are the core.
     pub fn eliminated(&self) -> usize {
-        self.eliminated
+        self.mesh_start.len() - 1
+    }
+
+    /// How many rays there are.
+    pub fn rays(&self) -> usize {
+        self.ray_to.len()
     }
 
     /// How many rays lie in the core.
     pub fn core_rays(&self) -> usize {
-        (self.eliminated..self.nodes()).map(|k| self.star(k).len()).sum()
+        self.rays() - self.star[self.eliminated()] as usize
+    }
+
+    /// The joins of one sample: the length of the program.
+    pub fn joins(&self) -> usize {
+        self.mesh.len()
+    }
+
+    /// The rays of the k-th node.
+    #[inline]
+    pub fn star(&self, k: usize) -> std::ops::Range<usize> {
+        self.star[k] as usize..self.star[k + 1] as usize
+    }
+
+    /// The node each ray leads to.
+    #[inline]
+    pub fn ray_to(&self) -> &[u32] {
+        &self.ray_to
+    }
+
+    /// The rays that the pairs of the k-th star add to; [`NOWHERE`] where the join is dropped.
+    #[inline]
+    pub fn mesh(&self, k: usize) -> &[u32] {
+        &self.mesh[self.mesh_start[k] as usize..self.mesh_start[k + 1] as usize]
     }
 
     /// The ray between two different places that are neighbours when the earlier one is eliminated; [`NOWHERE`] for others.
     pub fn ray_between(&self, a: u32, b: u32) -> u32 {
-        self.program.ray(a.min(b), a.max(b)).unwrap_or(NOWHERE)
+        let star = self.star(a.min(b) as usize);
+        self.ray_to[star.clone()].binary_search(&a.max(b)).map_or(NOWHERE, |at| (star.start + at) as u32)
     }
 
     /// Per ray the rows of the links that lie on it, in their order. A link is a row with two different places that are neighbours.
     pub fn rows_by_ray(&self, links: impl IntoIterator<Item = (u32, [u32; 2])>) -> Vec<Vec<u32>> {
         grouped(self.rays(), links.into_iter().map(|(row, [a, b])| (self.ray_between(a, b) as usize, row)))
-    }
-}
-
-impl Deref for Elimination {
-    type Target = Program;
-
-    #[inline]
-    fn deref(&self) -> &Program {
-        &self.program
     }
 }
 
@@ -197,7 +171,8 @@ impl Deref for Elimination {
 /// (one level of fill); all others are dropped.
 #[derive(Debug, Clone)]
 pub struct Incomplete {
-    program: Program,
+    /// The program.
+    pub program: Elimination,
     /// Per ray that of the elimination whose conductance it begins with; [`NOWHERE`] for fill.
     pub from: Vec<u32>,
 }
@@ -222,15 +197,6 @@ impl Incomplete {
         }
         let from = rays.iter().flatten().map(|(_, from)| *from).collect();
         let to = rays.into_iter().map(|rays| rays.into_iter().map(|(to, _)| to).collect());
-        Self { program: Program::new(to, nodes), from }
-    }
-}
-
-impl Deref for Incomplete {
-    type Target = Program;
-
-    #[inline]
-    fn deref(&self) -> &Program {
-        &self.program
+        Self { program: Elimination::of_rays((0..nodes as u32).collect(), to, nodes), from }
     }
 }
