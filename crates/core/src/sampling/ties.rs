@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use crate::flow::Circuit;
+use crate::{flow::Circuit, support::simd::Lanes};
 
 /// Nodes at which two vessels may tie, in depth-first order. A vessel here is a row of the circuit, which may be a chain.
 #[derive(Debug, Default)]
@@ -94,7 +94,7 @@ impl Ties {
 
     /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group. `flowing` has the samples in which
     /// each vessel has any, as bits.
-    pub fn equalise<G: AsRef<[f64]> + AsMut<[f64]>>(&self, resilience: &mut [G], flowing: &[u64], work: &mut TiesWorkspace) {
+    pub fn equalise<const B: usize>(&self, resilience: &mut [Lanes<B>], flowing: &[u64], work: &mut TiesWorkspace) {
         let TiesWorkspace { ties } = work;
         ties.clear();
         for node in &self.nodes {
@@ -131,9 +131,8 @@ impl Ties {
             let mut lanes = tie.lanes;
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
-                let most = resilience[a].as_ref()[lane].max(resilience[b].as_ref()[lane]);
-                resilience[a].as_mut()[lane] = most;
-                resilience[b].as_mut()[lane] = most;
+                let most = resilience[a][lane].max(resilience[b][lane]);
+                (resilience[a][lane], resilience[b][lane]) = (most, most);
                 lanes &= lanes - 1;
             }
         };
