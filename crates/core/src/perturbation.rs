@@ -13,6 +13,14 @@ const DIGITS: usize = 8;
 /// Words of 32 bits that vessels draw together, two for each digit of each.
 const WORDS: usize = 2 * TOGETHER * DIGITS;
 
+/// What keep probabilities, in [0, 1], leave to chance: per vessel the samples of a block in which it is open whatever is drawn, all or none; and
+/// the vessels that are open by chance, with their keep probabilities.
+fn by_chance(keep: impl IntoIterator<Item = f64>) -> (Vec<u64>, Vec<(usize, f64)>) {
+    let keep: Vec<f64> = keep.into_iter().collect();
+    let random = keep.iter().copied().enumerate().filter(|(_, p)| *p > 0.0 && *p < 1.0);
+    (keep.iter().map(|p| if *p >= 1.0 { u64::MAX } else { 0 }).collect(), random.collect())
+}
+
 /// The keep probabilities of a network's vessels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Occlusion {
@@ -25,14 +33,8 @@ pub struct Occlusion {
 impl Occlusion {
     /// From the keep probability λA of each vessel, in [0, 1]; exact to 2⁻⁶⁴.
     pub fn new(keep: impl IntoIterator<Item = f64>) -> Self {
-        let (mut surely, mut random) = (Vec::new(), Vec::new());
-        for (vessel, p) in keep.into_iter().enumerate() {
-            surely.push(if p >= 1.0 { u64::MAX } else { 0 });
-            if p > 0.0 && p < 1.0 {
-                random.push((vessel as u32, (p * 2_f64.powi(64)) as u64));
-            }
-        }
-        Self { surely, random }
+        let (surely, random) = by_chance(keep);
+        Self { surely, random: random.into_iter().map(|(vessel, p)| (vessel as u32, (p * 2_f64.powi(64)) as u64)).collect() }
     }
 
     /// Draws block `block` of `seed`: bit i of word e says whether vessel e is open in sample i of the block.
@@ -102,16 +104,10 @@ const LOW_BITS: usize = BLOCK.trailing_zeros() as usize;
 /// others follow the Gray code of the block's number.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Enumeration {
-    /// Per vessel the word for those that do not change, or its place among those that do.
-    vessels: Vec<Pattern>,
-    /// The open probability of those that change.
-    keep: Vec<f64>,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Pattern {
-    Constant(u64),
-    Changing(usize),
+    /// Per vessel the patterns of a block in which it is open whatever else is: all or none.
+    surely: Vec<u64>,
+    /// Vessels that are open in some patterns, with their keep probabilities.
+    changing: Vec<(usize, f64)>,
 }
 
 impl Enumeration {
@@ -121,22 +117,13 @@ impl Enumeration {
     ///
     /// More than [`MOST_UNCERTAIN`] lie between 0 and 1: how many.
     pub fn new(keep: &[f64]) -> Result<Self, usize> {
-        let mut changing = Vec::new();
-        let vessels = keep.iter().map(|p| match p {
-            p if *p >= 1.0 => Pattern::Constant(u64::MAX),
-            p if *p > 0.0 => {
-                changing.push(*p);
-                Pattern::Changing(changing.len() - 1)
-            }
-            _ => Pattern::Constant(0),
-        });
-        let vessels = vessels.collect();
-        if changing.len() > MOST_UNCERTAIN { Err(changing.len()) } else { Ok(Self { vessels, keep: changing }) }
+        let (surely, changing) = by_chance(keep.iter().copied());
+        if changing.len() > MOST_UNCERTAIN { Err(changing.len()) } else { Ok(Self { surely, changing }) }
     }
 
     /// How many patterns there are.
     pub fn patterns(&self) -> u64 {
-        1 << self.keep.len()
+        1 << self.changing.len()
     }
 
     /// Block `block`: bit i of word e says whether vessel e is open in pattern i, whose probability is `probability[i]`.
@@ -145,13 +132,13 @@ impl Enumeration {
         let is_open = |place: usize, pattern: usize| {
             if place < LOW_BITS { pattern >> place & 1 == 1 } else { gray >> (place - LOW_BITS) & 1 == 1 }
         };
-        masks.clear();
-        masks.extend(self.vessels.iter().map(|vessel| match *vessel {
-            Pattern::Constant(word) => word,
-            Pattern::Changing(place) => (0..BLOCK as usize).fold(0, |word, i| word | u64::from(is_open(place, i)) << i),
-        }));
+        masks.clone_from(&self.surely);
+        for (place, (vessel, _)) in self.changing.iter().enumerate() {
+            masks[*vessel] = (0..BLOCK as usize).fold(0, |word, i| word | u64::from(is_open(place, i)) << i);
+        }
         for (pattern, probability) in probability.iter_mut().enumerate() {
-            let factors = self.keep.iter().enumerate().map(|(place, p)| if is_open(place, pattern) { *p } else { 1.0 - p });
+            let factors =
+                self.changing.iter().enumerate().map(|(place, (_, p))| if is_open(place, pattern) { *p } else { 1.0 - p });
             *probability = factors.product();
         }
     }
