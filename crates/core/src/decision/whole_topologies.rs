@@ -52,24 +52,15 @@ impl Topologies {
         params.validate()?;
         match source {
             TopologySource::FreeEnds(known) => Ok(Self::of_free_ends(network, known, params)),
-            TopologySource::Connections(known) => {
-                let ends = known.asked_in_turn(network);
-                Ok(known.draw(network, params, |rng, kept| connect(&ends, rng, kept)))
-            }
+            TopologySource::Connections(known) => Ok(known.draw(network, params, &known.asked_in_turn(network))),
             TopologySource::Samples(above_median) => Self::of_samples(network, boundary, params, above_median),
         }
     }
 
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
-        let ends: Vec<Vec<(usize, f64)>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
-        known.draw(network, params, |rng, kept| {
-            for choices in &ends {
-                if let Some(row) = chosen(choices.iter().copied(), rng) {
-                    kept[row] = true;
-                }
-            }
-        })
+        let ends: Vec<FreeEnd> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
+        known.draw(network, params, &ends)
     }
 
     /// Of the topology that each sample votes for, with its weight.
@@ -151,6 +142,18 @@ impl Count {
 /// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
 
+/// The candidates along which a free end may go on.
+type FreeEnd = Vec<Choice>;
+
+/// A candidate along which a free end may go on.
+struct Choice {
+    row: usize,
+    /// Against 1 for ending there.
+    odds: f64,
+    /// The number of the free end to which it leads, where that is not asked any more once this end goes on to it.
+    other: Option<usize>,
+}
+
 /// What is known of the nodes of a network.
 #[derive(Debug, Clone, Copy)]
 pub struct KnownEnds<'a> {
@@ -161,8 +164,8 @@ pub struct KnownEnds<'a> {
 }
 
 impl KnownEnds<'_> {
-    /// Draws as many topologies as there are samples: contacts by their probabilities, and what free ends do by `go_on`.
-    fn draw(&self, network: &Network, params: &SamplingOptions, go_on: impl Fn(&mut RandomStream, &mut [bool])) -> Topologies {
+    /// Draws as many topologies as there are samples: contacts by their probabilities, and of the candidates of each free end one or none.
+    fn draw(&self, network: &Network, params: &SamplingOptions, ends: &[FreeEnd]) -> Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
@@ -174,7 +177,7 @@ impl KnownEnds<'_> {
                 for (row, p) in &contacts {
                     kept[*row] = rng.random::<f64>() < *p;
                 }
-                go_on(&mut rng, &mut kept);
+                connect(ends, &mut rng, &mut kept);
                 count.add(&kept, 1.0);
             }
         }
@@ -192,9 +195,9 @@ impl KnownEnds<'_> {
     }
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
-    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<(usize, f64)>> {
+    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, FreeEnd> {
         let degree = network.degrees(Vessel::is_given);
-        let mut at: BTreeMap<usize, Vec<(usize, f64)>> = BTreeMap::new();
+        let mut at: BTreeMap<usize, FreeEnd> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
@@ -202,57 +205,54 @@ impl KnownEnds<'_> {
             for (end, node) in ends.into_iter().enumerate() {
                 let odds = of(&evidence, end);
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
-                    at.entry(node).or_default().push((row, odds));
+                    at.entry(node).or_default().push(Choice { row, odds, other: None });
                 }
             }
         }
         at
     }
 
-    /// The free ends in the order in which they are asked, by their most probable candidate: the candidates of each with their odds and the
-    /// number of the free end to which they lead.
-    fn asked_in_turn(&self, network: &Network) -> Vec<Vec<(usize, f64, Option<usize>)>> {
+    /// The free ends in the order in which they are asked, by their most probable candidate, each candidate with the free end to which it leads.
+    fn asked_in_turn(&self, network: &Network) -> Vec<FreeEnd> {
         let odds = |e: &Evidence, _| (e.probability / (1.0 - e.probability)).min(MOST_ODDS);
-        let mut ends: Vec<(usize, Vec<(usize, f64)>)> = self.choices(network, odds).into_iter().collect();
-        let best = |choices: &[(usize, f64)]| choices.iter().map(|(_, odds)| *odds).fold(0.0, f64::max);
+        let mut ends: Vec<(usize, FreeEnd)> = self.choices(network, odds).into_iter().collect();
+        let best = |choices: &FreeEnd| choices.iter().map(|choice| choice.odds).fold(0.0, f64::max);
         ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
-        let leads_to = |node: usize, row: usize| number.get(&other_end(network, row, node)).copied();
-        let of_end = |(node, choices): &(usize, Vec<(usize, f64)>)| {
-            choices.iter().map(|(row, odds)| (*row, *odds, leads_to(*node, *row))).collect()
-        };
-        ends.iter().map(of_end).collect()
+        for (node, choices) in &mut ends {
+            for choice in choices {
+                choice.other = number.get(&other_end(network, choice.row, *node)).copied();
+            }
+        }
+        ends.into_iter().map(|(_, choices)| choices).collect()
     }
 }
 
 /// The candidate along which an end goes on, by the odds of each against 1 for ending there.
-fn chosen(choices: impl Iterator<Item = (usize, f64)> + Clone, rng: &mut RandomStream) -> Option<usize> {
-    let total: f64 = 1.0 + choices.clone().map(|(_, odds)| odds).sum::<f64>();
+fn chosen<'a>(mut choices: impl Iterator<Item = &'a Choice> + Clone, rng: &mut RandomStream) -> Option<&'a Choice> {
+    let total: f64 = 1.0 + choices.clone().map(|choice| choice.odds).sum::<f64>();
     let mut left = total * rng.random::<f64>() - 1.0;
-    for (row, odds) in choices {
-        if left < 0.0 {
-            return None;
-        }
-        left -= odds;
-        if left < 0.0 {
-            return Some(row);
-        }
+    if left < 0.0 {
+        return None;
     }
-    None
+    choices.find(|choice| {
+        left -= choice.odds;
+        left < 0.0
+    })
 }
 
 /// Asks each free end in turn, unless another went on to it, and no more of what leads to one that was asked.
-fn connect(ends: &[Vec<(usize, f64, Option<usize>)>], rng: &mut RandomStream, kept: &mut [bool]) {
+fn connect(ends: &[FreeEnd], rng: &mut RandomStream, kept: &mut [bool]) {
     let mut asked = vec![false; ends.len()];
     for (at, choices) in ends.iter().enumerate() {
         if std::mem::replace(&mut asked[at], true) {
             continue;
         }
-        let open = choices.iter().filter(|(_, _, other)| other.is_none_or(|other| !asked[other]));
-        if let Some(row) = chosen(open.map(|(row, odds, _)| (*row, *odds)), rng) {
-            kept[row] = true;
-            if let Some((_, _, Some(other))) = choices.iter().find(|(of, ..)| *of == row) {
-                asked[*other] = true;
+        let open = choices.iter().filter(|choice| choice.other.is_none_or(|other| !asked[other]));
+        if let Some(choice) = chosen(open, rng) {
+            kept[choice.row] = true;
+            if let Some(other) = choice.other {
+                asked[other] = true;
             }
         }
     }
