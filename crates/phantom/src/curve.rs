@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use willis_core::support::{Point, arc_lengths::ArcWalk, distance, dot, lerp, norm_squared, sub, unit};
+use willis_core::support::{Point, arc_lengths::place_at, distance, dot, lerp, norm_squared, sub, unit};
 
 /// The side to which a vessel curves, and how often it swings.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -71,10 +71,9 @@ fn amplitude(shares: &[f64], chord: f64, length: f64, wave: impl Fn(f64) -> f64)
 /// The shares of the chord at which the fine polyline's arc length is cut into equal steps.
 fn equal_steps(fine: &[f64], chord: f64, height: f64, wave: impl Fn(f64) -> f64, steps: usize) -> Vec<f64> {
     let at = arc(fine, chord, height, wave);
-    let mut walk = ArcWalk::new(&at);
     (0..=steps)
         .map(|i| {
-            let (row, share) = walk.to(at[at.len() - 1] * i as f64 / steps as f64);
+            let (row, share) = place_at(&at, at[at.len() - 1] * i as f64 / steps as f64);
             if i == steps { 1.0 } else { fine[row] + share * (fine[row + 1] - fine[row]) }
         })
         .collect()

@@ -2,7 +2,7 @@
 
 use super::PathPoint;
 use crate::support::{
-    arc_lengths::{ArcWalk, arc_lengths},
+    arc_lengths::{arc_lengths, place_at},
     distance,
 };
 
@@ -50,12 +50,11 @@ pub fn length_of(path: &[PathPoint]) -> f64 {
 pub fn at_even_steps(path: &[PathPoint], steps: usize) -> Vec<PathPlace> {
     let arc = arc_lengths(path.iter().map(|point| point.position));
     let length = arc[arc.len() - 1];
-    let mut walk = ArcWalk::new(&arc);
     let place = |number: usize| {
         if number == steps {
             return PathPlace { point: path.len() - 1, share: 0.0 };
         }
-        let (point, share) = walk.to(length * number as f64 / steps as f64);
+        let (point, share) = place_at(&arc, length * number as f64 / steps as f64);
         PathPlace { point, share }
     };
     (0..=steps).map(place).collect()

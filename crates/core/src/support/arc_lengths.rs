@@ -1,4 +1,4 @@
-//! A line by the length up to each of its points, walks along it, and its direction.
+//! A line by the length up to each of its points, places on it, and its direction.
 
 use super::{Point, distance};
 
@@ -20,25 +20,10 @@ pub fn in_direction<T>(mut line: Vec<T>, forward: bool) -> Vec<T> {
     line
 }
 
-/// A walk along a line of two points at least, by the length up to each of them.
-pub struct ArcWalk<'a> {
-    arc: &'a [f64],
-    point: usize,
-}
-
-impl<'a> ArcWalk<'a> {
-    /// At the beginning.
-    pub fn new(arc: &'a [f64]) -> Self {
-        Self { arc, point: 0 }
-    }
-
-    /// The last point no further along the line than a length, but not its end, and the share of the way from there to the next point. No length
-    /// is shorter than the one before.
-    pub fn to(&mut self, length: f64) -> (usize, f64) {
-        while self.point + 2 < self.arc.len() && self.arc[self.point + 1] <= length {
-            self.point += 1;
-        }
-        let span = self.arc[self.point + 1] - self.arc[self.point];
-        (self.point, if span > 0.0 { ((length - self.arc[self.point]) / span).clamp(0.0, 1.0) } else { 0.0 })
-    }
+/// Where a length lies on a line of two points at least, by the length up to each of them: the last point no further along, but not its end, and the
+/// share of the way from there to the next point.
+pub fn place_at(arc: &[f64], length: f64) -> (usize, f64) {
+    let point = arc[1..arc.len() - 1].partition_point(|at| *at <= length);
+    let span = arc[point + 1] - arc[point];
+    (point, if span > 0.0 { ((length - arc[point]) / span).clamp(0.0, 1.0) } else { 0.0 })
 }

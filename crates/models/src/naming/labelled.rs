@@ -10,7 +10,7 @@ use willis_core::network::path_places::{PathPlace, divided};
 use willis_core::network::walks::{edges_at, other};
 use willis_core::network::{Network, Node, Origin, RadiusRule, Vessel, units::metres};
 use willis_core::support::{
-    arc_lengths::{ArcWalk, arc_lengths, in_direction},
+    arc_lengths::{arc_lengths, in_direction, place_at},
     numbered::grouped,
 };
 
@@ -51,8 +51,7 @@ pub fn labelled_network(graph: &Network, own: &[Node], names: &Names, rule: Radi
             pieces.push(Some(named(ends, vessel.clone(), runs.first())));
             continue;
         }
-        let mut walk = ArcWalk::new(&arc);
-        let changes = runs[..runs.len() - 1].iter().map(|run| walk.to(run.until));
+        let changes = runs[..runs.len() - 1].iter().map(|run| place_at(&arc, run.until));
         let changes = changes.map(|(point, share)| PathPlace { point, share });
         let (mut from, last) = (ends[0], runs.len() - 1);
         for (at, (piece, run)) in divided(&path, changes).into_iter().zip(&runs).enumerate() {

@@ -5,7 +5,7 @@ use petgraph::unionfind::UnionFind;
 use super::algebra::{Symmetric, outer};
 use willis_core::network::walks::{runs_by_node, vessels_at};
 use willis_core::network::{Fragments, Frame, Network, Origin, PathPoint, units::millimetres};
-use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction, place_at};
 use willis_core::support::geometry::{Point, distance, lerp, norm, sub};
 use willis_core::support::numbered::placed;
 
@@ -167,9 +167,8 @@ impl Nodes {
         // Two at the least: never one junction beside another.
         let pieces = ((length / STEP).round() as usize).max(2);
         let at: Vec<f64> = (0..=pieces).map(|k| length * k as f64 / pieces as f64).collect();
-        let mut walk = ArcWalk::new(&arc);
         let at_length = |s: &f64| {
-            let (k, share) = walk.to(*s);
+            let (k, share) = place_at(&arc, *s);
             between(&points[k], &points[k + 1], share)
         };
         let sampled: Vec<BranchPoint> = at.iter().map(at_length).collect();

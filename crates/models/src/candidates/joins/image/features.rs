@@ -4,7 +4,7 @@
 
 use super::ways::{Ahead, CheapestPath, MOST_COST, MOST_MET, across, cheapest_path};
 use crate::candidates::features::Extraction;
-use willis_core::support::arc_lengths::{ArcWalk, arc_lengths, in_direction};
+use willis_core::support::arc_lengths::{arc_lengths, in_direction, place_at};
 use willis_core::support::geometry::{Point, distance, lerp, sub, unit};
 use willis_io::masks::Scene;
 
@@ -108,10 +108,9 @@ fn along(scene: &Scene, line: &[Point], radius: [f64; 2], background: f64, contr
     let steps = ((upto - from) / (STEP * h)).ceil().max(2.0) as usize;
     let share = |x: f64| (x - background) / contrast;
     let (mut values, mut rings, mut inside) = (Vec::new(), Vec::new(), 0);
-    let mut walk = ArcWalk::new(&arc);
     for n in 0..=steps {
         let s = from + (upto - from) * n as f64 / steps as f64;
-        let (segment, on) = walk.to(s);
+        let (segment, on) = place_at(&arc, s);
         let at = lerp(line[segment], line[segment + 1], on);
         let c = share(scene.brightness(at)?);
         let [e1, e2] = across(unit(sub(line[segment + 1], line[segment])));
