@@ -90,11 +90,7 @@ impl GraphEditor {
     /// Whether a vessel is there as far as anyone knows: observed, certain, or a contact that was not rejected.
     fn is_there(&self, row: usize) -> bool {
         let vessel = &self.vessels[row].1;
-        match vessel.origin {
-            Origin::Observed => true,
-            Origin::Contact => vessel.certain || vessel.prior > 0.0,
-            Origin::Candidate => vessel.certain,
-        }
+        vessel.is_given() || vessel.origin == Origin::Contact && vessel.prior > 0.0
     }
 
     fn at(&self, node: usize) -> Point {
@@ -112,18 +108,12 @@ impl GraphEditor {
         let at = place.map(|x| x * 1e-3);
         let mut found: Vec<(f64, usize, (usize, f64))> = Vec::new();
         for row in (0..self.vessels.len()).filter(|row| self.is_there(*row)) {
-            let ([a, b], vessel) = &self.vessels[row];
             let mut best = (f64::INFINITY, row, (0, 0.0));
-            let mut look = |stretch: usize, from: Point, to: Point| {
-                let (share, away) = onto(at, from, to);
+            for (stretch, ends) in self.course(row).windows(2).enumerate() {
+                let (share, away) = onto(at, ends[0].position, ends[1].position);
                 if away < best.0 {
                     best = (away, row, (stretch, share));
                 }
-            };
-            if vessel.path.len() > 1 {
-                vessel.path.windows(2).enumerate().for_each(|(at, w)| look(at, w[0].position, w[1].position));
-            } else {
-                look(0, self.at(*a), self.at(*b));
             }
             found.push(best);
         }
