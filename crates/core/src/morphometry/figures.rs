@@ -2,10 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use petgraph::unionfind::UnionFind;
-
 use super::vessel_lines::{Stretch, cones};
 use super::{MeasuredBifurcation, VesselLine, orders::InletWays};
+use crate::network::Fragments;
 use crate::support::{Point, bounds, distance, lerp, median};
 
 /// Boxes that are counted: the box around the network is cut in 2^k along its longest side, for these k.
@@ -86,14 +85,11 @@ pub fn figures_of(
     region: Option<&Region>,
 ) -> NetworkFigures {
     let InletWays { lines, degree, .. } = ways;
-    let mut joined = UnionFind::<usize>::new(degree.len());
-    for line in lines {
-        joined.union(line.ends[0], line.ends[1]);
-    }
+    let parts = Fragments::over(degree.len(), lines.iter().map(|line| line.ends));
     let mut of_part = BTreeMap::<usize, f64>::new();
     let (mut arteries, mut territories) = (BTreeMap::new(), BTreeMap::new());
     for (line, territory) in lines.iter().zip(territory) {
-        *of_part.entry(joined.find(line.ends[0])).or_default() += line.length;
+        *of_part.entry(parts.of_node[line.ends[0]]).or_default() += line.length;
         if !line.label.is_empty() {
             arteries.entry(line.label.clone()).or_insert_with(Vec::new).push(line);
         }
