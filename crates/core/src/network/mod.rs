@@ -27,7 +27,7 @@ use petgraph::graph::{EdgeIndex, NodeIndex, UnGraph};
 use petgraph::unionfind::UnionFind;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
-use crate::support::{Point, arc_lengths::in_direction, counted, lerp, marked, ties::steady};
+use crate::support::{Point, counted, lerp, marked, ties::steady};
 
 /// Nodes and vessels, in the order of the input. Parallel vessels and self-loops are allowed. A copy, or a part, shares those that it does not
 /// change.
@@ -66,11 +66,6 @@ impl Network {
     /// The path of a vessel, or the straight line between its two nodes where it has none; a node without a position is taken to the origin.
     pub fn path_of(&self, row: usize) -> Vec<PathPoint> {
         self.vessel(row).path_between(self.ends(row).map(|node| self.node(node).position.unwrap_or_default()))
-    }
-
-    /// The same path from one of the two nodes of the vessel on.
-    pub fn path_from(&self, row: usize, node: usize) -> Vec<PathPoint> {
-        in_direction(self.path_of(row), self.ends(row)[0] == node)
     }
 
     /// Adds a node and returns its row.

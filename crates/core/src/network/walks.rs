@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use petgraph::unionfind::UnionFind;
 
 use super::{Network, Origin, PathPoint, Role, Vessel, units::as_stored};
-use crate::support::{grouped, placed};
+use crate::support::{arc_lengths::in_direction, grouped, placed};
 
 /// Nodes and the edges between them: vessels of a network, or links of centerlines.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
@@ -52,7 +52,8 @@ impl Walk {
     pub fn points(&self, network: &Network) -> Vec<PathPoint> {
         let mut points = Vec::new();
         for (row, node) in self.edges.iter().zip(&self.nodes) {
-            points.extend_from_slice(&network.path_from(*row, *node)[usize::from(!points.is_empty())..]);
+            let path = in_direction(network.path_of(*row), network.ends(*row)[0] == *node);
+            points.extend_from_slice(&path[usize::from(!points.is_empty())..]);
         }
         points
     }
