@@ -182,18 +182,17 @@ impl Scale {
     ///
     /// Names the option, its value and what is accepted.
     pub fn validate(&self) -> Result<()> {
-        let refused = |accepted: &str| Err(Error::parameter("spacing", words(self.spacing.unwrap_or_default()), accepted));
         match (self.unit, self.spacing) {
             (LengthUnit::Voxel, None) => {
                 let accepted = "needs `spacing=S` or `spacing=SX,SY,SZ`, in mm; a mask is in mm, without a unit";
                 Err(Error::parameter("units", "voxel", accepted))
             }
             (LengthUnit::Voxel | LengthUnit::Millimetre, Some(s)) if s.iter().any(|x| !x.is_finite() || *x <= 0.0) => {
-                refused("expected one or three positive numbers, in mm")
+                Err(Error::parameter("spacing", words(s), "expected one or three positive numbers, in mm"))
             }
             // In mm it may be that of a mask: whoever knows the format looks again.
             (LengthUnit::Voxel | LengthUnit::Millimetre, Some(_)) | (_, None) => Ok(()),
-            (_, Some(_)) => refused(&self.needs_voxels()),
+            (_, Some(_)) => self.check_coordinates(),
         }
     }
 
@@ -203,11 +202,6 @@ impl Scale {
         Self { unit: other.unwrap_or(self.unit), ..self }
     }
 
-    /// What is said of a spacing where coordinates are not in voxels.
-    fn needs_voxels(&self) -> String {
-        format!("goes with `units=voxel`, not {}", self.unit.symbol())
-    }
-
     /// Refuses a spacing of coordinates that are not in voxels.
     ///
     /// # Errors
@@ -215,7 +209,7 @@ impl Scale {
     /// Names the option and what it goes with.
     pub fn check_coordinates(&self) -> Result<()> {
         let Some(spacing) = self.spacing.filter(|_| self.unit != LengthUnit::Voxel) else { return Ok(()) };
-        Err(Error::parameter("spacing", words(spacing), self.needs_voxels()))
+        Err(Error::parameter("spacing", words(spacing), format!("goes with `units=voxel`, not {}", self.unit.symbol())))
     }
 
     /// mm along each axis for one unit of the file.
