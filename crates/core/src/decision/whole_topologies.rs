@@ -59,7 +59,7 @@ impl Topologies {
 
     /// Draws topologies whose free ends continue by the evidence ([`TopologySource::FreeEnds`]); they need no flow.
     pub fn of_free_ends(network: &Network, known: KnownEnds<'_>, params: &SamplingOptions) -> Self {
-        let ends: Vec<FreeEnd> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
+        let ends: Vec<Vec<EndChoice>> = known.choices(network, |e, end| e.continuation_odds[end]).into_values().collect();
         known.draw(network, params, &ends)
     }
 
@@ -142,11 +142,8 @@ impl Count {
 /// the vessel that feeds it may lie beyond the field of view.
 const UNFED: f64 = END_ODDS;
 
-/// The candidates along which a free end may go on.
-type FreeEnd = Vec<Choice>;
-
 /// A candidate along which a free end may go on.
-struct Choice {
+struct EndChoice {
     row: usize,
     /// Against 1 for ending there.
     odds: f64,
@@ -165,7 +162,7 @@ pub struct KnownEnds<'a> {
 
 impl KnownEnds<'_> {
     /// Draws as many topologies as there are samples: contacts by their probabilities, and of the candidates of each free end one or none.
-    fn draw(&self, network: &Network, params: &SamplingOptions, ends: &[FreeEnd]) -> Topologies {
+    fn draw(&self, network: &Network, params: &SamplingOptions, ends: &[Vec<EndChoice>]) -> Topologies {
         let mut count = Count::default();
         let all = network.vessels().enumerate().filter(|(_, (_, v))| v.origin == Origin::Contact && !v.certain);
         let contacts: Vec<(usize, f64)> = all.map(|(row, (_, v))| (row, v.evidence().map_or(1.0, |e| e.probability))).collect();
@@ -195,9 +192,9 @@ impl KnownEnds<'_> {
     }
 
     /// Per free end that may continue, its candidates with their odds, which are `of` the evidence and the end.
-    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, FreeEnd> {
+    fn choices(&self, network: &Network, of: impl Fn(&Evidence, usize) -> f64) -> BTreeMap<usize, Vec<EndChoice>> {
         let degree = network.degrees(Vessel::is_given);
-        let mut at: BTreeMap<usize, FreeEnd> = BTreeMap::new();
+        let mut at: BTreeMap<usize, Vec<EndChoice>> = BTreeMap::new();
         for (row, (ends, vessel)) in network.vessels().enumerate() {
             let Some(evidence) = vessel.evidence().filter(|_| vessel.origin == Origin::Candidate && !vessel.certain) else {
                 continue;
@@ -205,7 +202,7 @@ impl KnownEnds<'_> {
             for (end, node) in ends.into_iter().enumerate() {
                 let odds = of(&evidence, end);
                 if odds > 0.0 && degree[node] <= 1 && !self.ends[node] {
-                    at.entry(node).or_default().push(Choice { row, odds, other: None });
+                    at.entry(node).or_default().push(EndChoice { row, odds, other: None });
                 }
             }
         }
@@ -213,10 +210,10 @@ impl KnownEnds<'_> {
     }
 
     /// The free ends in the order in which they are asked, by their most probable candidate, each candidate with the free end to which it leads.
-    fn asked_in_turn(&self, network: &Network) -> Vec<FreeEnd> {
+    fn asked_in_turn(&self, network: &Network) -> Vec<Vec<EndChoice>> {
         let odds = |e: &Evidence, _| (e.probability / (1.0 - e.probability)).min(MOST_ODDS);
-        let mut ends: Vec<(usize, FreeEnd)> = self.choices(network, odds).into_iter().collect();
-        let best = |choices: &FreeEnd| choices.iter().map(|choice| choice.odds).fold(0.0, f64::max);
+        let mut ends: Vec<(usize, Vec<EndChoice>)> = self.choices(network, odds).into_iter().collect();
+        let best = |choices: &[EndChoice]| choices.iter().map(|choice| choice.odds).fold(0.0, f64::max);
         ends.sort_by(|a, b| best(&b.1).total_cmp(&best(&a.1)).then(a.0.cmp(&b.0)));
         let number: BTreeMap<usize, usize> = ends.iter().enumerate().map(|(number, (node, _))| (*node, number)).collect();
         for (node, choices) in &mut ends {
@@ -229,7 +226,7 @@ impl KnownEnds<'_> {
 }
 
 /// The candidate along which an end goes on, by the odds of each against 1 for ending there.
-fn chosen<'a>(mut choices: impl Iterator<Item = &'a Choice> + Clone, rng: &mut RandomStream) -> Option<&'a Choice> {
+fn chosen<'a>(mut choices: impl Iterator<Item = &'a EndChoice> + Clone, rng: &mut RandomStream) -> Option<&'a EndChoice> {
     let total: f64 = 1.0 + choices.clone().map(|choice| choice.odds).sum::<f64>();
     let mut left = total * rng.random::<f64>() - 1.0;
     if left < 0.0 {
@@ -242,7 +239,7 @@ fn chosen<'a>(mut choices: impl Iterator<Item = &'a Choice> + Clone, rng: &mut R
 }
 
 /// Asks each free end in turn, unless another went on to it, and no more of what leads to one that was asked.
-fn connect(ends: &[FreeEnd], rng: &mut RandomStream, kept: &mut [bool]) {
+fn connect(ends: &[Vec<EndChoice>], rng: &mut RandomStream, kept: &mut [bool]) {
     let mut asked = vec![false; ends.len()];
     for (at, choices) in ends.iter().enumerate() {
         if std::mem::replace(&mut asked[at], true) {
