@@ -13,7 +13,9 @@ use super::{Coins, ForestProgram, InForest, Kruskal, Method, Sums, Weight, batch
 use crate::error::{Error, Result};
 use crate::flow::drops::{Drops, DropsWorkspace};
 use crate::flow::pressures::{Check, MOST_BACKWARD, Residual};
-use crate::flow::{BatchSolver, Circuit, MOST_RESILIENCE, batch::solver::BatchWorkspace, stranded};
+use crate::flow::{
+    BatchSolver, Circuit, MOST_RESILIENCE, batch::conductances::MaskedRows, batch::solver::BatchWorkspace, stranded,
+};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, positive, product, splat, zip};
 use crate::{flow::resilience::diffused_resilience, support::random::BLOCK};
 
@@ -224,7 +226,8 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
         eighths.fill([Lanes::ZERO; 3]);
         for first in (0..samples).step_by(B) {
             let here = (samples - first).min(B);
-            graph.solver.solve(simd, &graph.solver.masked(masks, first), first, stranded, flow);
+            let open_rows = MaskedRows { conductance: &graph.circuit.conductance, masks, first };
+            graph.solver.solve(simd, &open_rows, first, stranded, flow);
             let group = SampleGroup { graph, pressure: flow.pressure(), masks, first, order };
             if first == 0 {
                 let pressure = |node| group.pressure[graph.solver.slot(node)][0];

@@ -8,7 +8,7 @@ use crate::support::{marked, placed};
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
 
-/// Larger graphs are lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
+/// A graph is lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
 pub const DENSE: usize = 32;
 
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
@@ -35,9 +35,6 @@ impl Star {
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    if nodes <= MOST_IN_BITS {
-        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
-    }
     let mut graph = Lists::new(nodes, links);
     let mut stars = by_degree(nodes, &mut graph, DENSE - 1, limit)?;
     let pairs: usize = stars.iter().map(Star::pairs).sum();
