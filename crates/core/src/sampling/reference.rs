@@ -17,13 +17,12 @@ use faer::{Col, Side, linalg::solvers::Solve};
 use petgraph::{algo::min_spanning_tree, data::Element, graph::UnGraph};
 
 use super::forest::{ExpectedForest, ForestEdge};
-use super::ties::{Ties, TiesWorkspace};
-use super::{Method, Sums, Weight, coins::Block};
+use super::{Method, Sums, Weight, coins::Block, ties::Ties};
 use crate::error::{Error, Result};
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::flow::drops::{Drops, DropsWorkspace};
 use crate::flow::{Circuit, MOST_RESILIENCE, grounded, is_diffused, pressures::Check, resilience, stranded};
-use crate::network::Network;
+use crate::{network::Network, support::simd::Lanes};
 
 /// Conductances further apart than this leave a factorisation without a right digit behind the weakest.
 const MOST_SPAN: f64 = 1e14;
@@ -100,9 +99,9 @@ impl Reference {
         let of_vessel = |vessel: usize| {
             let [a, b] = ends[vessel].map(|node| pressure[node]);
             let flows = open(vessel) && is_diffused(a - b, a + level, b + level);
-            [if flows { of_drop(vessel, a - b) } else { 0.0 }]
+            Lanes([if flows { of_drop(vessel, a - b) } else { 0.0 }])
         };
-        let mut rho: Vec<[f64; 1]> = (0..self.volume.len()).map(of_vessel).collect();
+        let mut rho: Vec<Lanes<1>> = (0..self.volume.len()).map(of_vessel).collect();
         if let Some(drops) = &self.drops {
             let few = |vessel: &usize| {
                 let [a, b] = ends[*vessel].map(|node| pressure[node]);
@@ -112,12 +111,12 @@ impl Reference {
             drops.solve(&open, &mut work);
             let drop = |vessel: usize| drops.drop(vessel, &work).filter(|_| open(vessel));
             if (0..rho.len()).filter(few).any(|vessel| drop(vessel).is_some()) {
-                rho = (0..rho.len()).map(|vessel| [drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))]).collect();
+                rho = (0..rho.len()).map(|vessel| Lanes([drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))])).collect();
             }
         }
-        let flowing: Vec<u64> = rho.iter().map(|[rho]| u64::from(*rho > 0.0)).collect();
-        self.ties.equalise(&mut rho, &flowing, &mut TiesWorkspace::default());
-        rho.concat()
+        let flowing: Vec<u64> = rho.iter().map(|rho| u64::from(rho[0] > 0.0)).collect();
+        self.ties.equalise(&mut rho, &flowing, &mut Vec::new());
+        rho.into_iter().map(|rho| rho[0]).collect()
     }
 }
 

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use super::coins::{Block, PerSample, SUM_LANES, expectation, open_vessels, pairwise, part, perfused};
 use super::forest::{ExpectedForest, ForestEdge};
-use super::ties::{Ties, TiesWorkspace};
+use super::ties::{Tie, Ties};
 use super::{Coins, ForestProgram, InForest, Kruskal, Method, Sums, Weight, batch_forest::IN_FOREST, wider};
 use crate::error::{Error, Result};
 use crate::flow::drops::{Drops, DropsWorkspace};
@@ -123,7 +123,7 @@ pub struct GraphWorkspace<const B: usize> {
     diffused: Vec<ForestEdge>,
     /// Per row the samples of a group in which it flows, as bits.
     flowing: Vec<u64>,
-    ties: TiesWorkspace,
+    ties: Vec<Tie>,
     drops: DropsWorkspace,
     check: Check,
 }
@@ -155,7 +155,7 @@ impl SampledGraph {
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
             flowing: Vec::new(),
-            ties: TiesWorkspace::default(),
+            ties: Vec::new(),
             drops: DropsWorkspace::default(),
             check: Check::default(),
         }

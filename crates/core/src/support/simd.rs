@@ -98,20 +98,6 @@ impl<const B: usize> Lanes<B> {
     }
 }
 
-impl<const B: usize> AsRef<[f64]> for Lanes<B> {
-    #[inline]
-    fn as_ref(&self) -> &[f64] {
-        &self.0
-    }
-}
-
-impl<const B: usize> AsMut<[f64]> for Lanes<B> {
-    #[inline]
-    fn as_mut(&mut self) -> &mut [f64] {
-        &mut self.0
-    }
-}
-
 impl<const B: usize> std::ops::Deref for Lanes<B> {
     type Target = [f64; B];
 

@@ -107,7 +107,7 @@ impl Elimination {
         let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
-        Some(Self::flatten(nodes, &filled.unwrap_or(stars), nodes))
+        Some(Self::of_stars(nodes, &filled.unwrap_or(stars), nodes))
     }
 
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
@@ -121,7 +121,7 @@ impl Elimination {
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
         let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
-        (pairs <= u32::MAX as usize / 2).then(|| Self::flatten(nodes, &stars, eliminated))
+        (pairs <= u32::MAX as usize / 2).then(|| Self::of_stars(nodes, &stars, eliminated))
     }
 
     /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others
@@ -141,7 +141,8 @@ impl Elimination {
         Some(Self { place, ..compiled })
     }
 
-    fn flatten(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
+    /// Compiles the stars of so many nodes; the first `eliminated` of them have meshes.
+    pub fn of_stars(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
         let mut place = vec![NOWHERE; nodes];
         for (at, star) in stars.iter().enumerate() {
             place[star.center] = at as u32;
