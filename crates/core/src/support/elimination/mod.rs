@@ -15,6 +15,9 @@ pub use order::{Star, least_degree};
 
 use order::{least_fill, low_degrees, reverse_cuthill_mckee};
 
+/// More pairs than these are not compiled, so that indices can count them.
+const MOST_INDEXED: usize = u32::MAX as usize / 2;
+
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;
 
@@ -104,7 +107,7 @@ pub struct Elimination {
 impl Elimination {
     /// Orders the nodes and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
     pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
-        let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
+        let stars = least_degree(nodes, links, limit.min(MOST_INDEXED))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
         Some(Self::of_stars(nodes, &filled.unwrap_or(stars), nodes))
@@ -113,15 +116,14 @@ impl Elimination {
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
     /// the order of Cuthill and McKee, with its rays but without meshes; `None` when indices cannot count the joins.
     pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
-        let (mut stars, left) = low_degrees(nodes, links, most);
+        let (mut stars, left) = low_degrees(nodes, links, most, MOST_INDEXED)?;
         let eliminated = stars.len();
         let gone = marked(nodes, stars.iter().map(|star| star.center));
         let core = reverse_cuthill_mckee(&left, |node| !gone[node]);
         let place = placed(nodes, core.iter().copied());
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
-        let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
-        (pairs <= u32::MAX as usize / 2).then(|| Self::of_stars(nodes, &stars, eliminated))
+        Some(Self::of_stars(nodes, &stars, eliminated))
     }
 
     /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others

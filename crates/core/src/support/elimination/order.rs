@@ -35,10 +35,9 @@ impl Star {
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    let mut graph = Lists::new(nodes, links);
-    let mut stars = by_degree(nodes, &mut graph, DENSE - 1, limit)?;
+    let (mut stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
     let pairs: usize = stars.iter().map(Star::pairs).sum();
-    stars.extend(of_the_rest(&stars, &graph.into_lists(), limit - pairs)?);
+    stars.extend(of_the_rest(&stars, &left, limit - pairs)?);
     Some(stars)
 }
 
@@ -62,12 +61,11 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
-/// per node that remains, its neighbours that remain.
-pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
+/// per node that remains, its neighbours that remain; `None` for more than `limit` pairs.
+pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize, limit: usize) -> Option<(Vec<Star>, Vec<Vec<usize>>)> {
     let mut graph = Lists::new(nodes, links);
-    // Without a limit there is always an order.
-    let stars = by_degree(nodes, &mut graph, most, usize::MAX).unwrap_or_default();
-    (stars, graph.into_lists())
+    let stars = by_degree(nodes, &mut graph, most, limit)?;
+    Some((stars, graph.into_lists()))
 }
 
 /// The order of Cuthill and McKee (1969), reversed, of the nodes that `among` admits: neighbours lie near to one another.
@@ -103,9 +101,8 @@ pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: u
     let mut pairs = 0;
     while let Some((least, center)) = queue.pop_first() {
         if least + stars.len() + 1 == nodes {
-            // All that are left are joined to one another.
-            let mut rest: Vec<usize> = queue.iter().map(|(_, node)| *node).chain([center]).collect();
-            rest.sort_unstable();
+            // All that are left are joined to one another, and wait in the order of their numbers.
+            let rest: Vec<usize> = std::iter::once(center).chain(queue.iter().map(|(_, node)| *node)).collect();
             pairs += (0..=least).map(|rays| rays * rays.saturating_sub(1) / 2).sum::<usize>();
             if pairs > limit {
                 return None;
