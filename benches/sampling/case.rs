@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use willis::internals::flow::batch::conductances::MaskedRows;
 use willis::internals::flow::boundary_conditions::stated;
 use willis::internals::flow::peeling::{Peeled, peel};
 use willis::internals::flow::resilience::{is_diffused, resilience_per_square_drop};
@@ -78,7 +79,8 @@ impl Pieces {
             if sample.is_multiple_of(64) {
                 self.occlusion.draw(0, sample as u64 / 64, &mut masks);
             }
-            solver.solve(Scalar::new(), &solver.masked(&masks, sample % 64), sample % 64, &[], &mut work);
+            let rows = MaskedRows { conductance: &self.circuit.conductance, masks: &masks, first: sample % 64 };
+            solver.solve(Scalar::new(), &rows, sample % 64, &[], &mut work);
             let resilience = |vessel: usize| {
                 let [a, b] = self.circuit.ends[vessel].map(|node| work.pressure()[solver.slot(node)][0]);
                 let open = masks[vessel] >> (sample % 64) & 1 == 1;

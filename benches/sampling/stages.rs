@@ -3,7 +3,7 @@
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
 use willis::internals::flow::BatchSolver;
-use willis::internals::flow::batch::solver::BatchWorkspace;
+use willis::internals::flow::batch::{conductances::MaskedRows, solver::BatchWorkspace};
 use willis::internals::sampling::{Coins, ForestProgram, InForest, wider};
 use willis::internals::support::simd::{InstructionSet, Kernel, Lanes, Simd};
 
@@ -19,27 +19,28 @@ pub fn solve(pieces: &Pieces, program: &BatchSolver, budget: f64) -> f64 {
     let instructions = InstructionSet::detect();
     let mut masks = Vec::new();
     pieces.occlusion.draw(0, 0, &mut masks);
+    let rows = MaskedRows { conductance: &pieces.circuit.conductance, masks: &masks, first: 0 };
     if instructions == InstructionSet::Avx512 {
-        solve_lanes::<16>(instructions, program, &masks, budget)
+        solve_lanes::<16>(instructions, program, rows, budget)
     } else {
-        solve_lanes::<8>(instructions, program, &masks, budget)
+        solve_lanes::<8>(instructions, program, rows, budget)
     }
 }
 
-struct Solve<'a, const B: usize>(&'a BatchSolver, &'a [u64], &'a mut BatchWorkspace<B>);
+struct Solve<'a, const B: usize>(&'a BatchSolver, MaskedRows<'a>, &'a mut BatchWorkspace<B>);
 
 impl<const B: usize> Kernel for Solve<'_, B> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        self.0.solve(simd, &self.0.masked(self.1, 0), 0, &[], self.2);
+        self.0.solve(simd, &self.1, 0, &[], self.2);
     }
 }
 
-fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &BatchSolver, masks: &[u64], budget: f64) -> f64 {
+fn solve_lanes<const B: usize>(instructions: InstructionSet, program: &BatchSolver, rows: MaskedRows<'_>, budget: f64) -> f64 {
     let mut work = program.workspace::<B>();
-    per_call(budget, || instructions.run(Solve(program, masks, &mut work))) / B as f64
+    per_call(budget, || instructions.run(Solve(program, rows, &mut work))) / B as f64
 }
 
 /// Microseconds a sample of the forest program: keys put in, paths widened, vessels taken.

@@ -3,7 +3,7 @@
 use crate::draw::Draw;
 use crate::networks::{radii, random_conditions, random_network, run};
 use willis::internals::network::{Condition, Network};
-use willis::internals::sampling::{DyadicSums, Likelihood, SamplingOptions, Solver, Summed, Sums, Uncertain, Weight};
+use willis::internals::sampling::{DyadicSums, Likelihood, SamplingOptions, Solver, Sums, Uncertain, Weight};
 use willis::internals::support::random::BLOCK;
 
 fn graph() -> (Network, Vec<(usize, Condition)>) {
@@ -132,7 +132,7 @@ fn nodes_of(blocks: &[Sums], from: usize, to: usize) -> Vec<(u64, u64, Sums)> {
     nodes
 }
 
-fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> DyadicSums<Sums> {
+fn summed(nodes: impl IntoIterator<Item = (u64, u64, Sums)>) -> DyadicSums {
     let mut sum = DyadicSums::default();
     for (first, blocks, sums) in nodes {
         sum.insert(first, blocks, sums, &mut Vec::new(), |_, _, _| {});
@@ -167,7 +167,7 @@ fn dyadic_sums_are_the_same_from_any_split_and_order() {
         }
     }
     assert!(plain_differs);
-    assert!(DyadicSums::<Sums>::default().total().is_none());
+    assert!(DyadicSums::default().total().is_none());
 }
 
 /// By hand: of blocks 0..16, 2..4 and 8..16 are there, which leaves 0..2 and 4..8.

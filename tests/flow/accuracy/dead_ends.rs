@@ -6,10 +6,9 @@
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
-use willis::internals::flow::Circuit;
-use willis::internals::flow::pressures::PressureSolver;
 use willis::internals::flow::resilience::is_diffused;
 use willis::internals::flow::state::{AT_REST, Balanced};
+use willis::internals::flow::{BatchSolver, Circuit};
 
 use super::{DROP_TOLERANCE, circuit, lanes, numberings, renumbered, star_mesh};
 
@@ -144,7 +143,7 @@ fn nothing_flows_in_a_dead_end() {
         injects: false,
         level: 0.0,
     };
-    let mut found = PressureSolver::new(&circuit).expect("compiles").above_level(|_| true).expect("solved");
+    let mut found = BatchSolver::for_few(&circuit).expect("compiles").above_level(&circuit, |_| true).expect("solved");
     for (node, ulps) in [(3, 3.0), (4, -2.0)] {
         found[node] = found[node].map(|p| p * (1.0 + ulps * f64::EPSILON));
     }
@@ -169,7 +168,7 @@ fn vessels_in_series_carry_one_flow() {
             injects: false,
             level: 0.0,
         };
-        let found = PressureSolver::new(&circuit).expect("compiles").above_level(|_| true).expect("solved");
+        let found = BatchSolver::for_few(&circuit).expect("compiles").above_level(&circuit, |_| true).expect("solved");
         let balanced = Balanced::of(&circuit, &circuit.conductance, &found);
         let flow = 100.0 / (1.0 + 1.0 / stiff);
         for (drop, conductance) in balanced.drop.iter().zip(&circuit.conductance) {

@@ -16,7 +16,7 @@ use std::collections::BTreeMap;
 
 use rand::RngExt;
 
-use crate::flow::{Boundary, Circuit, Tube, pressures::PressureSolver, state::State};
+use crate::flow::{BatchSolver, Boundary, Circuit, Tube, state::State};
 use crate::network::{END_ODDS, Evidence, MOST_ODDS, Network, Origin, Vessel, fragments, walks::other_end};
 use crate::sampling::{Coins, Kruskal, SamplingOptions, Weight, options::Patterns};
 use crate::support::random::{BLOCK, RandomStream, stream};
@@ -71,10 +71,10 @@ impl Topologies {
         let patterns = Patterns::new(network, &provisional, params)?;
         let at_rest = Tube::at_rest(network, params.viscosity);
         let circuit = Circuit::with(network, boundary, &provisional, &at_rest)?;
-        let solver = PressureSolver::new(&circuit)?;
+        let solver = BatchSolver::for_few(&circuit)?;
         let (mut forest, coins) = (Kruskal::default(), Coins::new(network.vessel_count(), params.seed));
         let mut vote = |open: &dyn Fn(usize) -> bool, probability: f64, coin: f64| -> Result<()> {
-            let above_level = solver.above_level(open)?;
+            let above_level = solver.above_level(&circuit, open)?;
             let mut tubes = at_rest.clone();
             for (row, tube) in tubes.iter_mut().enumerate().filter(|(row, _)| !open(*row)) {
                 debug_assert!(uncertain[row]);

@@ -114,15 +114,14 @@ impl Boundary {
             if found.is_empty() {
                 return Err(none("outlet", &ends, true));
             }
-            let cubes: Vec<f64> = found.iter().map(|n| ends.radius[*n].powi(3)).collect();
-            let total: f64 = cubes.iter().sum();
+            let cube = |node: usize| ends.radius[node].powi(3);
+            let total: f64 = found.iter().map(|node| cube(*node)).sum();
             let pressure = boundary.conditions.iter().filter_map(|(_, c)| c.pressure()).fold(0.0, f64::max);
             let pressure = if pressure > 0.0 { pressure } else { INLET_PRESSURE };
-            let mut cubes = cubes.into_iter();
-            boundary.find(&found, Role::Outlet, |_| match outlets {
+            boundary.find(&found, Role::Outlet, |node| match outlets {
                 FoundOutlets::Ground => Condition::GROUND,
                 FoundOutlets::Murray(of_all) => {
-                    let share = cubes.next().unwrap_or(total) / total;
+                    let share = cube(node) / total;
                     let resistance = match of_all {
                         Total::Flow(flow) => pressure / (flow * share),
                         Total::Resistance(resistance) => resistance / share,
@@ -256,7 +255,7 @@ impl Boundary {
         self.roles.iter().filter(|r| **r == role).count()
     }
 
-    fn find(&mut self, nodes: &[usize], role: Role, mut condition: impl FnMut(usize) -> Condition) {
+    fn find(&mut self, nodes: &[usize], role: Role, condition: impl Fn(usize) -> Condition) {
         for node in nodes {
             self.roles[*node] = role;
             self.conditions.push((*node, condition(*node)));

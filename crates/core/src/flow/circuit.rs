@@ -75,14 +75,13 @@ impl Circuit {
             level,
             terminals: Vec::new(),
         };
-        let mut outside = Vec::new();
         for (node, condition) in &boundary.conditions {
             let is_provisional = provisional.binary_search_by_key(node, |p| p.node).is_ok();
             match condition {
-                Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level, &mut outside),
+                Condition::Pressure(p) if is_provisional => circuit.link(*node, true, 1.0, p - level),
                 Condition::Pressure(p) => circuit.fixed[*node] = Some(p - level),
                 Condition::Resistance { resistance, venous } if is_provisional => {
-                    circuit.link(*node, false, 1.0 / resistance, venous - level, &mut outside);
+                    circuit.link(*node, false, 1.0 / resistance, venous - level);
                 }
                 Condition::Resistance { resistance, venous } => {
                     (circuit.shunt[*node], circuit.source[*node]) = (1.0 / resistance, (venous - level) / resistance);
@@ -93,14 +92,14 @@ impl Circuit {
         Ok(circuit)
     }
 
-    /// Adds a terminal to a node outside at a pressure, of which there is one for each; those there are already are `outside`.
-    fn link(&mut self, node: usize, fixes: bool, conductance: f64, pressure: f64, outside: &mut Vec<usize>) {
-        let there = outside.iter().copied().find(|node| self.fixed[*node] == Some(pressure));
+    /// Adds a terminal to a node outside at a pressure, of which there is one for each.
+    fn link(&mut self, node: usize, fixes: bool, conductance: f64, pressure: f64) {
+        let mut outside = self.ends[self.vessel_count()..].iter().map(|[_, outside]| *outside);
+        let there = outside.find(|node| self.fixed[*node] == Some(pressure));
         let there = there.unwrap_or_else(|| {
             self.fixed.push(Some(pressure));
             self.shunt.push(0.0);
             self.source.push(0.0);
-            outside.push(self.fixed.len() - 1);
             self.fixed.len() - 1
         });
         self.ends.push([node, there]);

@@ -1,44 +1,28 @@
 //! The steady pressures of one network, with all of its vessels open or some of them closed; and how well pressures solve a circuit: what
 //! is left of Kirchhoff's current law A P = b.
 
-use super::{BatchSolver, Circuit, grounded, stranded};
+use super::{BatchSolver, Circuit, batch::conductances::MaskedRows, grounded, stranded};
 use crate::error::{Error, Result};
 use crate::support::simd::Scalar;
 
 /// A solver with a backward error above this has not found the pressures.
 pub const MOST_BACKWARD: f64 = 1e-10;
 
-/// A compiled circuit, which can be solved for one pattern of open vessels after another.
-#[derive(Debug)]
-pub struct PressureSolver<'a> {
-    circuit: &'a Circuit,
-    solver: BatchSolver,
-}
-
-impl<'a> PressureSolver<'a> {
-    /// Compiles a circuit.
-    ///
-    /// # Errors
-    ///
-    /// More vessels than indices can count.
-    pub fn new(circuit: &'a Circuit) -> Result<Self> {
-        Ok(Self { circuit, solver: BatchSolver::for_few(circuit)? })
-    }
-
-    /// The pressure of every node with the rows `open`, vessels and terminals that hold, Pa above the circuit's level, so that drops keep all of their digits;
-    /// `None` in floating components, where it is undefined.
+impl BatchSolver {
+    /// The pressure of every node of the circuit that was compiled, with the rows `open`, vessels and terminals that hold, Pa above the circuit's
+    /// level, so that drops keep all of their digits; `None` in floating components, where it is undefined.
     ///
     /// # Errors
     ///
     /// Conjugate gradients that do not converge on a large circuit.
-    pub fn above_level(&self, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
-        let Self { circuit, solver } = self;
+    pub fn above_level(&self, circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
         let masks: Vec<u64> = (0..circuit.row_count()).map(|row| u64::from(open(row))).collect();
         let stranded = stranded(circuit, &masks, 1);
-        let mut work = solver.workspace::<1>();
-        solver.solve(Scalar::new(), &solver.masked(&masks, 0), 0, &stranded, &mut work);
-        let pressure = |node: usize| work.pressure()[solver.slot(node)][0];
-        if solver.core().is_some() {
+        let mut work = self.workspace::<1>();
+        let rows = MaskedRows { conductance: &circuit.conductance, masks: &masks, first: 0 };
+        self.solve(Scalar::new(), &rows, 0, &stranded, &mut work);
+        let pressure = |node: usize| work.pressure()[self.slot(node)][0];
+        if self.core().is_some() {
             let residual = Check::default().residual(circuit, circuit.if_open(&masks), &stranded, pressure);
             if residual.backward > MOST_BACKWARD {
                 return Err(Error::Breakdown);
@@ -53,9 +37,9 @@ impl<'a> PressureSolver<'a> {
 ///
 /// # Errors
 ///
-/// As [`PressureSolver::new`] and [`PressureSolver::above_level`].
+/// As [`BatchSolver::for_few`] and [`BatchSolver::above_level`].
 pub fn pressures(circuit: &Circuit, open: impl Fn(usize) -> bool) -> Result<Vec<Option<f64>>> {
-    Ok(circuit.pressures(&PressureSolver::new(circuit)?.above_level(open)?))
+    Ok(circuit.pressures(&BatchSolver::for_few(circuit)?.above_level(circuit, open)?))
 }
 
 /// The residual of one sample.

@@ -9,7 +9,7 @@
 
 use std::{collections::BTreeMap, f64::consts::PI};
 
-use super::{Boundary, Circuit, Tube, is_diffused, pressures::PressureSolver, resilience};
+use super::{BatchSolver, Boundary, Circuit, Tube, is_diffused, resilience};
 use crate::{error::Result, network::Network};
 
 /// Density of blood, kg/m³.
@@ -62,7 +62,7 @@ impl State {
     /// A vessel whose conductance no double can hold, or a breakdown of the solver.
     pub fn solve(network: &Network, boundary: &Boundary, tubes: &[Tube], viscosity: f64) -> Result<Self> {
         let circuit = Circuit::with(network, boundary, &[], tubes)?;
-        let above_level = PressureSolver::new(&circuit)?.above_level(|row| tubes[row].is_open())?;
+        let above_level = BatchSolver::for_few(&circuit)?.above_level(&circuit, |row| tubes[row].is_open())?;
         Ok(Self::at_pressures(&circuit, boundary, tubes, viscosity, &above_level))
     }
 
@@ -158,9 +158,23 @@ impl Balanced {
             return best;
         }
         let total = |lacking: &[f64]| lacking.iter().map(|lack| lack.abs()).sum::<f64>();
+        // What is lacking is injected, and the pressures that conditions hold do not change.
+        let mut of_changes = Circuit {
+            conductance: conductance.to_vec(),
+            fixed: circuit.fixed.iter().map(|fixed| fixed.map(|_| 0.0)).collect(),
+            injects: true,
+            level: 0.0,
+            ..circuit.clone()
+        };
+        let Ok(mut solver) = BatchSolver::for_few(&of_changes) else { return best };
         for _ in 0..ROUNDS {
             let before = total(&lacking);
-            let Some(change) = changes(circuit, conductance, lacking) else { break };
+            of_changes.source = lacking;
+            solver.inject_as(&of_changes);
+            let Ok(change) = solver.above_level(&of_changes, |vessel| conductance[vessel] > 0.0) else { break };
+            if !change.iter().flatten().all(|change| change.is_finite()) {
+                break;
+            }
             let next = best.plus(circuit, &change);
             let (left, now) = next.imbalance(circuit, conductance);
             // In a vessel at rest all of the flow is lacking, so the worst share stays 1 until rounding is gone: the sum tells progress. What small
@@ -263,18 +277,4 @@ fn carrying(circuit: &Circuit, flow: &[f64], known: Vec<bool>) -> Vec<bool> {
         }
     }
     carries
-}
-
-/// The pressures that bring what is lacking, Pa; `None` where no solver finds them.
-fn changes(circuit: &Circuit, conductance: &[f64], lacking: Vec<f64>) -> Option<Vec<Option<f64>>> {
-    let of_changes = Circuit {
-        conductance: conductance.to_vec(),
-        fixed: circuit.fixed.iter().map(|fixed| fixed.map(|_| 0.0)).collect(),
-        source: lacking,
-        injects: true,
-        level: 0.0,
-        ..circuit.clone()
-    };
-    let change = PressureSolver::new(&of_changes).ok()?.above_level(|vessel| conductance[vessel] > 0.0).ok()?;
-    change.iter().flatten().all(|change| change.is_finite()).then_some(change)
 }

@@ -4,8 +4,8 @@
 use super::absorbing_walk::{AbsorbingWalk, escapes};
 use super::clique_tree::{Clique, cliques, complete};
 use super::{Edge, Forests};
-use crate::support::elimination::{Star, least_degree};
-use crate::support::{grouped, placed};
+use crate::support::elimination::{Elimination, Star, least_degree};
+use crate::support::grouped;
 
 /// Marginal probabilities of the posterior; those of a fragment's edges and its root sum to one.
 #[derive(Debug, Clone, PartialEq)]
@@ -165,18 +165,6 @@ pub fn log_likelihood(forests: &Forests, marginals: &Marginals, allowed: &[bool]
     (value, ForestGradient { edges: edges.collect(), roots: roots.collect() })
 }
 
-/// A fragment at its turn, by places in the order.
-struct Turn {
-    fragment: usize,
-    /// The neighbours at its elimination, in order.
-    to: Vec<usize>,
-    /// Odds of stepping to each, and from each to here.
-    out: Vec<f64>,
-    into: Vec<f64>,
-    /// Odds of dying here or in what was eliminated: with a mark, and without.
-    death: [f64; 2],
-}
-
 /// Per fragment the probability that the root of its tree is `marked`, shape (fragments): Σ G_cr v_r over the marked r, the
 /// probability that the walk from c dies in one of them.
 ///
@@ -189,51 +177,47 @@ pub fn rooted_in(forests: &Forests, marked: &[bool]) -> Vec<f64> {
     assert_eq!(marked.len(), forests.fragments(), "one mark per fragment");
     let scaled = Scaled::new(forests);
     let stars = scaled.stars(forests);
-    let place = placed(stars.len(), stars.iter().map(|star| star.center));
-    let turn = |star: &Star| {
-        let mut to: Vec<usize> = star.neighbours.iter().map(|node| place[*node]).collect();
-        to.sort_unstable();
-        let (root, rays) = (scaled.root[star.center], to.len());
-        let death = if marked[star.center] { [root, 0.0] } else { [0.0, root] };
-        Turn { fragment: star.center, to, out: vec![0.0; rays], into: vec![0.0; rays], death }
+    // Fragments by their places in the order; its meshes, which a tangle has too many of, are not kept.
+    let order = Elimination::of_stars(stars.len(), &stars, 0);
+    // By place the odds of dying there or in what was eliminated: with a mark, and without.
+    let death = |star: &Star| {
+        let root = scaled.root[star.center];
+        if marked[star.center] { [root, 0.0] } else { [0.0, root] }
     };
-    let mut turns: Vec<Turn> = stars.iter().map(turn).collect();
+    let mut death: Vec<[f64; 2]> = stars.iter().map(death).collect();
+    // By ray the odds of a step along it to the later fragment, and back.
+    let (mut out, mut into) = (vec![0.0; order.rays()], vec![0.0; order.rays()]);
     for (_, edge, odds) in scaled.possible(forests) {
-        let [child, parent] = [edge.child, edge.parent].map(|fragment| place[fragment]);
-        let turn = &mut turns[child.min(parent)];
-        let ray = turn.to.partition_point(|to| *to < child.max(parent));
-        *(if child < parent { &mut turn.out[ray] } else { &mut turn.into[ray] }) += odds;
+        let [child, parent] = [edge.child, edge.parent].map(|fragment| order.place(fragment));
+        let steps = if child < parent { &mut out } else { &mut into };
+        steps[order.ray_between(child, parent) as usize] += odds;
     }
-    for at in 0..turns.len() {
-        eliminate(&mut turns, at);
-    }
-    let mut rooted = vec![0.0; turns.len()];
-    for turn in turns.iter().rev() {
-        let later = turn.to.iter().zip(&turn.out).map(|(to, odds)| odds * rooted[turns[*to].fragment]);
-        rooted[turn.fragment] = (turn.death[0] + later.sum::<f64>()).min(1.0);
-    }
-    rooted
-}
-
-/// Makes the odds of a fragment probabilities, and of each step to it the steps that lead on.
-fn eliminate(turns: &mut [Turn], at: usize) {
-    let (done, later) = turns.split_at_mut(at + 1);
-    let turn = &mut done[at];
-    let sum = turn.death.iter().sum::<f64>() + turn.out.iter().sum::<f64>();
-    turn.out.iter_mut().chain(&mut turn.death).for_each(|odds| *odds /= sum);
-    for (i, to) in turn.to.iter().enumerate() {
-        let target = &mut later[to - at - 1];
-        for (death, here) in target.death.iter_mut().zip(turn.death) {
-            *death += turn.into[i] * here;
-        }
-        // All later neighbours are neighbours of this one; both lists are in order.
-        let mut ray = 0;
-        for j in i + 1..turn.to.len() {
-            while target.to[ray] < turn.to[j] {
-                ray += 1;
+    let later = order.ray_to();
+    for at in 0..order.nodes() {
+        // The odds of a fragment become probabilities, and each step to it the steps that lead on.
+        let star = order.star(at);
+        let sum = death[at].iter().sum::<f64>() + out[star.clone()].iter().sum::<f64>();
+        out[star.clone()].iter_mut().chain(&mut death[at]).for_each(|odds| *odds /= sum);
+        for i in star.clone() {
+            let (to, dies_here) = (later[i] as usize, death[at]);
+            for (death, here) in death[to].iter_mut().zip(dies_here) {
+                *death += into[i] * here;
             }
-            target.out[ray] += turn.into[i] * turn.out[j];
-            target.into[ray] += turn.into[j] * turn.out[i];
+            // All later neighbours are neighbours of this one; both lists are in order.
+            let mut ray = order.star(to).start;
+            for j in i + 1..star.end {
+                while later[ray] < later[j] {
+                    ray += 1;
+                }
+                out[ray] += into[i] * out[j];
+                into[ray] += into[j] * out[i];
+            }
         }
     }
+    let mut rooted = vec![0.0; order.nodes()];
+    for at in (0..rooted.len()).rev() {
+        let onwards = order.star(at).map(|ray| out[ray] * rooted[later[ray] as usize]);
+        rooted[at] = (death[at][0] + onwards.sum::<f64>()).min(1.0);
+    }
+    (0..rooted.len()).map(|fragment| rooted[order.place(fragment) as usize]).collect()
 }

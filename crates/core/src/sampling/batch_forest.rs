@@ -55,33 +55,20 @@ impl ForestProgram {
     #[inline(always)]
     pub fn grow<S: Simd, const B: usize>(&self, simd: S, coins: &Coins, widest: &mut [Lanes<B>], taken: &mut [InForest<B>]) {
         for k in 0..self.program.nodes() {
-            self.eliminate(simd, k, widest, coins, taken);
-        }
-    }
-
-    /// Eliminates the k-th node.
-    #[inline(always)]
-    fn eliminate<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        k: usize,
-        widest: &mut [Lanes<B>],
-        coins: &Coins,
-        taken: &mut [InForest<B>],
-    ) {
-        let star = self.program.star(k);
-        let (done, later) = widest.split_at_mut(star.end);
-        let mut mesh = self.program.mesh(k).iter();
-        let rays = &done[star.clone()];
-        let mut best = Lanes::ZERO;
-        for (i, a) in rays.iter().enumerate() {
-            best = wider(simd, &best, a);
-            for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
-                let m = &mut later[*target as usize - star.end];
-                *m = wider(simd, m, &narrower(simd, a, b));
+            let star = self.program.star(k);
+            let (done, later) = widest.split_at_mut(star.end);
+            let mut mesh = self.program.mesh(k).iter();
+            let rays = &done[star.clone()];
+            let mut best = Lanes::ZERO;
+            for (i, a) in rays.iter().enumerate() {
+                best = wider(simd, &best, a);
+                for (b, target) in rays[i + 1..].iter().zip(&mut mesh) {
+                    let m = &mut later[*target as usize - star.end];
+                    *m = wider(simd, m, &narrower(simd, a, b));
+                }
             }
+            take(simd, coins, &best, taken);
         }
-        take(simd, coins, &best, taken);
     }
 }
 

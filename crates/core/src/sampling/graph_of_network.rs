@@ -51,16 +51,14 @@ impl SampledGraph {
         for (at, chain) in order.iter().enumerate() {
             let (rows, factors, weakest) = (&chains[*chain], &factors[*chain], weakest[*chain]);
             let least = factors[weakest];
-            let is_weakest = |member: usize| same(factors[member], least);
+            let (alike, others): (Vec<usize>, Vec<usize>) = (0..rows.len()).partition(|member| same(factors[*member], least));
             let first_equal = equals.len();
-            equals.extend((0..rows.len()).filter(|member| is_weakest(*member)).map(|member| rows[member] as u32));
-            if equals.len() == first_equal + 1 {
-                equals.pop();
+            if alike.len() > 1 {
+                equals.extend(alike.iter().map(|member| rows[*member] as u32));
             }
-            let mut others = (0..rows.len()).filter(|member| !is_weakest(*member));
-            let first = others.next();
-            for other in others {
-                shares.extend(first.map(|first| (rows[other] as u32, rows[first] as u32, factors[other] / factors[first])));
+            let first = others.first().copied();
+            for other in others.iter().skip(1) {
+                shares.push((rows[*other] as u32, rows[others[0]] as u32, factors[*other] / factors[others[0]]));
             }
             flows.push(RowFlow {
                 slots: [0; 2],

@@ -99,11 +99,10 @@ impl Sums {
         })
         .collect()
     }
-}
 
-impl Summed for Sums {
-    fn plus(mut self, right: &Self) -> Self {
-        let add = |a: &mut [f64], b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    /// The sum of this and of `right`, which comes from later samples.
+    #[must_use]
+    pub fn plus(mut self, right: &Self) -> Self {
         add(&mut self.likelihood, &right.likelihood);
         add(&mut self.square, &right.square);
         add(&mut self.count, &right.count);
@@ -113,6 +112,10 @@ impl Summed for Sums {
         self.samples += right.samples;
         self
     }
+}
+
+fn add(sums: &mut [f64], others: &[f64]) {
+    sums.iter_mut().zip(others).for_each(|(sum, other)| *sum += other);
 }
 
 /// The state of the uncertain vessels after some of the samples.
@@ -221,28 +224,14 @@ impl Likelihood {
     }
 }
 
-/// What can be summed over a range of blocks.
-pub trait Summed: Clone {
-    /// The sum of this and of `right`, which comes from later blocks.
-    #[must_use]
-    fn plus(self, right: &Self) -> Self;
-}
-
-impl Summed for Vec<f64> {
-    fn plus(mut self, right: &Self) -> Self {
-        self.iter_mut().zip(right).for_each(|(a, b)| *a += b);
-        self
-    }
-}
-
 /// The sums over the blocks that are finished: the largest nodes of the tree that they fill.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct DyadicSums<T> {
+pub struct DyadicSums {
     /// Blocks of each node and their sum, by the node's first block. A node has 2^k blocks and begins at a multiple of that.
-    nodes: BTreeMap<u64, (u64, T)>,
+    nodes: BTreeMap<u64, (u64, Sums)>,
 }
 
-impl<T: Summed> DyadicSums<T> {
+impl DyadicSums {
     /// Whether the tree has a node of so many blocks from `first` on.
     pub fn is_node(first: u64, blocks: u64) -> bool {
         blocks.is_power_of_two() && first.is_multiple_of(blocks) && first.checked_add(blocks).is_some()
@@ -251,7 +240,14 @@ impl<T: Summed> DyadicSums<T> {
     /// Adds the sum over a node of so many blocks, and joins it with its sibling as long as that is there. None of its blocks may be there yet.
     ///
     /// `done` is called for every node that this completes, beginning with the one given; memory that is no longer needed goes to `spare`.
-    pub fn insert(&mut self, mut first: u64, mut size: u64, mut sum: T, spare: &mut Vec<T>, mut done: impl FnMut(u64, u64, &T)) {
+    pub fn insert(
+        &mut self,
+        mut first: u64,
+        mut size: u64,
+        mut sum: Sums,
+        spare: &mut Vec<Sums>,
+        mut done: impl FnMut(u64, u64, &Sums),
+    ) {
         debug_assert!(Self::is_node(first, size) && !self.overlaps(first..first + size));
         loop {
             done(first, size, &sum);
@@ -267,12 +263,12 @@ impl<T: Summed> DyadicSums<T> {
     }
 
     /// Each node's first block, number of blocks and sum, by first block.
-    pub fn nodes(&self) -> impl ExactSizeIterator<Item = (u64, u64, &T)> {
+    pub fn nodes(&self) -> impl ExactSizeIterator<Item = (u64, u64, &Sums)> {
         self.nodes.iter().map(|(first, (blocks, sum))| (*first, *blocks, sum))
     }
 
     /// The same, by value.
-    pub fn into_nodes(self) -> impl ExactSizeIterator<Item = (u64, u64, T)> {
+    pub fn into_nodes(self) -> impl ExactSizeIterator<Item = (u64, u64, Sums)> {
         self.nodes.into_iter().map(|(first, (blocks, sum))| (first, blocks, sum))
     }
 
@@ -298,7 +294,7 @@ impl<T: Summed> DyadicSums<T> {
     }
 
     /// The sum over all blocks that are there; `None` before the first.
-    pub fn total(&self) -> Option<T> {
+    pub fn total(&self) -> Option<Sums> {
         let mut nodes = self.nodes.values().rev();
         let mut total = nodes.next()?.1.clone();
         for (_, left) in nodes {
@@ -320,7 +316,7 @@ pub struct PartialRun {
     samples: u64,
     /// Blocks between two points of the convergence record, a power of two.
     step: u64,
-    sums: DyadicSums<Sums>,
+    sums: DyadicSums,
     /// L of the uncertain vessels over each step that is finished.
     steps: BTreeMap<u64, Vec<f64>>,
 }
@@ -376,9 +372,7 @@ impl PartialRun {
 
     /// Whether the node of so many blocks from `first` on can be added: it is a node of this run, and none of it is finished yet.
     pub fn takes(&self, first: u64, blocks: u64) -> bool {
-        DyadicSums::<Sums>::is_node(first, blocks)
-            && first + blocks <= self.blocks()
-            && !self.sums.overlaps(first..first + blocks)
+        DyadicSums::is_node(first, blocks) && first + blocks <= self.blocks() && !self.sums.overlaps(first..first + blocks)
     }
 
     /// Adds the sums of a node for which [`PartialRun::takes`] holds; memory that is no longer needed goes to `spare`.
@@ -438,7 +432,9 @@ impl PartialRun {
             }
             let joined = |(at, mut pair): (u64, Vec<Vec<f64>>)| {
                 let right = pair.pop().filter(|_| pair.len() == 1)?;
-                Some((at, pair.pop()?.plus(&right)))
+                let mut both = pair.pop()?;
+                add(&mut both, &right);
+                Some((at, both))
             };
             self.steps = pairs.into_iter().filter_map(joined).collect();
             self.step *= 2;
@@ -454,9 +450,10 @@ impl PartialRun {
     pub fn trace(&self) -> Vec<Snapshot> {
         let (mut so_far, mut trace, mut spare) = (DyadicSums::default(), Vec::new(), Vec::new());
         for (at, likelihood) in self.steps() {
-            so_far.insert(at, 1, likelihood.to_vec(), &mut spare, |_, _, _| {});
+            let step = Sums { likelihood: likelihood.to_vec(), ..Sums::default() };
+            so_far.insert(at, 1, step, &mut spare, |_, _, _| {});
             let samples = ((at + 1) * self.step * BLOCK).min(self.samples);
-            trace.extend(so_far.total().map(|likelihood| Snapshot { samples, likelihood }));
+            trace.extend(so_far.total().map(|sums| Snapshot { samples, likelihood: sums.likelihood }));
         }
         if !self.blocks().is_multiple_of(self.step)
             && let Some(total) = self.total()

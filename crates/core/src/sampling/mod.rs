@@ -16,6 +16,6 @@ pub use batch_forest::{ForestProgram, InForest, wider};
 pub use choose_solver::Method;
 pub use coins::Coins;
 pub use forest::Kruskal;
-pub use likelihood::{DyadicSums, Likelihood, PartialRun, Snapshot, Summed, Sums};
+pub use likelihood::{DyadicSums, Likelihood, PartialRun, Snapshot, Sums};
 pub use options::{FoundConditions, SamplingOptions, Solver, Uncertain, Weight};
 pub use run::{FIRST_STABLE, Progress, Sampling, infer};

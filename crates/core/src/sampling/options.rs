@@ -23,15 +23,6 @@ pub enum Uncertain {
 }
 
 impl Uncertain {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Candidates, Self::All];
-
-    /// The word in files.
-    pub fn name(self) -> &'static str {
-        // In the order of the variants.
-        ["candidates", "all"][self as usize]
-    }
-
     /// Per vessel whether it is uncertain; one marked certain never is.
     pub fn vessels(self, network: &Network) -> Vec<bool> {
         network.vessels().map(|(_, v)| !v.certain && (self == Self::All || v.origin != Origin::Observed)).collect()
@@ -52,15 +43,6 @@ pub enum Weight {
 }
 
 impl Weight {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Resilience, Self::Count, Self::Global];
-
-    /// The word in files.
-    pub fn name(self) -> &'static str {
-        // In the order of the variants.
-        ["resilience", "count", "global"][self as usize]
-    }
-
     /// The unit of L.
     pub fn unit(self) -> &'static str {
         match self {

@@ -17,8 +17,7 @@ use faer::{Col, Side, linalg::solvers::Solve};
 use petgraph::{algo::min_spanning_tree, data::Element, graph::UnGraph};
 
 use super::forest::{ExpectedForest, ForestEdge};
-use super::ties::{Ties, TiesWorkspace};
-use super::{Method, Sums, Weight, coins::Block};
+use super::{Method, Sums, Weight, coins::Block, ties::Ties};
 use crate::error::{Error, Result};
 use crate::flow::dead_ends::{DeadEnds, DeadEndsWorkspace};
 use crate::flow::drops::{Drops, DropsWorkspace};
@@ -115,9 +114,9 @@ impl Reference {
                 rho = (0..rho.len()).map(|vessel| Lanes([drop(vessel).map_or(0.0, |drop| of_drop(vessel, drop))])).collect();
             }
         }
-        let flowing: Vec<u64> = rho.iter().map(|Lanes([rho])| u64::from(*rho > 0.0)).collect();
-        self.ties.equalise(&mut rho, &flowing, &mut TiesWorkspace::default());
-        rho.into_iter().map(|Lanes([rho])| rho).collect()
+        let flowing: Vec<u64> = rho.iter().map(|rho| u64::from(rho[0] > 0.0)).collect();
+        self.ties.equalise(&mut rho, &flowing, &mut Vec::new());
+        rho.into_iter().map(|rho| rho[0]).collect()
     }
 }
 

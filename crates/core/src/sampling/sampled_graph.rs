@@ -8,12 +8,14 @@ use std::ops::Range;
 
 use super::coins::{Block, PerSample, SUM_LANES, expectation, open_vessels, pairwise, part, perfused};
 use super::forest::{ExpectedForest, ForestEdge};
-use super::ties::{Ties, TiesWorkspace};
+use super::ties::{Tie, Ties};
 use super::{Coins, ForestProgram, InForest, Kruskal, Method, Sums, Weight, batch_forest::IN_FOREST, wider};
 use crate::error::{Error, Result};
 use crate::flow::drops::{Drops, DropsWorkspace};
 use crate::flow::pressures::{Check, MOST_BACKWARD, Residual};
-use crate::flow::{BatchSolver, Circuit, MOST_RESILIENCE, batch::solver::BatchWorkspace, stranded};
+use crate::flow::{
+    BatchSolver, Circuit, MOST_RESILIENCE, batch::conductances::MaskedRows, batch::solver::BatchWorkspace, stranded,
+};
 use crate::support::simd::{InstructionSet, Kernel, Lanes, Simd, map, masked, plus, plus_product, positive, product, splat, zip};
 use crate::{flow::resilience::diffused_resilience, support::random::BLOCK};
 
@@ -121,7 +123,7 @@ pub struct GraphWorkspace<const B: usize> {
     diffused: Vec<ForestEdge>,
     /// Per row the samples of a group in which it flows, as bits.
     flowing: Vec<u64>,
-    ties: TiesWorkspace,
+    ties: Vec<Tie>,
     drops: DropsWorkspace,
     check: Check,
 }
@@ -153,7 +155,7 @@ impl SampledGraph {
             expected: ExpectedForest::default(),
             diffused: Vec::new(),
             flowing: Vec::new(),
-            ties: TiesWorkspace::default(),
+            ties: Vec::new(),
             drops: DropsWorkspace::default(),
             check: Check::default(),
         }
@@ -224,7 +226,8 @@ impl<const B: usize> Kernel for BlockKernel<'_, B> {
         eighths.fill([Lanes::ZERO; 3]);
         for first in (0..samples).step_by(B) {
             let here = (samples - first).min(B);
-            graph.solver.solve(simd, &graph.solver.masked(masks, first), first, stranded, flow);
+            let open_rows = MaskedRows { conductance: &graph.circuit.conductance, masks, first };
+            graph.solver.solve(simd, &open_rows, first, stranded, flow);
             let group = SampleGroup { graph, pressure: flow.pressure(), masks, first, order };
             if first == 0 {
                 let pressure = |node| group.pressure[graph.solver.slot(node)][0];

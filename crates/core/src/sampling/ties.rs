@@ -6,32 +6,25 @@ use std::ops::Range;
 use crate::{flow::Circuit, support::simd::Lanes};
 
 /// Nodes at which two vessels may tie, in depth-first order. A vessel here is a row of the circuit, which may be a chain.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 pub struct Ties {
     nodes: Vec<TieNode>,
-    vessels: Vec<u32>,
-    /// Where those of one factor lie among the vessels of a node, if there are several.
-    alike: Vec<Range<u32>>,
 }
 
-/// What is at a node: its vessels, by factor, and those of them that are alike.
+/// A node with vessels that are alike.
 #[derive(Debug)]
 struct TieNode {
-    vessels: Range<u32>,
-    alike: Range<u32>,
+    /// Its vessels, by factor.
+    vessels: Vec<u32>,
+    /// Where those of one factor lie among them, if there are several.
+    alike: Vec<Range<usize>>,
 }
 
 /// Two vessels that tie, and the samples of a group in which they do, as bits.
 #[derive(Debug, Clone, Copy)]
-struct Tie {
+pub struct Tie {
     vessels: [u32; 2],
     lanes: u64,
-}
-
-/// The memory of one worker.
-#[derive(Debug, Default)]
-pub struct TiesWorkspace {
-    ties: Vec<Tie>,
 }
 
 impl Ties {
@@ -45,7 +38,7 @@ impl Ties {
                 around[*end].push(vessel as u32);
             }
         }
-        let mut ties = Self::default();
+        let mut ties = Self { nodes: Vec::new() };
         let (mut seen, mut stack) = (vec![false; nodes], Vec::new());
         for root in 0..nodes {
             stack.push(root);
@@ -53,38 +46,16 @@ impl Ties {
                 if std::mem::replace(&mut seen[node], true) {
                     continue;
                 }
-                let vessels = &around[node];
-                if circuit.is_inner(node) {
-                    ties.add_node(vessels, factor);
-                }
-                for vessel in vessels.iter().rev() {
+                for vessel in around[node].iter().rev() {
                     let [a, b] = circuit.ends[*vessel as usize];
                     stack.extend(Some(if a == node { b } else { a }).filter(|other| !seen[*other]));
+                }
+                if circuit.is_inner(node) {
+                    ties.nodes.extend(TieNode::of(std::mem::take(&mut around[node]), factor));
                 }
             }
         }
         ties
-    }
-
-    /// Adds a node if two of its vessels are alike.
-    fn add_node(&mut self, vessels: &[u32], factor: &[f64]) {
-        let (first, first_alike) = (self.vessels.len() as u32, self.alike.len() as u32);
-        self.vessels.extend_from_slice(vessels);
-        let sorted = &mut self.vessels[first as usize..];
-        sorted.sort_unstable_by(|a, b| factor[*a as usize].total_cmp(&factor[*b as usize]));
-        let mut at = 0;
-        for alike in sorted.chunk_by(|a, b| same(factor[*a as usize], factor[*b as usize])) {
-            if alike.len() > 1 {
-                self.alike.push(at..at + alike.len() as u32);
-            }
-            at += alike.len() as u32;
-        }
-        let alike = first_alike..self.alike.len() as u32;
-        if alike.is_empty() {
-            self.vessels.truncate(first as usize);
-        } else {
-            self.nodes.push(TieNode { vessels: first..self.vessels.len() as u32, alike });
-        }
     }
 
     /// Whether no vessel can tie.
@@ -93,12 +64,10 @@ impl Ties {
     }
 
     /// Gives all vessels of a series that tie the largest resilience among them, in each sample of a group. `flowing` has the samples in which
-    /// each vessel has any, as bits.
-    pub fn equalise<const B: usize>(&self, resilience: &mut [Lanes<B>], flowing: &[u64], work: &mut TiesWorkspace) {
-        let TiesWorkspace { ties } = work;
+    /// each vessel has any, as bits; `ties` is memory.
+    pub fn equalise<const B: usize>(&self, resilience: &mut [Lanes<B>], flowing: &[u64], ties: &mut Vec<Tie>) {
         ties.clear();
-        for node in &self.nodes {
-            let vessels = &self.vessels[range(&node.vessels)];
+        for TieNode { vessels, alike } in &self.nodes {
             // The samples in which one vessel at least flows, two, and more.
             let (mut one, mut two, mut more) = (0, 0, 0);
             for vessel in vessels {
@@ -111,11 +80,11 @@ impl Ties {
             if in_series == 0 {
                 continue;
             }
-            for alike in &self.alike[range(&node.alike)] {
-                for a in range(alike) {
+            for alike in alike {
+                for a in alike.clone() {
                     let mut lanes = in_series & flowing[vessels[a] as usize];
                     let mut b = a + 1;
-                    while lanes != 0 && b < alike.end as usize {
+                    while lanes != 0 && b < alike.end {
                         let both = lanes & flowing[vessels[b] as usize];
                         if both != 0 {
                             ties.push(Tie { vessels: [vessels[a], vessels[b]], lanes: both });
@@ -132,7 +101,8 @@ impl Ties {
             while lanes != 0 {
                 let lane = lanes.trailing_zeros() as usize;
                 let most = resilience[a][lane].max(resilience[b][lane]);
-                (resilience[a][lane], resilience[b][lane]) = (most, most);
+                resilience[a][lane] = most;
+                resilience[b][lane] = most;
                 lanes &= lanes - 1;
             }
         };
@@ -144,8 +114,20 @@ impl Ties {
     }
 }
 
-fn range(range: &Range<u32>) -> Range<usize> {
-    range.start as usize..range.end as usize
+impl TieNode {
+    /// A node with these vessels; `None` where no two of them are alike.
+    fn of(mut vessels: Vec<u32>, factor: &[f64]) -> Option<Self> {
+        vessels.sort_unstable_by(|a, b| factor[*a as usize].total_cmp(&factor[*b as usize]));
+        let (mut alike, mut first) = (Vec::new(), 0);
+        for group in vessels.chunk_by(|a, b| same(factor[*a as usize], factor[*b as usize])) {
+            let last = first + group.len();
+            if group.len() > 1 {
+                alike.push(first..last);
+            }
+            first = last;
+        }
+        (!alike.is_empty()).then_some(Self { vessels, alike })
+    }
 }
 
 /// Whether two factors are equal up to the rounding of radii, such as that of the mean of two equal ones.

@@ -5,7 +5,7 @@ pub mod pulse;
 pub mod transport;
 
 use crate::error::{Error, Result};
-use crate::flow::{Boundary, Circuit, Factors, Tube, check_viscosity, drives_flow, pressures::PressureSolver, state::State};
+use crate::flow::{BatchSolver, Boundary, Circuit, Factors, Tube, check_viscosity, drives_flow, state::State};
 use crate::network::{Network, Role, millimetres};
 use crate::{perturbation::Stenosis, support::in_order};
 
@@ -204,7 +204,7 @@ pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before
     let at_rest = Tube::at_rest(network, viscosity);
     // Compiled once: a closed vessel is a row that is not open.
     let circuit = Circuit::with(network, boundary, &[], &at_rest)?;
-    let solver = PressureSolver::new(&circuit)?;
+    let solver = BatchSolver::for_few(&circuit)?;
     let outlets: Vec<usize> = (0..network.node_count()).filter(|node| boundary.roles[*node] == Role::Outlet).collect();
     let had = delivered(network, before, &outlets);
     let all: f64 = had.iter().sum();
@@ -213,7 +213,7 @@ pub fn close_each(network: &Network, boundary: &Boundary, viscosity: f64, before
         let closed = [Perturbation { vessel: *vessel, change: Change::Occlusion }];
         let mut tubes = at_rest.clone();
         tubes[*vessel].resistance = f64::INFINITY;
-        let above_level = solver.above_level(|row| tubes[row].is_open())?;
+        let above_level = solver.above_level(&circuit, |row| tubes[row].is_open())?;
         let after = State::at_pressures(&circuit, boundary, &tubes, viscosity, &above_level);
         let cut = rounding(before, &after);
         let both = outlets.iter().zip(&had).zip(delivered(network, &after, &outlets));

@@ -28,7 +28,7 @@ const MOST_STEPS: usize = 5000;
 pub struct ConjugateGradients {
     /// The incomplete elimination of the core.
     pub incomplete: Incomplete,
-    dead_ends: DeadEnds,
+    pub(super) dead_ends: DeadEnds,
     fixed: Vec<Option<f64>>,
     /// One over the largest conductance of a vessel.
     scale: f64,
@@ -75,19 +75,6 @@ impl ConjugateGradients {
         }
     }
 
-    /// Solves the core of a group of samples whose other nodes are eliminated.
-    #[inline(always)]
-    pub(super) fn solve<S: Simd, const B: usize>(
-        &self,
-        simd: S,
-        mesh: &StarMesh,
-        of_mesh: &mut StarMeshWorkspace<B>,
-        work: &mut GradientsWorkspace<B>,
-    ) {
-        self.precondition(simd, &mesh.program, of_mesh, work);
-        self.iterate(simd, &mesh.program, of_mesh, work);
-    }
-
     /// Levels the dead ends of every sample: iteration leaves rounding there that could pass for flow.
     pub(super) fn level_dead_ends<const B: usize>(
         &self,
@@ -108,9 +95,9 @@ impl ConjugateGradients {
         }
     }
 
-    /// The incomplete elimination of the core.
+    /// The incomplete elimination of the core, of a group of samples whose other nodes are eliminated.
     #[inline(always)]
-    fn precondition<S: Simd, const B: usize>(
+    pub(super) fn precondition<S: Simd, const B: usize>(
         &self,
         simd: S,
         program: &Elimination,
@@ -219,7 +206,7 @@ impl ConjugateGradients {
 
     /// Finds the pressures of the core from what flows into it.
     #[inline(always)]
-    fn iterate<S: Simd, const B: usize>(
+    pub(super) fn iterate<S: Simd, const B: usize>(
         &self,
         simd: S,
         program: &Elimination,

@@ -2,11 +2,11 @@
 
 #![expect(clippy::inline_always, reason = "compiled as a whole for each instruction set")]
 
-use super::conductances::{Conductances, MaskedRows};
+use super::conductances::Conductances;
 use super::conjugate_gradients::{ConjugateGradients, GradientsWorkspace};
 use super::star_mesh::{StarMesh, StarMeshWorkspace};
 use crate::error::{Error, Result};
-use crate::flow::circuit::Circuit;
+use crate::flow::{circuit::Circuit, dead_ends::DeadEnds};
 use crate::support::elimination::Elimination;
 use crate::support::simd::{Lanes, Simd};
 
@@ -16,8 +16,6 @@ const MOST_JOINS_ONCE: usize = 2_000_000;
 /// A compiled circuit: star-mesh elimination of all of its nodes, or of those of few neighbours and conjugate gradients for the core that these leave.
 #[derive(Debug)]
 pub struct BatchSolver {
-    /// By row of the circuit.
-    conductance: Vec<f64>,
     mesh: StarMesh,
     core: Option<ConjugateGradients>,
 }
@@ -41,7 +39,7 @@ impl BatchSolver {
     /// Star-mesh elimination; `None` when it would take more than `limit` joins a sample.
     pub fn star_mesh(circuit: &Circuit, limit: usize) -> Option<Self> {
         let mesh = StarMesh::compile(circuit, |nodes, links| Elimination::compile(nodes, links, limit))?;
-        Some(Self { conductance: circuit.conductance.clone(), mesh, core: None })
+        Some(Self { mesh, core: None })
     }
 
     /// Conjugate gradients.
@@ -51,7 +49,7 @@ impl BatchSolver {
     /// More joins than indices can count.
     pub fn gradients(circuit: &Circuit) -> Result<Self> {
         let (mesh, core) = ConjugateGradients::compile(circuit).ok_or(Error::Breakdown)?;
-        Ok(Self { conductance: circuit.conductance.clone(), mesh, core: Some(core) })
+        Ok(Self { mesh, core: Some(core) })
     }
 
     /// The solver of a network that is solved once or a few hundred times, as in a simulation.
@@ -93,9 +91,12 @@ impl BatchSolver {
         BatchWorkspace { mesh: self.mesh.workspace(), core: self.core.as_ref().map(ConjugateGradients::workspace) }
     }
 
-    /// The rows in the samples of a block from `first` on, as their masks open them.
-    pub fn masked<'a>(&'a self, masks: &'a [u64], first: usize) -> MaskedRows<'a> {
-        MaskedRows { conductance: &self.conductance, masks, first }
+    /// Injects what is injected in a circuit that does not differ in anything else from the one that was compiled.
+    pub fn inject_as(&mut self, circuit: &Circuit) {
+        self.mesh.inject_as(circuit);
+        if let Some(core) = &mut self.core {
+            core.dead_ends = DeadEnds::new(circuit);
+        }
     }
 
     /// Solves the samples `first .. first + B` of a block; `stranded` lists the nodes whose injected flow has nowhere to go, with the samples in
@@ -114,7 +115,8 @@ impl BatchSolver {
         self.mesh.eliminate(simd, mesh);
         let mut core = self.core.as_ref().zip(core.as_mut());
         if let Some((core, work)) = &mut core {
-            core.solve(simd, &self.mesh, mesh, work);
+            core.precondition(simd, &self.mesh.program, mesh, work);
+            core.iterate(simd, &self.mesh.program, mesh, work);
         }
         self.mesh.substitute_back(simd, mesh);
         if let Some((core, work)) = &mut core {

@@ -101,6 +101,13 @@ impl StarMesh {
         Some(Self { program, slot, vessels_of, grounds, shunt, source, fixed, holds })
     }
 
+    /// Injects what is injected in a circuit that does not differ in anything else.
+    pub(super) fn inject_as(&mut self, circuit: &Circuit) {
+        for (node, source) in circuit.source.iter().enumerate().filter(|(node, _)| circuit.fixed[*node].is_none()) {
+            self.source[self.slot[node] as usize] = *source;
+        }
+    }
+
     /// Where the pressure of a node stands in a workspace.
     pub fn slot(&self, node: usize) -> usize {
         self.slot[node] as usize

@@ -2,7 +2,7 @@
 
 use num_complex::Complex64;
 
-use crate::support::elimination::{Elimination, NOWHERE};
+use crate::support::elimination::Elimination;
 
 /// The admittances of a network by place in the order of an elimination, and what is injected.
 #[derive(Debug, Clone)]
@@ -98,11 +98,9 @@ impl<'a> Equations<'a> {
             for i in star.clone() {
                 let share = rays[i] * inverse[k];
                 diagonal[elimination.ray_to()[i] as usize] -= share * rays[i];
-                for j in i + 1..star.end {
+                for (j, target) in (i + 1..star.end).zip(&mut mesh) {
                     let added = share * rays[j];
-                    if let Some(target) = mesh.next().filter(|target| **target != NOWHERE) {
-                        rays[*target as usize] += added;
-                    }
+                    rays[*target as usize] += added;
                 }
             }
         }

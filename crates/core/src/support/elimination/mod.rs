@@ -13,6 +13,9 @@ pub use order::{Star, least_degree};
 
 use order::{least_fill, low_degrees, reverse_cuthill_mckee};
 
+/// More pairs than these are not compiled, so that indices can count them.
+const MOST_INDEXED: usize = u32::MAX as usize / 2;
+
 /// The place of a node that is not eliminated.
 pub const NOWHERE: u32 = u32::MAX;
 
@@ -22,7 +25,7 @@ pub const NOWHERE: u32 = u32::MAX;
 /// all of later stars.
 #[derive(Debug, Clone)]
 pub struct Elimination {
-    /// Per node its place in the order.
+    /// Per node its place in the order; empty where nodes are numbered in the order.
     place: Vec<u32>,
     star: Vec<u32>,
     ray_to: Vec<u32>,
@@ -33,7 +36,7 @@ pub struct Elimination {
 impl Elimination {
     /// Orders the nodes and compiles; `None` when there are more than `limit` pairs, or more than indices can count.
     pub fn compile(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Self> {
-        let stars = least_degree(nodes, links, limit.min(u32::MAX as usize / 2))?;
+        let stars = least_degree(nodes, links, limit.min(MOST_INDEXED))?;
         let pairs = stars.iter().map(Star::pairs).sum();
         let filled = least_fill(nodes, links, pairs);
         Some(Self::of_stars(nodes, &filled.unwrap_or(stars), nodes))
@@ -42,15 +45,14 @@ impl Elimination {
     /// Eliminates nodes of at most `most` neighbours only, as long as there are any. The rest, the core, comes after them in
     /// the order of Cuthill and McKee, with its rays but without meshes; `None` when indices cannot count the joins.
     pub fn compile_partly(nodes: usize, links: &[[usize; 2]], most: usize) -> Option<Self> {
-        let (mut stars, left) = low_degrees(nodes, links, most);
+        let (mut stars, left) = low_degrees(nodes, links, most, MOST_INDEXED)?;
         let eliminated = stars.len();
         let gone = marked(nodes, stars.iter().map(|star| star.center));
         let core = reverse_cuthill_mckee(&left, |node| !gone[node]);
         let place = placed(nodes, core.iter().copied());
         let later = |node: &usize| left[*node].iter().copied().filter(|other| place[*other] > place[*node]).collect();
         stars.extend(core.iter().map(|node| Star { center: *node, neighbours: later(node) }));
-        let pairs: usize = stars[..eliminated].iter().map(Star::pairs).sum();
-        (pairs <= u32::MAX as usize / 2).then(|| Self::of_stars(nodes, &stars, eliminated))
+        Some(Self::of_stars(nodes, &stars, eliminated))
     }
 
     /// Compiles what `order` makes of the nodes that `counts` admits, by their number among these, and of the links between them. The others
@@ -71,7 +73,7 @@ impl Elimination {
     }
 
     /// From the neighbours of each node at its elimination, all nodes in order; the first `eliminated` of them join theirs.
-    fn of_stars(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
+    pub fn of_stars(nodes: usize, stars: &[Star], eliminated: usize) -> Self {
         let mut place = vec![NOWHERE; nodes];
         for (at, star) in stars.iter().enumerate() {
             place[star.center] = at as u32;
@@ -81,13 +83,14 @@ impl Elimination {
             to.sort_unstable();
             to
         });
-        let rays: Vec<Vec<u32>> = rays.collect();
-        Self::of_rays(place, rays, eliminated)
+        let program = Self::of_rays(rays, eliminated);
+        Self { place, ..program }
     }
 
-    /// From the places to which the rays of each node lead, in order; the first `eliminated` nodes join theirs. A join without a ray is [`NOWHERE`].
-    fn of_rays(place: Vec<u32>, rays: impl IntoIterator<Item = Vec<u32>>, eliminated: usize) -> Self {
-        let mut program = Self { place, star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
+    /// From the places to which the rays of each node lead, the nodes being numbered in order; the first `eliminated` nodes join theirs. A join
+    /// without a ray is [`NOWHERE`].
+    fn of_rays(rays: impl IntoIterator<Item = Vec<u32>>, eliminated: usize) -> Self {
+        let mut program = Self { place: Vec::new(), star: vec![0], ray_to: Vec::new(), mesh_start: vec![0], mesh: Vec::new() };
         for to in rays {
             program.ray_to.extend(to);
             program.star.push(program.ray_to.len() as u32);
@@ -197,6 +200,6 @@ impl Incomplete {
         }
         let from = rays.iter().flatten().map(|(_, from)| *from).collect();
         let to = rays.into_iter().map(|rays| rays.into_iter().map(|(to, _)| to).collect());
-        Self { program: Elimination::of_rays((0..nodes as u32).collect(), to, nodes), from }
+        Self { program: Elimination::of_rays(to, nodes), from }
     }
 }

@@ -8,7 +8,7 @@ use crate::support::{marked, placed};
 /// Up to so many nodes a matrix of bits is used; it then takes at most 32 MB.
 pub const MOST_IN_BITS: usize = 1 << 14;
 
-/// Larger graphs are lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
+/// A graph is lists until no node has fewer neighbours than this: the rest is dense, and bits where it fits.
 pub const DENSE: usize = 32;
 
 /// Least fill is only tried on graphs of at most so many nodes and programs of at most so many joins: it takes longer than least degree.
@@ -35,13 +35,9 @@ impl Star {
 ///
 /// `None` as soon as the pairs of neighbours, summed over the stars, exceed `limit`.
 pub fn least_degree(nodes: usize, links: &[[usize; 2]], limit: usize) -> Option<Vec<Star>> {
-    if nodes <= MOST_IN_BITS {
-        return by_degree(nodes, &mut BitMatrix::new(nodes, links), usize::MAX, limit);
-    }
-    let mut graph = Lists::new(nodes, links);
-    let mut stars = by_degree(nodes, &mut graph, DENSE - 1, limit)?;
+    let (mut stars, left) = low_degrees(nodes, links, DENSE - 1, limit)?;
     let pairs: usize = stars.iter().map(Star::pairs).sum();
-    stars.extend(of_the_rest(&stars, &graph.into_lists(), limit - pairs)?);
+    stars.extend(of_the_rest(&stars, &left, limit - pairs)?);
     Some(stars)
 }
 
@@ -65,12 +61,11 @@ fn of_the_rest(gone: &[Star], neighbours: &[Vec<usize>], limit: usize) -> Option
 }
 
 /// Eliminates the node of least degree, ties to the lower number, as long as that is at most `most`. Returns the stars and,
-/// per node that remains, its neighbours that remain.
-pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize) -> (Vec<Star>, Vec<Vec<usize>>) {
+/// per node that remains, its neighbours that remain; `None` for more than `limit` pairs.
+pub fn low_degrees(nodes: usize, links: &[[usize; 2]], most: usize, limit: usize) -> Option<(Vec<Star>, Vec<Vec<usize>>)> {
     let mut graph = Lists::new(nodes, links);
-    // Without a limit there is always an order.
-    let stars = by_degree(nodes, &mut graph, most, usize::MAX).unwrap_or_default();
-    (stars, graph.into_lists())
+    let stars = by_degree(nodes, &mut graph, most, limit)?;
+    Some((stars, graph.into_lists()))
 }
 
 /// The order of Cuthill and McKee (1969), reversed, of the nodes that `among` admits: neighbours lie near to one another.
@@ -106,9 +101,8 @@ pub fn by_degree(nodes: usize, graph: &mut impl Remaining, most: usize, limit: u
     let mut pairs = 0;
     while let Some((least, center)) = queue.pop_first() {
         if least + stars.len() + 1 == nodes {
-            // All that are left are joined to one another.
-            let mut rest: Vec<usize> = queue.iter().map(|(_, node)| *node).chain([center]).collect();
-            rest.sort_unstable();
+            // All that are left are joined to one another, and wait in the order of their numbers.
+            let rest: Vec<usize> = std::iter::once(center).chain(queue.iter().map(|(_, node)| *node)).collect();
             pairs += (0..=least).map(|rays| rays * rays.saturating_sub(1) / 2).sum::<usize>();
             if pairs > limit {
                 return None;
