@@ -287,22 +287,6 @@ fn is_zip(bytes: &[u8]) -> bool {
 /// The format of a file that begins with a signature.
 fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     const HDF5: &[u8] = b"\x89HDF\r\n\x1a\n";
-    type Known = (fn(&[u8]) -> bool, Format);
-    const KNOWN: [Known; 13] = [
-        (|bytes| bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3 MAT-file"), Format::VTrails),
-        (|bytes| bytes.get(512..).is_some_and(|rest| rest.starts_with(HDF5)), Format::VTrails),
-        (|bytes| bytes.starts_with(b"\x93NUMPY"), Format::Npy),
-        (|bytes| is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
-        (is_zip, Format::Npz),
-        (|bytes| bytes.starts_with(b"# vtk DataFile"), Format::Vtk),
-        (metaimage::is_metaimage, Format::MetaImage),
-        (nrrd::is_nrrd, Format::Nrrd),
-        (tiff::is_tiff, Format::Tiff),
-        (is_amira, Format::Amira),
-        (|bytes| is_svzerod(bytes.trim_ascii_start()), Format::SvZeroD),
-        (|bytes| is_openbf(bytes.trim_ascii_start()), Format::OpenBf),
-        (|bytes| bytes.trim_ascii_start().starts_with(b"{"), Format::Markups),
-    ];
     refuse_utf16(bytes)?;
     if nifti::is_nifti(&unpacked_head(bytes, nifti::HEAD)) {
         return Ok(Some(Format::Nifti));
@@ -314,13 +298,29 @@ fn by_signature(bytes: &[u8]) -> Result<Option<Format>, Fault> {
     if !holds_hdf5 && bytes.starts_with(b"MATLAB 5.0 MAT-file") {
         return Err(Fault::file("a MATLAB file before version 7.3", "expected version 7.3 (save with -v7.3)"));
     }
-    if let Some((_, format)) = KNOWN.into_iter().find(|(is_format, _)| is_format(bytes)) {
-        return Ok(Some(format));
-    }
     let text = bytes.trim_ascii_start();
     let line = text.split(|b| *b == b'\n').next().unwrap_or_default();
     let key = line.split(|b| *b == b'=').next().unwrap_or_default().trim_ascii();
-    Ok(["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')).then_some(Format::Tre))
+    let known = [
+        (bytes.starts_with(HDF5) || bytes.starts_with(b"MATLAB 7.3 MAT-file") || holds_hdf5, Format::VTrails),
+        (bytes.starts_with(b"\x93NUMPY") || is_zip(bytes) && numpy::is_mask(bytes), Format::Npy),
+        (is_zip(bytes), Format::Npz),
+        (bytes.starts_with(b"# vtk DataFile"), Format::Vtk),
+        (metaimage::is_metaimage(bytes), Format::MetaImage),
+        (nrrd::is_nrrd(bytes), Format::Nrrd),
+        (tiff::is_tiff(bytes), Format::Tiff),
+        (is_amira(bytes), Format::Amira),
+        (is_svzerod(text), Format::SvZeroD),
+        (is_openbf(text), Format::OpenBf),
+        (text.starts_with(b"{"), Format::Markups),
+        (["ObjectType", "Comment", "NDims"].iter().any(|k| key == k.as_bytes() && line.contains(&b'=')), Format::Tre),
+    ];
+    Ok(first_that_is(known))
+}
+
+/// The format of the first row that says so.
+fn first_that_is<const N: usize>(known: [(bool, Format); N]) -> Option<Format> {
+    known.into_iter().find(|(is_so, _)| *is_so).map(|(_, format)| format)
 }
 
 /// The table that a header line begins.
@@ -340,7 +340,7 @@ fn table(path: &Path, header: &str) -> Option<Format> {
         (icafe::is_header(&columns), Format::ICafe),
         (has(&["x", "y", "z"]) && !named && find_edges_table(path).is_some(), Format::VesselVio),
     ];
-    known.into_iter().find(|(is_so, _)| *is_so).map(|(_, format)| format)
+    first_that_is(known)
 }
 
 /// Reads centerlines or a graph.
@@ -477,11 +477,9 @@ pub enum StatedSpacing {
 /// A file beside it that is there and cannot be read.
 pub fn stated_spacing(path: &Path) -> Result<StatedSpacing> {
     let head = head(path);
-    let format = format_of(path, without_mark(&head)).ok();
-    let is = |what: FormatTrait| format.is_some_and(|format| format.is(what));
-    if is(FormatTrait::OwnSpacing) {
-        return Ok(StatedSpacing::Within);
-    }
-    let beside = if is(FormatTrait::SpacingBeside) { icafe::image_spacing(path)? } else { None };
-    Ok(beside.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside))
+    Ok(match format_of(path, without_mark(&head)) {
+        Ok(format) if format.is(FormatTrait::OwnSpacing) => StatedSpacing::Within,
+        Ok(Format::Swc | Format::ICafe) => icafe::image_spacing(path)?.map_or(StatedSpacing::Nowhere, StatedSpacing::Beside),
+        _ => StatedSpacing::Nowhere,
+    })
 }

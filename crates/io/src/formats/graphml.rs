@@ -109,12 +109,8 @@ impl Graph {
         if let Some(ids) = self.own_ids() {
             self.ids = ids;
         }
-        let mut network = Network::new();
-        network.frame = self.frame;
         let unit = unit_note(&options.scale, [&self.nodes, &self.edges].into_iter().any(has_lengths_without_unit));
-        for node in nodes(&self.ids, &self.nodes, &options.scale)? {
-            network.add_node(node);
-        }
+        let mut network = Network::of(self.frame, nodes(&self.ids, &self.nodes, &options.scale)?, Vec::new());
         (self.nodes, self.ids) = Default::default();
         let ends = self.rows()?;
         (self.ends, self.numbers, self.row_of) = Default::default();

@@ -189,14 +189,9 @@ pub(crate) fn unpacked_head(bytes: &[u8], most: usize) -> Vec<u8> {
     if !is_gzip(bytes) {
         return bytes[..bytes.len().min(most)].to_vec();
     }
-    let mut head = vec![0; most];
-    let mut decoder = MultiGzDecoder::new(bytes);
-    let mut filled = 0;
+    let mut head = Vec::new();
     // What is damaged is said by whoever reads all of it.
-    while let Ok(count @ 1..) = decoder.read(&mut head[filled..]) {
-        filled += count;
-    }
-    head.truncate(filled);
+    let _ = MultiGzDecoder::new(bytes).take(most as u64).read_to_end(&mut head);
     head
 }
 

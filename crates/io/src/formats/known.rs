@@ -1,8 +1,6 @@
 //! The table of the formats that are known: a row says all of a format but how its files are recognised, read and written.
 
-use FormatTrait::{
-    Covered, GivenSpacing, Graph, Mask, Model, NamedRadii, OwnSpacing, Pairs, PairsIfStraight, SpacingBeside, TwoTables,
-};
+use FormatTrait::{Covered, GivenSpacing, Graph, Mask, Model, NamedRadii, OwnSpacing, Pairs, PairsIfStraight, TwoTables};
 use Property::{Conditions, Figures, Frame, Ids, Labels, LoneNodes, Names, Paths, Radii, Resistances, Statements};
 
 /// What is known of a format. A text that a row leaves out is empty, or the usual name where that is said; a list that it leaves out is empty.
@@ -49,8 +47,6 @@ pub enum FormatTrait {
     OwnSpacing,
     /// `spacing` states that of its voxels, also if the file does.
     GivenSpacing,
-    /// A file beside it may state the spacing of the voxels that its coordinates count.
-    SpacingBeside,
     /// The name of another format covers it where a file is refused that no reader knows.
     Covered,
 }
@@ -103,7 +99,7 @@ macro_rules! formats {
 // In the order of lists in messages and help.
 formats! {
     /// SWC: one centerline point a line.
-    Swc { name: "SWC", word: "swc", ending: "swc", is: &[SpacingBeside], lacks: &[Figures, Ids, Statements, Conditions] }
+    Swc { name: "SWC", word: "swc", ending: "swc", lacks: &[Figures, Ids, Statements, Conditions] }
     /// VTK XML PolyData.
     Vtp { name: "VTP", word: "vtp", ending: "vtp", is: &[NamedRadii], lacks: &[Ids, LoneNodes, Conditions] }
     /// VTK legacy PolyData.
@@ -120,7 +116,7 @@ formats! {
     Markups { name: "Slicer markups", expected: "3D Slicer markups", word: "markups", ending: "json", says: "3D Slicer markups", others: 2,
         is: &[NamedRadii], lacks: &[Figures, Ids, LoneNodes, Statements, Conditions] }
     /// iCafe: a tracing in SWC with its table of vessels.
-    ICafe { name: "iCafe", is: &[SpacingBeside, Covered] }
+    ICafe { name: "iCafe", is: &[Covered] }
     /// Voreen's tables of nodes and edges.
     Voreen { name: "Voreen CSV", short: "Voreen", word: "voreen", is: &[Pairs, TwoTables, Covered],
         lacks: &[Paths, Names, Statements, Conditions, Radii, Frame] }

@@ -70,8 +70,8 @@ pub enum LandmarkFormat {
 pub fn read_landmarks(bytes: &[u8], scale: &Scale) -> Result<LandmarkList, Fault> {
     let list = if without_mark(bytes).trim_ascii_start().starts_with(b"{") {
         read_markups(without_mark(bytes))?
-    } else if let Some((frame, columns)) = fcsv_head(bytes)? {
-        read_fcsv(bytes, frame, columns)?
+    } else if let Some((frame, table)) = fcsv_table(bytes)? {
+        read_fcsv(&table, frame)?
     } else {
         read_table(bytes, scale)?
     };
@@ -182,14 +182,12 @@ pub const SURE: f64 = 0.5;
 /// Slicer's names of the columns, for a file that does not state them.
 const FCSV_COLUMNS: &str = "id,x,y,z,ow,ox,oy,oz,vis,sel,lock,label,desc,associatedNodeID";
 
-/// The line of the names of columns, from 1, and the names.
-type NamesLine = (usize, String);
-
-/// What the comments at the top of an `.fcsv` file say: the frame, and the names of the columns. `None` for a
+/// The frame and the table of an `.fcsv` file. The names of its columns stand in a comment, which becomes the header. `None` for a
 /// file that is no `.fcsv`: one has a comment that names it, its columns or its coordinate system.
-fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, NamesLine)>, Fault> {
+fn fcsv_table(bytes: &[u8]) -> Result<Option<(Frame, Vec<u8>)>, Fault> {
     // Slicer wrote RAS before it stated the coordinate system.
-    let (mut frame, mut columns, mut is_fcsv) = (Frame::Ras, None, false);
+    let (mut frame, mut is_fcsv) = (Frame::Ras, false);
+    let (mut header, mut names) = (0, FCSV_COLUMNS.to_owned());
     for (row, line) in without_mark(bytes).split(|b| *b == b'\n').enumerate() {
         let line = String::from_utf8_lossy(line);
         let line = line.trim();
@@ -201,7 +199,7 @@ fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, NamesLine)>, Fault> {
         let Some((name, value)) = comment.split_once('=') else { continue };
         let (name, value) = (name.trim(), value.trim());
         if name.eq_ignore_ascii_case("columns") {
-            columns = Some((row + 1, value.to_owned()));
+            (header, names) = (row, value.to_owned());
             is_fcsv = true;
         } else if name.eq_ignore_ascii_case("CoordinateSystem") {
             is_fcsv = true;
@@ -209,33 +207,30 @@ fn fcsv_head(bytes: &[u8]) -> Result<Option<(Frame, NamesLine)>, Fault> {
             frame = frame_called(value).ok_or_else(|| Fault::line(row + 1, found(), "expected LPS, RAS, 0 or 1"))?;
         }
     }
-    let columns = columns.unwrap_or_else(|| (0, FCSV_COLUMNS.to_owned()));
-    Ok(is_fcsv.then_some((frame, columns)))
+    if !is_fcsv {
+        return Ok(None);
+    }
+    let text = uncommented(bytes);
+    let mut lines: Vec<&[u8]> = text.split(|b| *b == b'\n').collect();
+    lines[header] = names.as_bytes();
+    Ok(Some((frame, lines.join(&b'\n'))))
 }
 
-fn read_fcsv(bytes: &[u8], frame: Frame, (header_line, names): (usize, String)) -> Result<LandmarkList, Fault> {
-    // The names of the columns stand in a comment; here they are the header, in a line of their own before the first.
-    let mut text = names.into_bytes();
-    text.push(b'\n');
-    text.extend_from_slice(&uncommented(bytes));
-    let here = |fault: Fault| match fault.place {
-        Place::Line(line) => Fault { place: Place::Line(if line > 1 { line - 1 } else { header_line.max(1) }), ..fault },
-        _ => fault,
-    };
+fn read_fcsv(table: &[u8], frame: Frame) -> Result<LandmarkList, Fault> {
     let mut all = FoundLandmarks::default();
-    let mut rows = TableReader::ragged(&text).map_err(here)?;
-    let columns = rows.columns([&["x"], &["y"], &["z"], &["label"]], "an .fcsv file of 3D Slicer").map_err(here)?;
+    let mut rows = TableReader::ragged(table)?;
+    let columns = rows.columns([&["x"], &["y"], &["z"], &["label"]], "an .fcsv file of 3D Slicer")?;
     let [place @ .., label] = columns;
     // The columns that newer versions write without naming them begin with the status: 2 is defined.
     let status = rows.find(&["associatedNodeID"]).map(|last| last + 1);
     let selected = rows.find(&["sel"]);
     let is_defined = |row: &Row<'_>| status.is_none_or(|column| matches!(row.text(column), "" | "2"));
-    while let Some(row) = rows.row().map_err(here)? {
+    while let Some(row) = rows.row()? {
         if row.texts().next().is_none() {
             continue;
         }
         if all.takes(is_defined(&row), !says_no(&row, selected)) {
-            let (place, position) = (Place::Line(row.line - 1), row.point(place, &Scale::default()).map_err(here)?);
+            let (place, position) = (Place::Line(row.line), row.point(place, &Scale::default())?);
             all.landmarks.push(ListedLandmark { place, label: row.text(label).to_owned(), position });
         }
     }

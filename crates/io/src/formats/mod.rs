@@ -36,7 +36,7 @@ pub use numpy::{array::read_arrays, skeleton::read_skeleton_npz, skeleton::write
 pub use options::{ReadOptions, check_name};
 pub use regular::{is_there, open_regular};
 pub use solvers::{SolverSetting, write_openbf, write_openbf_inlet, write_svzerod};
-pub use swc::{is_forest, read_swc, write_centerlines_swc, write_swc};
+pub use swc::{read_swc, write_centerlines_swc, write_swc};
 pub use tables::graph::{
     END_POSITION_COLUMNS, condition_columns, coordinates, found_column, graph_columns, graph_columns_with, node_columns,
     read_csv_edges, read_csv_nodes, read_points, stated_columns, vessel_columns, wall_columns, windkessel_columns,

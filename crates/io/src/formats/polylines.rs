@@ -2,7 +2,7 @@
 
 use std::io;
 
-use crate::formats::{Centerlines, Network, Node, PathPoint, Point, distance, other_end, vessels_at};
+use crate::formats::{Centerlines, Frame, Network, Node, PathPoint, Point, distance, other_end, vessels_at};
 use willis_core::network::{Origin, Role, Vessel};
 
 /// The rows of items that each have a parent or none, parents first; the row of an item on a cycle where there is one.
@@ -184,6 +184,12 @@ pub(crate) fn radii_of_points(points: &[Point], links: &[[u32; 2]], radii: &[f64
         }
     }
     sums.into_iter().map(|(sum, of)| if of > 0.0 { sum / of } else { f64::NAN }).collect()
+}
+
+/// A network of nodes in these places, m, called by their rows, without vessels.
+pub(crate) fn network_of_points(points: &[Point]) -> Network {
+    let node = |(row, point): (usize, &Point)| Node { id: row.to_string(), position: Some(*point), ..Node::default() };
+    Network::of(Frame::Unknown, points.iter().enumerate().map(node).collect(), Vec::new())
 }
 
 /// Adds an observed vessel between two nodes, without points in between.

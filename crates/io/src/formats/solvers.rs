@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 use crate::formats::{Network, Node, find, other_end, plural, vessels_at};
 use willis_core::flow::{Tube, WallLaw, floating_components::fed, poiseuille::BLOOD_VISCOSITY, state::BLOOD_DENSITY};
 use willis_core::network::{Condition, Origin, Role, Vessel, Wall, Windkessel, waveform::Quantity, waveform::Waveform};
+use willis_core::support::numbered::{grouped, marked, placed};
 
 /// What a simulation adds to a network for a solver in time.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,7 +74,7 @@ pub(crate) fn without_loops(network: &Network) -> Option<(Network, String)> {
 /// widest vessels at the first two places, joined by vessels as wide as the widest there and as long as its radius.
 pub(crate) fn with_few_at_a_node(network: &Network, most: usize) -> Option<(Network, String)> {
     let sides = network.vessels().enumerate().flat_map(|(row, (ends, _))| [0, 1].map(|side| (ends[side], (row, side))));
-    let mut at = willis_core::support::numbered::grouped(network.node_count(), sides);
+    let mut at = grouped(network.node_count(), sides);
     let crowded: Vec<usize> = (0..network.node_count()).filter(|node| at[*node].len() > most).collect();
     if crowded.is_empty() {
         return None;
@@ -272,7 +273,7 @@ pub fn write_openbf_inlet(out: &mut impl Write, course: &Waveform) -> io::Result
 pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSetting) -> io::Result<Vec<String>> {
     let refused = |why: String| Err(io::Error::new(io::ErrorKind::InvalidInput, why));
     let ends = Directed::of(network, setting)?;
-    let begins = willis_core::support::numbered::marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
+    let begins = marked(network.node_count(), ends.turned.iter().map(|[first, _]| *first));
     if let Some(row) = ends.unfed {
         return refused(format!("no inlet leads to {}; openBF has no vessel without one", network.vessel_name(row)));
     }
@@ -281,11 +282,8 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
         return refused(format!("node {id} joins {count} vessels; openBF joins at most {MOST_JOINED}"));
     }
     let is_inlet = |node: usize| ends.at[node].len() == 1 && begins[node];
-    let mut number = vec![0; network.node_count()];
-    let (inner, first): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| !is_inlet(*node));
-    for (place, node) in first.into_iter().chain(inner).enumerate() {
-        number[node] = place + 1;
-    }
+    let (first, inner): (Vec<usize>, Vec<usize>) = (0..network.node_count()).partition(|node| is_inlet(*node));
+    let place = placed(network.node_count(), first.into_iter().chain(inner));
     writeln!(out, "project name: willis\nproject_name: willis\ninlet_file: inlet-1.dat\nwrite_results: [\"P\", \"Q\"]")?;
     writeln!(out, "blood:\n  rho: {}\n  mu: {}", number_of(setting.density), number_of(setting.viscosity))?;
     writeln!(out, "solver:\n  Ccfl: 0.9\n  cycles: 100\n  jump: 100")?;
@@ -298,7 +296,7 @@ pub fn write_openbf(out: &mut impl Write, network: &Network, setting: &SolverSet
             if let Some(Wall::Elastic { thickness, .. }) = vessel.wall { thickness } else { THICKNESS * vessel.radius };
         // A JSON string is a YAML string; two vessels may have one label.
         let label = serde_json::to_string(&format!("{row}-{}", vessel.label))?;
-        writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", number[*begins], number[*stops])?;
+        writeln!(out, "  - label: {label}\n    sn: {}\n    tn: {}", place[*begins] + 1, place[*stops] + 1)?;
         writeln!(out, "    L: {}\n    R0: {}", number_of(vessel.length), number_of(vessel.radius))?;
         // A wall that keeps its volume has C' = (3/2) A r/(Eh).
         let stiffness = 1.5 * area(vessel) * vessel.radius / ends.distensibility[row];

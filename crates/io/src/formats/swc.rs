@@ -119,11 +119,6 @@ fn index(word: &str, line: usize, column: usize) -> Result<Option<u64>, Fault> {
     }
 }
 
-/// Whether SWC can hold the network: no cycle, no parallel vessels, no self-loop.
-pub fn is_forest(network: &Network) -> bool {
-    willis_core::network::cycles(network) == 0
-}
-
 /// Writes a network as SWC: every vessel along its path, or straight where it has none; ids from 1; millimetres. Returns the id
 /// pairs of the links that close loops, which SWC cannot hold: none for a forest.
 ///
@@ -266,15 +261,10 @@ fn type_codes<'a>(labels: impl Iterator<Item = &'a str>) -> BTreeMap<String, u64
     let mut codes: BTreeMap<String, u64> = BTreeMap::new();
     let mut words = Vec::new();
     for label in labels.map(single_line).filter(|label| !label.is_empty()) {
-        match label.parse::<u64>() {
-            Ok(whole) if code(whole as f64) == whole && whole > 0 && whole.to_string() == label => {
-                codes.insert(label, whole);
-            }
-            _ => {
-                if codes.insert(label.clone(), 0).is_none() {
-                    words.push(label);
-                }
-            }
+        let is_code = |whole: &u64| *whole > 0 && code(*whole as f64) == *whole && whole.to_string() == label;
+        let whole = label.parse().ok().filter(is_code);
+        if codes.insert(label.clone(), whole.unwrap_or(0)).is_none() && whole.is_none() {
+            words.push(label);
         }
     }
     let taken: BTreeSet<u64> = codes.values().copied().collect();

@@ -1,7 +1,7 @@
 //! Reads XML as a stream of elements and texts, or as a tree: no entities of its own, bounded depth; escapes text.
 
 use std::borrow::Cow;
-use std::io::{self, BufRead, Read};
+use std::io::BufRead;
 
 use quick_xml::events::{Event, attributes::Attribute, attributes::Attributes};
 use quick_xml::{Error, Reader, XmlVersion, escape::resolve_xml_entity};
@@ -39,8 +39,12 @@ pub(super) struct Tag {
 
 /// Reads an XML file as a stream, element by element.
 pub(super) struct Events<R> {
-    reader: Reader<CountedLines<R>>,
+    reader: Reader<R>,
+    /// The bytes of what was read last, with its angle brackets.
     buffer: Vec<u8>,
+    /// The line where what comes next begins, and that of the last byte that is no blank, counted from 1.
+    line: usize,
+    last_line: usize,
     /// The last element that began.
     pub(super) tag: Tag,
     /// The part of a text that was read last.
@@ -54,9 +58,10 @@ pub(super) struct Events<R> {
 impl<R: BufRead> Events<R> {
     /// At the start of a file in UTF-8.
     pub(super) fn new(input: R) -> Self {
-        let mut reader = Reader::from_reader(CountedLines::new(input));
+        let mut reader = Reader::from_reader(input);
         reader.config_mut().expand_empty_elements = true;
-        Self { reader, buffer: Vec::new(), tag: Tag::default(), part: String::new(), depth: 0, rooted: false }
+        let (tag, part) = (Tag::default(), String::new());
+        Self { reader, buffer: Vec::new(), line: 1, last_line: 1, tag, part, depth: 0, rooted: false }
     }
 
     /// Reads the next start, end or text; `None` at the end of a well-formed file.
@@ -67,8 +72,9 @@ impl<R: BufRead> Events<R> {
     /// of XML, elements nested too deeply or with too many attributes.
     pub(super) fn next(&mut self) -> Result<Option<XmlStep>, Fault> {
         loop {
+            self.count_lines();
             self.buffer.clear();
-            let line = self.reader.get_ref().passed + 1;
+            let line = self.line;
             let broken = |what: &dyn std::fmt::Display| Fault::line(line, format!("not well-formed XML: {what}"), ACCEPTED);
             let inside = self.depth > 0;
             let outside = || broken(&"text outside of the root element");
@@ -106,8 +112,7 @@ impl<R: BufRead> Events<R> {
                 }
                 Ok(Event::Eof) if inside || !self.rooted => {
                     let what = if inside { "the file ends within an element" } else { "no element" };
-                    let line = line - self.reader.get_ref().trailing;
-                    return Err(Fault::line(line, format!("not well-formed XML: {what}"), ACCEPTED));
+                    return Err(Fault::line(self.last_line, format!("not well-formed XML: {what}"), ACCEPTED));
                 }
                 Ok(Event::Eof) => return Ok(None),
                 Ok(Event::Comment(_) | Event::Decl(_) | Event::PI(_) | Event::Empty(_) | Event::DocType(_)) => continue,
@@ -116,6 +121,15 @@ impl<R: BufRead> Events<R> {
                 None => Ok(Some(XmlStep::Text)),
                 Some(byte) => Err(broken(&format!("character {byte} in a text"))),
             };
+        }
+    }
+
+    /// Counts the lines of what was read last.
+    fn count_lines(&mut self) {
+        let ends = |part: &[u8]| part.iter().filter(|byte| **byte == b'\n').count();
+        self.line += ends(&self.buffer);
+        if let Some(last) = self.buffer.iter().rposition(|byte| !byte.is_ascii_whitespace()) {
+            self.last_line = self.line - ends(&self.buffer[last..]);
         }
     }
 
@@ -214,47 +228,6 @@ impl Tag {
 /// Whether XML forbids a character.
 fn is_forbidden(byte: u8) -> bool {
     byte < b' ' && !b"\t\n\r".contains(&byte)
-}
-
-/// A text that counts its line ends while it is read.
-pub(crate) struct CountedLines<R> {
-    inner: R,
-    /// Line ends read so far.
-    pub(crate) passed: usize,
-    /// Those since the last byte that is no blank.
-    pub(crate) trailing: usize,
-}
-
-impl<R> CountedLines<R> {
-    /// At the start of a text.
-    pub(crate) fn new(inner: R) -> Self {
-        Self { inner, passed: 0, trailing: 0 }
-    }
-}
-
-impl<R: BufRead> Read for CountedLines<R> {
-    fn read(&mut self, out: &mut [u8]) -> io::Result<usize> {
-        self.inner.read(out)
-    }
-}
-
-impl<R: BufRead> BufRead for CountedLines<R> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        self.inner.fill_buf()
-    }
-
-    fn consume(&mut self, amount: usize) {
-        let passed = self.inner.fill_buf().unwrap_or_default();
-        let passed = &passed[..amount.min(passed.len())];
-        let ends = |part: &[u8]| part.iter().fold(0, |sum, b| sum + usize::from(*b == b'\n'));
-        let all = ends(passed);
-        self.passed += all;
-        match passed.iter().rposition(|b| !b.is_ascii_whitespace()) {
-            Some(last) => self.trailing = ends(&passed[last..]),
-            None => self.trailing += all,
-        }
-        self.inner.consume(amount);
-    }
 }
 
 /// The most elements of a file that is read as a tree.

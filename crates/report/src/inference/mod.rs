@@ -20,12 +20,12 @@ use willis_core::decision::{
 };
 use willis_core::error::{Error, Result};
 use willis_core::flow::{Boundary, Circuit, pressures};
-use willis_core::network::{Frame, Network, Node, Origin, fragments, millimetres};
+use willis_core::network::{Frame, Network, Node, Origin, cycles, fragments, millimetres};
 use willis_core::sampling::{Likelihood, Snapshot};
 use willis_core::support::geometry::{Point, centroid, sub};
 use willis_io::formats::{
-    Checksummed, Column, END_POSITION_COLUMNS, graph_columns_with, is_forest, stated_columns, windkessel_columns, write_csv,
-    write_graphml, write_npy, write_npz, write_swc, write_vtp,
+    Checksummed, Column, END_POSITION_COLUMNS, graph_columns_with, stated_columns, windkessel_columns, write_csv, write_graphml,
+    write_npy, write_npz, write_swc, write_vtp,
 };
 use willis_io::output::names::{
     DENSE_LIKELIHOOD, EDGES, GRAPH, LIKELIHOOD, MEDIAN_TOPOLOGY, NODES, PAGE, PAIRINGS, REVIEW, SUGGESTED_CUTS, TOPOLOGY,
@@ -170,7 +170,7 @@ fn topology(folder: &Path, name: &str, outcome: &Outcome<'_>, kept: &[bool], not
     if graph.has_positions() {
         write_file(&file("vtp"), |out| write_vtp(out, graph, &vessels))?;
         if name == TOPOLOGY {
-            if is_forest(graph) {
+            if cycles(graph) == 0 {
                 write_file(&file("swc"), |out| write_swc(out, graph).map(drop))?;
             } else {
                 notes.push("topology.swc is left out: the kept graph has cycles, which SWC cannot hold".into());

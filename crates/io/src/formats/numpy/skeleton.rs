@@ -5,8 +5,10 @@ use std::io::{self, Seek, Write};
 use ndarray::{Array1, Array2};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, radii_of_points, skeleton};
-use crate::formats::{Centerlines, Content, Fault, Frame, Network, Node, Point, ReadOptions, UnpackLimit, ensure, millimetres};
+use crate::formats::polylines::{
+    add_straight, centerlines, is_straight, network_of_points, positions, radii_of_points, skeleton,
+};
+use crate::formats::{Centerlines, Content, Fault, Frame, Network, Point, ReadOptions, UnpackLimit, ensure, millimetres};
 
 /// What the points are called: by this program, by skan, by kimimaro and cloud-volume.
 const COORDS: [&str; 3] = ["coords", "coordinates", "vertices"];
@@ -100,10 +102,7 @@ fn vessels(
     label: impl Fn(usize) -> String,
     radius_optional: bool,
 ) -> Result<Network, Fault> {
-    let mut network = Network::new();
-    for (row, point) in points.iter().enumerate() {
-        network.add_node(Node { id: row.to_string(), position: Some(*point), ..Node::default() });
-    }
+    let mut network = network_of_points(points);
     for (row, ends) in links.iter().enumerate() {
         let item = |found: &str, accepted: &str| Fault::item(format!("edge {row}"), found, accepted);
         let radius = Some(radii[row]).filter(|r| crate::formats::is_radius(*r));

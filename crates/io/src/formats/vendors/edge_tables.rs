@@ -4,10 +4,12 @@
 use std::io::{self, Write};
 
 use crate::formats::ensure;
-use crate::formats::polylines::{add_straight, centerlines, is_straight, positions, skeleton};
+use crate::formats::polylines::{add_straight, centerlines, is_straight, network_of_points, positions, skeleton};
 use crate::formats::tables::write::{Column, coordinate_columns, write_csv, write_table};
 use crate::formats::tables::{graph::NodeTable, reader::Row};
-use crate::formats::{Content, Fault, Network, Node, ReadOptions, Scale, TableReader, counted, is_radius, millimetres, plural};
+use crate::formats::{
+    Content, Fault, Frame, Network, Node, ReadOptions, Scale, TableReader, counted, is_radius, millimetres, plural,
+};
 use willis_core::support::geometry::{Point, area_of, distance, radius_of};
 
 /// The columns of positions that are written.
@@ -70,10 +72,7 @@ pub fn read_vesselvio_edges(bytes: &[u8], vertices: VertexTable, options: &ReadO
         let lines = centerlines(&vertices.positions, &radii, &links, |row| labels[row].clone());
         return Ok((Content::Centerlines(lines), vec!["edges link the vertices by row, as VesselVio's do".to_owned()]));
     };
-    let mut network = Network::new();
-    for (row, position) in vertices.positions.iter().enumerate() {
-        network.add_node(Node { id: row.to_string(), position: Some(*position), ..Node::default() });
-    }
+    let mut network = network_of_points(&vertices.positions);
     let mut straight = 0;
     while let Some(row) = rows.row()? {
         let ends = linked(&row, ends, vertices.positions.len())?;
@@ -187,10 +186,7 @@ pub fn read_voreen_edges(bytes: &[u8], nodes: NodeTable, options: &ReadOptions) 
         rows.column(&["avgCrossSection", "avgRadiusAvg"], what)?;
     }
     let (id, label) = (rows.find(&["id"]), rows.find(&["label"]));
-    let mut network = Network::new();
-    for node in nodes.nodes {
-        network.add_node(node);
-    }
+    let mut network = Network::of(Frame::Unknown, nodes.nodes, Vec::new());
     let (mut from_area, mut from_radius, mut straight) = (0, 0, 0);
     while let Some(row) = rows.row()? {
         let name = id.map_or_else(|| row.number.to_string(), |id| row.text(id).to_owned());

@@ -113,22 +113,11 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
     let mut named = 0;
     for vessel in vessels {
         let [starts, ends] = vessel.ends.map(at);
-        let mut best: Option<([bool; 2], Vec<usize>)> = None;
-        for [start, end] in starts.iter().flat_map(|start| ends.iter().map(|end| [*start, *end])) {
-            if best.as_ref().is_some_and(|(faults, _)| *faults == [false; 2]) {
-                break;
-            }
-            if lines.strand[start] != lines.strand[end] {
-                continue;
-            }
-            let path = path_between(&up, start, end);
-            let Some(first) = path.first() else { continue };
-            let faults = [vessel.points.is_some_and(|n| n != path.len() + 1), taken[*first]];
-            if best.as_ref().is_none_or(|(known, _)| faults < *known) {
-                best = Some((faults, path));
-            }
-        }
-        if let Some((_, path)) = best {
+        let pairs = starts.iter().flat_map(|start| ends.iter().map(|end| (*start, *end)));
+        let of_one_tree = pairs.filter(|(start, end)| lines.strand[*start] == lines.strand[*end]);
+        let paths = of_one_tree.map(|(start, end)| path_between(&up, start, end)).filter(|path| !path.is_empty());
+        let faults = |path: &Vec<usize>| [vessel.points.is_some_and(|n| n != path.len() + 1), taken[path[0]]];
+        if let Some(path) = paths.min_by_key(faults) {
             named += 1;
             for link in path {
                 taken[link] = true;
@@ -144,18 +133,12 @@ pub fn name_stretches(lines: &mut Centerlines, vessels: &[TracedVessel]) -> usiz
 
 /// The links between two points of one tree.
 fn path_between(up: &[Option<(usize, usize)>], a: usize, b: usize) -> Vec<usize> {
-    let depth = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).count();
-    let (mut a, mut b, mut deep_a, mut deep_b) = (a, b, depth(a), depth(b));
-    let (mut head, mut tail) = (Vec::new(), Vec::new());
-    while a != b {
-        let (point, links, deep) =
-            if deep_a >= deep_b { (&mut a, &mut head, &mut deep_a) } else { (&mut b, &mut tail, &mut deep_b) };
-        let Some((parent, link)) = up[*point] else { return Vec::new() };
-        links.push(link);
-        (*point, *deep) = (parent, *deep - 1);
-    }
-    head.extend(tail.into_iter().rev());
-    head
+    let to_root = |point: usize| std::iter::successors(up[point], |(parent, _)| up[*parent]).map(|(_, link)| link);
+    let (mut path, other): (Vec<usize>, Vec<usize>) = (to_root(a).collect(), to_root(b).collect());
+    let shared = path.iter().rev().zip(other.iter().rev()).take_while(|(link, same)| link == same).count();
+    path.truncate(path.len() - shared);
+    path.extend(other[..other.len() - shared].iter().rev());
+    path
 }
 
 /// Reads a tracing, labelled by the table of vessels in its folder if that belongs to it, which is said too.
